@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The errors a user can meet: one line that names the thing and the remedy, exit code 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class EtalonError(Exception):
+    """Bad input or an environment that cannot serve; its text is the whole message to the user."""
+
+
+class SceneError(EtalonError):
+    """Scene arrays that break their own rules (shape, range, finiteness)."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """One thing of the scene that is not simulated.
+
+    `owner` is what the user named (material, light, object, world, scene), `what` the node, socket or
+    setting, `remedy` what to do about it.
+    """
+
+    owner: str
+    what: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.owner}: {self.what} is not simulated; {self.remedy}"
+
+
+class Refused(EtalonError):
+    """The scene asks for effects that are not simulated; nothing is replaced in silence."""
+
+    def __init__(self, refusals: tuple[Refusal, ...] | list[Refusal]) -> None:
+        self.refusals = tuple(refusals)
+        super().__init__("; ".join(str(r) for r in self.refusals))

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Expressions: the values that feed a closure's sockets, as a tree of frozen nodes.
+
+An expression is a *value* (one number a point) or a *colour* (three numbers a point; vectors too).
+`lib.textures` evaluates them. Where Blender converts between socket types in silence, the exporter
+writes the conversion as a node, so a tree is always well typed. A node's inputs are expressions;
+everything else about it is plain data.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class Expression:
+    """Base of all nodes."""
+
+
+@dataclass(frozen=True)
+class Constant(Expression):
+    """A value (float) or a colour or vector (three floats), the same at every point."""
+
+    value: float | tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Coordinates(Expression):
+    """Texture coordinates of the point, a vector.
+
+    `kind`: 'UV' (the map `uv_map`, third component 0), 'GENERATED', 'OBJECT', 'NORMAL' or 'POSITION'. In the world,
+    'GENERATED' is the unit direction of the ray.
+    """
+
+    kind: str
+    uv_map: str = ""
+
+
+@dataclass(frozen=True)
+class Mapping(Expression):
+    """Blender's Mapping node. `kind`: 'POINT', 'TEXTURE', 'VECTOR', 'NORMAL'; rotation in radians, XYZ Euler."""
+
+    vector: Expression
+    location: Expression
+    rotation: Expression
+    scale: Expression
+    kind: str = "POINT"
+
+
+@dataclass(frozen=True)
+class ImageTexture(Expression):
+    """Colour (or alpha, a value) of image `image` (an index into `Scene.images`) at `vector`'s x and y.
+
+    `interpolation`: 'LINEAR' or 'CLOSEST'; `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR'.
+    """
+
+    vector: Expression
+    image: int
+    interpolation: str = "LINEAR"
+    extension: str = "REPEAT"
+    output: str = "COLOR"
+
+
+@dataclass(frozen=True)
+class EnvironmentTexture(Expression):
+    """Colour of an equirectangular image in direction `vector` (need not be of unit length)."""
+
+    vector: Expression
+    image: int
+    interpolation: str = "LINEAR"
+
+
+@dataclass(frozen=True)
+class Checker(Expression):
+    """Blender's Checker texture. `output`: 'COLOR' or 'FACTOR' (a value: 1 where `color1` shows)."""
+
+    vector: Expression
+    color1: Expression
+    color2: Expression
+    scale: Expression
+    output: str = "COLOR"
+
+
+@dataclass(frozen=True)
+class Math(Expression):
+    """Blender's Math node on values; `operation` by Blender's identifier ('ADD', 'POWER', 'WRAP', ...)."""
+
+    operation: str
+    a: Expression
+    b: Expression
+    c: Expression
+    clamp: bool = False
+
+
+@dataclass(frozen=True)
+class Mix(Expression):
+    """Blender's Mix node: values if a and b are values, else colours; `factor` a value (or a vector, non-uniform).
+
+    `blend` by Blender's identifier ('MIX', 'MULTIPLY', 'SCREEN', ...), 'MIX' alone for values and vectors.
+    """
+
+    factor: Expression
+    a: Expression
+    b: Expression
+    blend: str = "MIX"
+    clamp_factor: bool = True
+    clamp_result: bool = False
+
+
+@dataclass(frozen=True)
+class ColorRamp(Expression):
+    """Blender's Color Ramp over `factor`: `positions` ascending, `colors` RGBA of the stops.
+
+    `interpolation`: 'LINEAR', 'CONSTANT', 'EASE', 'CARDINAL', 'B_SPLINE'; `mode`: 'RGB', 'HSV', 'HSL';
+    `hue`: Blender's hue_interpolation; `output`: 'COLOR' or 'ALPHA' (a value).
+    """
+
+    factor: Expression
+    positions: tuple[float, ...]
+    colors: tuple[tuple[float, float, float, float], ...]
+    interpolation: str = "LINEAR"
+    mode: str = "RGB"
+    hue: str = "NEAR"
+    output: str = "COLOR"
+
+
+@dataclass(frozen=True)
+class FresnelFactor(Expression):
+    """Exact unpolarised dielectric reflectance at |n.wo|; the index is inverted on back faces."""
+
+    ior: Expression
+
+
+@dataclass(frozen=True)
+class LayerWeight(Expression):
+    """Blender's Layer Weight. `output`: 'FRESNEL' or 'FACING'."""
+
+    blend: Expression
+    output: str = "FRESNEL"
+
+
+@dataclass(frozen=True)
+class Backfacing(Expression):
+    """1 where the ray meets the back of the face, else 0 (a value)."""
+
+
+@dataclass(frozen=True)
+class ColorToValue(Expression):
+    """A colour's luminance (linear Rec. 709), Blender's conversion from colour to value."""
+
+    color: Expression
+
+
+@dataclass(frozen=True)
+class VectorToValue(Expression):
+    """A vector's mean component, Blender's conversion from vector to value."""
+
+    vector: Expression
+
+
+@dataclass(frozen=True)
+class ValueToColor(Expression):
+    """A value three times over."""
+
+    value: Expression
+
+
+ZERO = Constant(0.0)
+ONE = Constant(1.0)
+WHITE = Constant((1.0, 1.0, 1.0))
+BLACK = Constant((0.0, 0.0, 0.0))

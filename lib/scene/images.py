@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images as they are stored, with the encoding that says how to read them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Image:
+    """Pixels (height, width, 4), float32, row 0 at the bottom, alpha straight (not multiplied in).
+
+    `encoding`: 'SRGB' (code values in 0..1, to be decoded), 'LINEAR' (linear Rec. 709) or 'DATA' (numbers, never decoded).
+    """
+
+    name: str
+    pixels: np.ndarray
+    encoding: str

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights in radiometric units, in world space; the exporter has already applied Blender's wattage rules.
+
+Colours are tuples of three (linear Rec. 709), positions and directions tuples of three (metres, unit vectors).
+`visible_camera` says whether camera rays see the light; every other ray does. A light that is hit is transparent:
+it adds its radiance and the ray goes on, as in Cycles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class PointLight:
+    """A point of the given radiant `intensity` (W sr^-1)."""
+
+    name: str
+    position: Vector
+    intensity: Vector
+
+
+@dataclass(frozen=True)
+class SphereLight:
+    """A sphere that emits the same `radiance` (W m^-2 sr^-1) everywhere on its outside."""
+
+    name: str
+    position: Vector
+    radius: float
+    radiance: Vector
+    visible_camera: bool = False
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A spot's cone: light falls off from `axis` to zero at `cos_half_angle`.
+
+    `x_axis` and `y_axis` span the plane across the axis and carry the object's inverse scale: the cosine that the falloff
+    uses is that of the direction measured in (x_axis, y_axis, axis).
+    """
+
+    axis: Vector
+    x_axis: Vector
+    y_axis: Vector
+    cos_half_angle: float
+    blend: float
+
+
+@dataclass(frozen=True)
+class SpotLight:
+    """A point (`radius` 0: `emission` is intensity, W sr^-1) or sphere (radiance) seen through a cone."""
+
+    name: str
+    position: Vector
+    radius: float
+    emission: Vector
+    cone: Cone
+    visible_camera: bool = False
+
+
+@dataclass(frozen=True)
+class SunLight:
+    """Light from the cone of `half_angle` (radians) about `direction` (towards the sun).
+
+    `irradiance` on a plane facing the sun, W m^-2; the radiance is irradiance / (pi sin^2 half_angle).
+    """
+
+    name: str
+    direction: Vector
+    half_angle: float
+    irradiance: Vector
+    visible_camera: bool = False
+
+
+@dataclass(frozen=True)
+class AreaLight:
+    """A one-sided rectangle or ellipse about `center` with full edges (or axes) `edge_u` and `edge_v`.
+
+    It emits `radiance` to the side of `normal`; with `spread` < pi (radians) the radiance at angle theta is multiplied by
+    max(tan(spread/2) - tan theta, 0) / (tan(spread/2) - spread/2).
+    """
+
+    name: str
+    center: Vector
+    edge_u: Vector
+    edge_v: Vector
+    normal: Vector
+    shape: str
+    radiance: Vector
+    spread: float
+    visible_camera: bool = False
+
+
+Light = PointLight | SphereLight | SpotLight | SunLight | AreaLight

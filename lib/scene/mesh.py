@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All triangles of the scene, in world space, in one set of arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Object:
+    """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map."""
+
+    name: str
+    world_from_object: np.ndarray
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles, counter-clockwise about the geometric normal.
+
+    vertices (3, v) float64, metres; triangles (3, t) int32, indices of corners; material_index and object_index (t,) int32;
+    smooth (t,) bool; corner_normals (3 corners, 3, t) float32 unit vectors in world space, or (3, 3, 0) when no face is smooth;
+    uvs: map name -> (3 corners, 2, t) float32, the maps that materials use ('' is the active render map); generated (3, v) float32, or (3, 0)
+    when no material asks for it.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    material_index: np.ndarray
+    object_index: np.ndarray
+    smooth: np.ndarray
+    corner_normals: np.ndarray
+    objects: tuple[Object, ...]
+    uvs: dict[str, np.ndarray] = field(default_factory=dict)
+    generated: np.ndarray = field(default_factory=lambda: np.zeros((3, 0), np.float32))
+
+    @property
+    def triangle_count(self) -> int:
+        return self.triangles.shape[1]

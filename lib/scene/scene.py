@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .camera import Camera
+from .images import Image
+from .lights import Light
+from .materials import Material
+from .mesh import Mesh
+from .world import World
+
+
+@dataclass(frozen=True)
+class Transport:
+    """How far light is followed, counted as Cycles counts.
+
+    With `max_bounces` n a path has up to n + 1 scatterings, and emission after the last is included. `transparent_max_bounces`
+    t: a ray passes max(t, 1) transparent surfaces; the next contributes its emission only; shadow rays pass t.
+    """
+
+    max_bounces: int = 12
+    transparent_max_bounces: int = 64
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything the reference needs; written by the exporter, checked by `checks.validate`, never changed."""
+
+    name: str
+    mesh: Mesh
+    materials: tuple[Material, ...]
+    lights: tuple[Light, ...]
+    world: World
+    camera: Camera
+    transport: Transport = Transport()
+    images: tuple[Image, ...] = ()

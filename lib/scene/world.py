@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The world: radiance from every direction that leaves the scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .expressions import BLACK, Expression
+
+
+@dataclass(frozen=True)
+class World:
+    """`radiance` as a colour expression of the direction ('GENERATED' coordinates), W m^-2 sr^-1.
+
+    `table_resolution` (width, height) is that of the equirectangular sampling table; it only steers where samples go.
+    """
+
+    radiance: Expression = BLACK
+    table_resolution: tuple[int, int] = (1024, 512)
