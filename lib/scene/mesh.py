@@ -38,4 +38,5 @@ class Mesh:
 
     @property
     def triangle_count(self) -> int:
+        """Number of triangles."""
         return self.triangles.shape[1]
