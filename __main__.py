@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`python -m etalon` equals the command `etalon`."""
+
+import sys
+
+from .addon.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

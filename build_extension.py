@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build the Blender extension: `python build_extension.py [--platform linux-x64] [--python 3.13]`.
+
+The tree is copied to `build/extension`, the wheels that Blender lacks are fetched beside it by pip, their list is
+written into the copy's manifest, and Blender's own packager (it comes with the `bpy` wheel) validates the copy and
+writes one archive per platform to `dist`. NumPy and OpenImageIO ship inside Blender and are never bundled.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+STAGE = ROOT / "build" / "extension"
+PACKAGED = ("addon", "lib", "reference_scenes")
+FILES = ("__init__.py", "LICENSE", "blender_manifest.toml")
+
+# Brought by Blender (4.2's and Debian 13's NumPy are the oldest with that Python): wheels must fit it, not replace it.
+NUMPY = {"3.11": "1.24.3", "3.13": "2.2.4"}
+NOT_BUNDLED = ("numpy", "openimageio", "bpy")
+
+# pip's names of each of Blender's platforms: the oldest system that Blender itself asks for, and those before it.
+PLATFORMS = {
+    "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
+    "macos-arm64": ("macosx_12_0_arm64",),
+    "macos-x64": ("macosx_12_0_x86_64",),
+    "windows-x64": ("win_amd64",),
+}
+
+
+def requirements() -> list[str]:
+    """What pyproject.toml asks for, less what Blender brings."""
+    dependencies = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    return [d for d in dependencies if not d.lower().startswith(NOT_BUNDLED)]
+
+
+def gather(platform: str, python: str, folder: Path) -> None:
+    """Fetch the wheels of one platform and Python version into `folder`."""
+    tags = [argument for tag in PLATFORMS[platform] for argument in ("--platform", tag)]
+    command = [sys.executable, "-m", "pip", "download", "--quiet", "--only-binary=:all:", "--dest", str(folder)]
+    command += ["--python-version", python, *tags, *requirements(), f"numpy=={NUMPY[python]}"]
+    subprocess.run(command, check=True)
+    for name in NOT_BUNDLED:
+        for wheel in folder.glob(f"{name}-*.whl"):
+            wheel.unlink()
+
+
+def stage(platforms: list[str], pythons: list[str]) -> None:
+    """Make the build copy: tree, wheels, and a manifest that lists them."""
+    shutil.rmtree(STAGE, ignore_errors=True)
+    STAGE.mkdir(parents=True)
+    for name in PACKAGED:
+        shutil.copytree(ROOT / name, STAGE / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in FILES:
+        shutil.copy2(ROOT / name, STAGE / name)
+    for platform in platforms:
+        for python in pythons:
+            print(f"wheels for {platform}, Python {python}", flush=True)
+            gather(platform, python, STAGE / "wheels")
+    wheels = sorted(f"./wheels/{wheel.name}" for wheel in (STAGE / "wheels").iterdir())
+    listing = "".join(f'  "{wheel}",\n' for wheel in wheels)
+    manifest = (STAGE / "blender_manifest.toml").read_text()
+    declared = next(line for line in manifest.splitlines() if line.startswith("platforms = "))
+    built = "platforms = [{}]".format(", ".join(f'"{platform}"' for platform in platforms))
+    manifest = manifest.replace(declared, f"{built}\nwheels = [\n{listing}]")
+    (STAGE / "blender_manifest.toml").write_text(manifest)
+
+
+def packager() -> Path:
+    """Blender's own extension tool, a script that needs no Blender to run."""
+    spec = importlib.util.find_spec("bpy")
+    if spec is None or spec.origin is None:
+        raise SystemExit("bpy is not installed: pip install . brings it, and the extension packager with it")
+    return next(Path(spec.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+
+
+def main() -> None:
+    """Stage, validate, build."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--platform", action="append", choices=PLATFORMS, help="Blender's name of a platform; all four")
+    parser.add_argument("--python", action="append", choices=NUMPY, help="a Python that Blender brings; both")
+    parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder for the archives (dist)")
+    arguments = parser.parse_args()
+    stage(arguments.platform or list(PLATFORMS), arguments.python or list(NUMPY))
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    tool = [sys.executable, str(packager())]
+    subprocess.run([*tool, "validate", str(STAGE)], check=True)
+    build = ["build", "--split-platforms", "--source-dir", str(STAGE), "--output-dir", str(arguments.out)]
+    subprocess.run([*tool, *build], check=True)
+
+
+if __name__ == "__main__":
+    main()
