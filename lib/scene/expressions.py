@@ -50,7 +50,9 @@ class Mapping(Expression):
 class ImageTexture(Expression):
     """Colour (or alpha, a value) of image `image` (an index into `Scene.images`) at `vector`'s x and y.
 
-    `interpolation`: 'LINEAR' or 'CLOSEST'; `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR'.
+    `interpolation`: 'LINEAR' or 'CLOSEST'; `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR'; `output`: 'COLOR' or 'ALPHA'.
+    `association`: 'SEPARATE' (the colour knows nothing of alpha), 'MULTIPLIED' (the texels' colours times alpha are
+    interpolated) or 'WEIGHTED' (alpha weighs the texels in the interpolation).
     """
 
     vector: Expression
@@ -58,6 +60,7 @@ class ImageTexture(Expression):
     interpolation: str = "LINEAR"
     extension: str = "REPEAT"
     output: str = "COLOR"
+    association: str = "SEPARATE"
 
 
 @dataclass(frozen=True)
