@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: `etalon`, `python -m etalon`, and `blender FILE.blend --command etalon`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from ..lib.errors import EtalonError, Refused
+from ..lib.wavefront.options import DIRECT, MASKING, SAMPLERS, STRATEGIES
+
+EXIT_CODES = "exit code: 0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 2 refused or bad input"
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+DESCRIPTION = """\
+Render a Blender scene by the book, have Cycles render it too, and say where the two agree, to what tolerance and with
+what confidence."""
+
+EXAMPLES = """\
+examples:
+  etalon compare glossy_spheres              a reference scene, two minutes, a verdict and a folder with the report
+  etalon compare kitchen.blend --time 600    any file, ten minutes
+  etalon render cornell_glossy --out c.exr   the reference alone
+  etalon plan kitchen.blend                  the effects the scene calls for, without rendering
+  blender kitchen.blend --background --command etalon compare"""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaint is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where to read more, and end with exit code 2."""
+        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def fraction(text: str) -> float:
+    """A number between 0 and 1, written as such or in per cent."""
+    try:
+        value = float(text[:-1]) / 100 if text.endswith("%") else float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number between 0 and 1, such as 0.01 or 1%")
+    return value
+
+
+def positive(text: str) -> float:
+    """A finite number above 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number of at least 1."""
+    if not text.isascii() or not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
+    return int(text)
+
+
+def _add_scene(parser: argparse.ArgumentParser, what: str) -> None:
+    parser.add_argument("scene", nargs="?", metavar="SCENE", help=f"{what}; left out, the file that is open in Blender")
+    parser.add_argument("--frame", type=int, help="frame to render (the file's current one)")
+    parser.add_argument("--camera", metavar="NAME", help="camera object to render from (the file's active one)")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        dest="assignments",
+        help="set a property by its data path before rendering, value as in JSON; may be given again",
+    )
+
+
+def _add_model(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("the reference")
+    group.add_argument("--masking", choices=MASKING, default=MASKING[0], help="masking-shadowing (%(default)s)")
+    group.add_argument(
+        "--strategy", choices=STRATEGIES, default=STRATEGIES[0], help="sampling of glossy lobes (%(default)s)"
+    )
+    group.add_argument("--direct", choices=DIRECT, default=DIRECT[0], help="sampling of direct light (%(default)s)")
+    group.add_argument("--sampler", choices=SAMPLERS, default=SAMPLERS[0], help="random numbers (%(default)s)")
+    group.add_argument("--russian-roulette", action="store_true", help="end faint paths early; the mean stays as it is")
+    group.add_argument("--seed", type=int, default=0, help="seed of all scramblings and of Cycles (%(default)s)")
+    group.add_argument("--threads", type=count, default=os.cpu_count() or 1, metavar="N", help="threads (%(default)s)")
+
+
+def _compare(commands: argparse._SubParsersAction) -> None:
+    parser = commands.add_parser("compare", help="render with both and give the verdict", epilog=EXIT_CODES)
+    _add_scene(parser, "a reference scene (see `etalon scenes`) or a .blend file")
+    group = parser.add_argument_group("the verdict")
+    group.add_argument(
+        "--tolerance", type=fraction, default=0.01, help="relative difference that counts as equal (1%%)"
+    )
+    group.add_argument(
+        "--confidence", type=fraction, default=0.99, help="of the whole verdict, all regions together (0.99)"
+    )
+    group.add_argument("--time", type=positive, default=120.0, metavar="S", help="budget in seconds (%(default)g)")
+    group.add_argument(
+        "--samples", type=count, metavar="N", help="samples a pixel in each replicate (what the time allows)"
+    )
+    group.add_argument("--replicates", type=count, metavar="R", help="independent renders on each side (chosen)")
+    group.add_argument(
+        "--out", type=Path, metavar="FOLDER", help="folder for report, verdict.json and images (etalon-out/SCENE)"
+    )
+    _add_model(parser)
+
+
+def _render(commands: argparse._SubParsersAction) -> None:
+    parser = commands.add_parser(
+        "render",
+        help="write the reference alone",
+        description="Channels of the EXR: radiance (R, G, B), its standard error (error.R ...) and the sample count (samples).",
+    )
+    _add_scene(parser, "a reference scene, a .blend file, or a scene saved as .npz")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.exr", help="the image to write")
+    parser.add_argument(
+        "--samples", type=count, default=64, metavar="N", help="samples a pixel in each replicate (%(default)s)"
+    )
+    parser.add_argument(
+        "--replicates", type=count, default=8, metavar="R", help="independent scramblings (%(default)s)"
+    )
+    _add_model(parser)
+
+
+def _others(commands: argparse._SubParsersAction) -> None:
+    scenes = commands.add_parser("scenes", help="list the reference scenes, or save one as a .blend")
+    scenes.add_argument("--save", nargs=2, metavar=("NAME", "FILE.blend"), help="build scene NAME and save it")
+    plan = commands.add_parser("plan", help="say which effects a scene calls for, and why, without rendering")
+    _add_scene(plan, "a reference scene or a .blend file")
+    plan.add_argument("--json", action="store_true", help="print JSON")
+    from .batch import HELP
+
+    batch = commands.add_parser(
+        "batch",
+        help="compare scenes over property values, resumably",
+        description=HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    batch.add_argument("plan", type=Path, metavar="PLAN.toml", help="what to run")
+
+
+def parser(prog: str = "etalon") -> argparse.ArgumentParser:
+    """The whole command line."""
+    from .. import __version__
+
+    top = Parser(
+        prog=prog,
+        description=DESCRIPTION,
+        epilog=f"{EXAMPLES}\n\n{EXIT_CODES}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"etalon {__version__}")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
+    _compare(commands)
+    _render(commands)
+    _others(commands)
+    return top
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; every error a user can meet is one line on standard error."""
+    try:
+        arguments = parser().parse_args(argv)
+    except SystemExit as end:
+        return int(end.code or 0)
+    from . import commands
+
+    try:
+        return getattr(commands, arguments.command)(arguments)
+    except Refused as refused:
+        for refusal in refused.refusals:
+            print(f"etalon: {refusal}", file=sys.stderr)
+    except EtalonError as error:
+        print(f"etalon: {error}", file=sys.stderr)
+    except OSError as error:
+        print(
+            f"etalon: {error.filename or 'file'}: {error.strerror}; check the path, its permissions and the disk",
+            file=sys.stderr,
+        )
+    except MemoryError:
+        print("etalon: out of memory; lower the resolution or simplify the scene", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("etalon: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    return BAD_INPUT

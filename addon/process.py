@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Other processes: how to start another `etalon`, and how to end one that Ctrl-C must not reach first."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+
+def etalon_command() -> list[str]:
+    """The command that starts another `etalon`: through the Blender program if this is one, else through Python."""
+    bpy = sys.modules.get("bpy")
+    if bpy is not None and bpy.app.binary_path:
+        return [bpy.app.binary_path, "--background", "--command", "etalon"]
+    return [sys.executable, "-m", "etalon"]
+
+
+def start(command: list[str], **pipes: int) -> subprocess.Popen[str]:
+    """Start `command` in a process group of its own, so that a Ctrl-C on the terminal reaches only this process."""
+    if sys.platform == "win32":
+        return subprocess.Popen(command, text=True, creationflags=subprocess.CREATE_NEW_PROCESS_GROUP, **pipes)
+    return subprocess.Popen(command, text=True, start_new_session=True, **pipes)
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    """End a process and its children at once, and wait until they are gone."""
+    if process.poll() is None:
+        if sys.platform == "win32":
+            process.kill()
+        else:
+            os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

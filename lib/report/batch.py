@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tables of a batch: one CSV and one self-contained HTML grid of scenes against property values."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+COLUMNS = ("status", "verdict", "relative_difference", "low", "high", "seconds", "folder", "message")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison of a batch.
+
+    `values` those of the varied properties, in the order of their names; `status` 'finished', 'refused' or 'failed'; `verdict`
+    empty unless finished; `difference`, `low`, `high` the whole image's relative difference and its interval, None if unknown;
+    `folder` with its report, relative to the table's.
+    """
+
+    scene: str
+    values: tuple[Any, ...]
+    status: str
+    verdict: str
+    difference: float | None
+    low: float | None
+    high: float | None
+    seconds: float
+    folder: str
+    message: str
+
+
+def write_csv(names: list[str], rows: list[Row], path: Path) -> None:
+    """Write one line a comparison; `names` are those of the varied properties."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["scene", *names, *COLUMNS])
+        for r in rows:
+            numbers = [r.difference, r.low, r.high, round(r.seconds, 1)]
+            writer.writerow([r.scene, *r.values, r.status, r.verdict, *numbers, r.folder, r.message])
+
+
+def write_grid(names: list[str], rows: list[Row], path: Path) -> None:
+    """Write the grid: the last varied property across, scenes and the other properties down."""
+    across = list(dict.fromkeys(r.values[-1] for r in rows)) if names else [None]
+    lines: dict[tuple[Any, ...], dict[Any, Row]] = {}
+    for r in rows:
+        lines.setdefault((r.scene, *r.values[:-1]), {})[r.values[-1] if names else None] = r
+    loader = FileSystemLoader(Path(__file__).parent)
+    environment = Environment(
+        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    text = environment.get_template("batch.html").render(names=names, across=across, lines=lines)
+    path.write_text(text, encoding="utf-8")
