@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Densities of a sampled microfacet normal, and the change of variable that makes them densities of wi."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_TINY = 1e-100
+
+
+def pdf_d_cos(m: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """pdf(m) = D(m) (m.n), per steradian of m, (n,) (documents, importance sampling).
+
+    `m` (3, n) unit; `d` = D(m), (n,). Zero below the horizon.
+    """
+    pdf = np.maximum(m[2], 0.0)
+    pdf *= d
+    return pdf
+
+
+def pdf_visible(m: np.ndarray, wo: np.ndarray, d: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
+    """pdf(m) = G1(o) max(0, o.m) D(m) / (o.n), per steradian of m, (n,) (Heitz 2014, eq. 2).
+
+    `m`, `wo` (3, n) unit; `d` = D(m); `lambda_o` = Lambda(o) of the same distribution, (n,). Zero where wo lies below the
+    horizon. For a density of wi the factor o.m cancels against `reflection_jacobian`.
+    """
+    pdf = _dot(wo, m)
+    np.maximum(pdf, 0.0, out=pdf)
+    pdf *= d
+    projected = 1.0 + lambda_o
+    projected *= np.maximum(wo[2], _TINY)
+    pdf /= projected
+    return pdf
+
+
+def reflection_jacobian(wo: np.ndarray, m: np.ndarray) -> np.ndarray:
+    """Solid angle of m per solid angle of wi, 1 / (4 |o.m|), (n,) (Walter et al. 2007, eq. 14).
+
+    `wo`, `m` (3, n) unit. The documents sample m but estimate over wi: this is the factor that they leave out.
+    """
+    jacobian = np.abs(_dot(wo, m))
+    np.maximum(jacobian, _TINY, out=jacobian)
+    return np.divide(0.25, jacobian, out=jacobian)
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    product = a[0] * b[0]
+    product += a[1] * b[1]
+    product += a[2] * b[2]
+    return product

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The share of a microfacet that both directions see: Torrance-Sparrow's cavities, and two forms of Smith's.
+
+Smith's forms take Lambda of each direction from the distribution, so that it is computed once for masking and density.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+HIDDEN = 1e100
+"""Smith's Lambda of a direction below the horizon: 1 / (1 + Lambda) is nothing, and no product with it overflows."""
+
+_TINY = 1e-100
+
+
+def torrance_sparrow(wi: np.ndarray, wo: np.ndarray, m: np.ndarray) -> np.ndarray:
+    """G = min{1, 2 (n.m)(n.o) / (o.m), 2 (n.m)(n.i) / (i.m)}, (n,) (documents; Cook and Torrance 1982).
+
+    `wi`, `wo`, `m` (3, n) unit. Zero where wi or wo lies below the horizon or sees the facet from behind.
+    """
+    cos_im, cos_om = _dot(wi, m), _dot(wo, m)
+    behind = np.minimum(cos_im, cos_om) <= 0.0
+    np.maximum(cos_im, _TINY, out=cos_im)
+    np.maximum(cos_om, _TINY, out=cos_om)
+    g = np.divide(wi[2], cos_im, out=cos_im)
+    np.minimum(g, np.divide(wo[2], cos_om, out=cos_om), out=g)
+    g *= m[2]
+    g *= 2.0
+    np.clip(g, 0.0, 1.0, out=g)
+    if behind.any():
+        g[behind] = 0.0
+    return g
+
+
+def separable(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
+    """G = G1(i) G1(o) = 1 / ((1 + Lambda(i)) (1 + Lambda(o))), (n,) (documents; Ashikhmin, Premoze and Shirley 2000)."""
+    g = 1.0 + lambda_i
+    g *= 1.0 + lambda_o
+    return np.divide(1.0, g, out=g)
+
+
+def height_correlated(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
+    """G = 1 / (1 + Lambda(i) + Lambda(o)), (n,): masking and shadowing agree on the facet's height (Heitz 2014, eq. 99)."""
+    g = lambda_i + lambda_o
+    g += 1.0
+    return np.divide(1.0, g, out=g)
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    product = a[0] * b[0]
+    product += a[1] * b[1]
+    product += a[2] * b[2]
+    return product

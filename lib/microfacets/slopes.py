@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directions by their tangents x = m.x / m.z and y = m.y / m.z (the surface's slopes, negated)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+FLOOR = 1e-100
+"""Stands for a cosine of zero or less where one divides: no sum of its powers up to the third overflows."""
+
+
+def normal_from_tangents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(x, y, 1) normalised, (3, n), from (n,) arrays."""
+    m = np.empty((3, x.shape[0]))
+    z = np.multiply(x, x, out=m[2])
+    np.multiply(y, y, out=m[1])
+    z += m[1]
+    z += 1.0
+    np.sqrt(z, out=z)
+    np.divide(1.0, z, out=z)
+    np.multiply(x, z, out=m[0])
+    np.multiply(y, z, out=m[1])
+    return m
+
+
+def stretched_sine_squared(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
+    """(alpha_x w.x)^2 + (alpha_y w.y)^2, (n,): sin^2 of a direction seen by the surface stretched to roughness 1."""
+    x = w[0] * alpha_x
+    x *= x
+    y = w[1] * alpha_y
+    y *= y
+    x += y
+    return x
