@@ -24,7 +24,7 @@ class PointLight:
 
 @dataclass(frozen=True)
 class SphereLight:
-    """A sphere that emits the same `radiance` (W m^-2 sr^-1) everywhere on its outside."""
+    """A sphere that shows the same `radiance` (W m^-2 sr^-1) everywhere, also to what is inside it, as in Cycles."""
 
     name: str
     position: Vector
@@ -76,7 +76,7 @@ class SunLight:
 
 @dataclass(frozen=True)
 class AreaLight:
-    """A one-sided rectangle or ellipse about `center` with full edges (or axes) `edge_u` and `edge_v`.
+    """A one-sided `shape` ('RECTANGLE' or 'ELLIPSE') about `center` with full edges (or axes) `edge_u` and `edge_v`.
 
     It emits `radiance` to the side of `normal`; with `spread` < pi (radians) the radiance at angle theta is multiplied by
     max(tan(spread/2) - tan theta, 0) / (tan(spread/2) - spread/2).
