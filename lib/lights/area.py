@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What rectangles and ellipses share: the plane, one emitting side, the spread, and sampling by area."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..scene.lights import AreaLight
+from ..wavefront.frame import dot
+from .light import LightSample, column, luminance
+from .spread import Spread
+
+
+class AreaSampler:
+    """A flat light, sampled uniformly by area; rectangle.py and ellipse.py say what shape it has.
+
+    Its frame has x along `edge_u` and z along the emitting normal; a point in it is (x, y, height). The light is the image of the
+    square |s| <= 1/2, |t| <= 1/2 under x = s length_u + t skew, y = t length_v. A light without area is lit nowhere.
+    """
+
+    delta = False
+    _area_of_unit = 1.0
+
+    def __init__(self, light: AreaLight) -> None:
+        self.visible_camera = light.visible_camera
+        self._center = column(light.center)
+        edge_u, edge_v = np.array(light.edge_u, float), np.array(light.edge_v, float)
+        normal = np.cross(edge_u, edge_v)
+        area = float(np.linalg.norm(normal))
+        self._area = area * self._area_of_unit
+        if area > 0.0:
+            normal /= math.copysign(area, float(normal @ light.normal))
+            self._length_u = float(np.linalg.norm(edge_u))
+            across = edge_u / self._length_u
+            up = np.cross(normal, across)
+            self._length_v, self._skew = float(edge_v @ up), float(edge_v @ across)
+            if abs(self._skew) <= 1e-12 * abs(self._length_v):
+                self._skew = 0.0
+            if self._length_v < 0.0:  # the shape is the same with the edge turned round
+                self._length_v, self._skew = -self._length_v, -self._skew
+            self._axes = (across.reshape(3, 1), up.reshape(3, 1), normal.reshape(3, 1))
+        else:
+            self._length_u = self._length_v = 1.0
+            self._skew = 0.0
+            self._axes = (column((1.0, 0.0, 0.0)), column((0.0, 1.0, 0.0)), column((0.0, 0.0, 1.0)))
+        self.normal = self._axes[2]
+        self.sheared = self._skew != 0.0
+        self._radiance = column(light.radiance)
+        self._spread = Spread(light.spread) if 0.0 < light.spread < math.pi else None
+        self.power = math.pi * self._area * float(luminance(np.abs(self._radiance))[0])
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """Uniform over the area."""
+        x, y, height = self.local(point)
+        front = height > 0.0
+        s, t = self._place(u1, u2)
+        np.subtract(s * self._length_u + t * self._skew, x, out=x)
+        np.subtract(t * self._length_v, y, out=y)
+        return self._towards(x, y, height, front, self._area)
+
+    def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Hit on the emitting side only."""
+        x, y, height = self.local(origin)
+        across, up, normal = self._axes
+        falling = -dot(normal, direction)
+        distance = np.full(height.shape, np.inf)
+        radiance = np.zeros(direction.shape)
+        ahead = np.flatnonzero((height > 0.0) & (falling > 0.0))
+        if not ahead.size:
+            return distance, radiance
+        toward, falling = np.take(direction, ahead, axis=1), falling[ahead]
+        reach = height[ahead] / falling
+        toward_x, toward_y = dot(across, toward), dot(up, toward)
+        hit = self.contains(x[ahead] + reach * toward_x, y[ahead] + reach * toward_y)
+        met = ahead[hit]
+        distance[met] = reach[hit]
+        if self._spread is None:
+            radiance[:, met] = self._radiance
+        else:
+            tan_theta = np.sqrt(toward_x[hit] ** 2 + toward_y[hit] ** 2) / falling[hit]
+            radiance[:, met] = self._radiance * self._spread(tan_theta)
+        return distance, radiance
+
+    def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """Area density times distance^2 / cosine at the light."""
+        _, _, height = self.local(origin)
+        return self._density(height, distance, self._area)
+
+    def local(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Components (n,) of points (3, n) in the light's frame; height > 0 on the emitting side."""
+        offset = point - self._center
+        across, up, normal = self._axes
+        height = dot(normal, offset)
+        if self._area == 0.0:
+            height[:] = -1.0
+        return dot(across, offset), dot(up, offset), height
+
+    def contains(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Whether points of the light's plane belong to it, (n,)."""
+        t = y / self._length_v
+        s = x - t * self._skew if self._skew else x
+        return self._holds(s / self._length_u, t)
+
+    def _towards(
+        self, x: np.ndarray, y: np.ndarray, height: np.ndarray, front: np.ndarray, area: np.ndarray | float
+    ) -> LightSample:
+        """The sample whose end lies x and y from the foot of the point, where `front` says that the light reaches it.
+
+        `area` is what was sampled uniformly.
+        """
+        across2 = x * x
+        across2 += y * y
+        distance = across2 + height * height
+        np.sqrt(distance, out=distance)
+        pdf = self._density(height, np.where(front, distance, np.inf), area)
+        pdf[~front] = 1.0
+        return LightSample(self._direction(x, y, height, distance), distance, self._shine(across2, height, front), pdf)
+
+    def _direction(self, x: np.ndarray, y: np.ndarray, height: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """Unit vectors (3, n) to places that lie x and y from the foot of a point at `height`; zero at no distance."""
+        inverse = 1.0 / np.where(distance > 0.0, distance, np.inf)
+        x, y, down = x * inverse, y * inverse, height * inverse
+        wi = np.empty((3, x.shape[0]))
+        for out, across, up, normal in zip(wi, *(axis[:, 0] for axis in self._axes), strict=True):
+            np.multiply(x, across, out=out)
+            out += y * up
+            out -= down * normal
+        return wi
+
+    def _shine(self, across2: np.ndarray, height: np.ndarray, front: np.ndarray) -> np.ndarray:
+        """Radiance (3, n) at the angle whose tangent is sqrt(across2) / height."""
+        if self._spread is None:
+            return self._radiance * front
+        factor = self._spread(np.sqrt(across2) / np.where(front, height, 1.0))
+        factor *= front
+        return self._radiance * factor
+
+    @staticmethod
+    def _density(height: np.ndarray, distance: np.ndarray, area: np.ndarray | float) -> np.ndarray:
+        """distance^3 / (height area), per steradian, 0 where nothing was hit."""
+        hit = np.isfinite(distance)
+        distance = np.where(hit, distance, 0.0)
+        return distance * distance * distance / np.where(hit, height * area, 1.0)
+
+    def _place(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Uniform (s, t) over the shape's part of the square."""
+        return u1 - 0.5, u2 - 0.5
+
+    def _holds(self, s: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Whether (s, t) belongs to the shape."""
+        inside = np.abs(s) <= 0.5
+        inside &= np.abs(t) <= 0.5
+        return inside

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An area light whose spread is zero: a beam of parallel light."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..scene.lights import AreaLight
+from .area import AreaSampler
+from .light import LightSample, column
+
+
+class BeamSampler:
+    """Delta light: the limit of the spread, irradiance pi radiance on what faces the light within its outline."""
+
+    delta = True
+    visible_camera = False
+
+    def __init__(self, light: AreaLight, shape: AreaSampler) -> None:
+        self._shape = shape
+        self._towards = -shape.normal
+        self._irradiance = math.pi * column(light.radiance)
+        self.power = shape.power
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """Straight back to the light."""
+        x, y, height = self._shape.local(point)
+        lit = self._shape.contains(x, y)
+        lit &= height > 0.0
+        wi = np.empty(point.shape)
+        wi[:] = self._towards
+        return LightSample(wi, np.abs(height), self._irradiance * lit, np.ones_like(height))

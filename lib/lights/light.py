@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every kind of light offers to the integrator."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+
+class LightSample(NamedTuple):
+    """Directions towards a light, one for each point.
+
+    wi (3, n) unit vectors; distance (n,) metres, inf for suns and worlds; radiance (3, n), W m^-2 sr^-1, zero where the light
+    does not reach the point; pdf (n,) per steradian, always positive and finite. For a delta light pdf is 1 and
+    radiance is what a surface facing the light receives, W m^-2.
+    """
+
+    wi: np.ndarray
+    distance: np.ndarray
+    radiance: np.ndarray
+    pdf: np.ndarray
+
+
+class LightSampler(Protocol):
+    """One light, ready to be sampled. `intersect` and `pdf` exist where `delta` is False.
+
+    `power`: luminance of the flux it sends into the scene, W; it only steers which light is chosen.
+    """
+
+    delta: bool
+    power: float
+    visible_camera: bool
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""
+
+    def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distance (n,) along unit `direction` (3, n), inf where missed, and the radiance (3, n) met there."""
+
+    def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """Density per steradian with which `sample` gives a direction that `intersect` met at `distance`; 0 elsewhere."""
+
+
+def luminance(color: np.ndarray) -> np.ndarray:
+    """Luminance of colours (3, ...), linear Rec. 709."""
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
+
+
+def column(vector: tuple[float, float, float]) -> np.ndarray:
+    """A vector of three as a column (3, 1), to stand beside arrays (3, n)."""
+    return np.array(vector, float).reshape(3, 1)

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A point that sends the same intensity in all directions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..scene.lights import PointLight
+from ..vectors import dot
+from .light import LightSample, column, luminance
+
+
+class PointSampler:
+    """Delta light: from any point one direction leads to it. A point at the light itself gets nothing, and wi is zero."""
+
+    delta = True
+    visible_camera = False
+
+    def __init__(self, light: PointLight) -> None:
+        self._position = column(light.position)
+        self._intensity = column(light.intensity)
+        self.power = 4.0 * np.pi * float(luminance(np.abs(self._intensity))[0])
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """The one direction; radiance = intensity / distance^2."""
+        wi = self._position - point
+        squared = dot(wi, wi)
+        distance = np.sqrt(squared)
+        inverse = 1.0 / np.where(distance > 0.0, distance, np.inf)
+        wi *= inverse
+        inverse *= inverse
+        return LightSample(wi, distance, self._intensity * inverse, np.ones_like(distance))

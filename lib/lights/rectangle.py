@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rectangular lights, sampled uniformly in solid angle; parallelograms, by area."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..wavefront.frame import dot
+from .area import AreaSampler
+from .light import LightSample
+from .spherical_rectangle import solid_angle, uniform_place
+
+# Below this solid angle (steradians) places are uniform in area: the two densities are then nearly one, and the inversion in
+# solid angle would lose its digits, its error being about 1e-16 / solid angle.
+SMALLEST_SOLID_ANGLE = 1e-7
+
+
+class ParallelogramSampler(AreaSampler):
+    """A rectangle whose edges are not at right angles (a light under a sheared parent): uniform in area."""
+
+
+class RectangleSampler(AreaSampler):
+    """A rectangle, uniform in solid angle within the part of it that its spread lets shine on the point."""
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """Uniform in solid angle; uniform in area where that is below `SMALLEST_SOLID_ANGLE`."""
+        bounds, height, front = self._seen(point)
+        x0, x1, y0, y1 = bounds
+        solid = solid_angle(*bounds, height)
+        x, y = uniform_place(*bounds, height, solid, u1, u2)
+        small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
+        if small.size:
+            x[small] = x0[small] + u1[small] * (x1 - x0)[small]
+            y[small] = y0[small] + u2[small] * (y1 - y0)[small]
+        across2 = x * x
+        across2 += y * y
+        distance = across2 + height * height
+        np.sqrt(distance, out=distance)
+        pdf = self._density_seen(bounds, height, solid, small, distance)
+        return LightSample(self._direction(x, y, height, distance), distance, self._shine(across2, height, front), pdf)
+
+    def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """One over the solid angle that is sampled."""
+        bounds, height, front = self._seen(origin)
+        hit = np.isfinite(distance)
+        solid = solid_angle(*bounds, height)
+        small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
+        distance = np.where(hit, distance, 0.0)
+        hit &= front
+        if self._spread is not None:
+            across, up, _ = self._axes
+            x, y = distance * dot(across, direction), distance * dot(up, direction)
+            hit &= (x >= bounds[0]) & (x <= bounds[1]) & (y >= bounds[2]) & (y <= bounds[3])
+        return self._density_seen(bounds, height, solid, small, distance) * hit
+
+    def _seen(self, point: np.ndarray) -> tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray]:
+        """Bounds (x0, x1, y0, y1) of what can shine on the points, about their feet, their height, and where there is any.
+
+        Where there is none the numbers are those of a unit square 1 m away.
+        """
+        x, y, height = self.local(point)
+        front = height > 0.0
+        half_u, half_v = 0.5 * self._length_u, 0.5 * self._length_v
+        x0, x1, y0, y1 = -half_u - x, half_u - x, -half_v - y, half_v - y
+        if self._spread is not None:
+            reach = height * self._spread.tan_half
+            x0, y0 = np.maximum(x0, -reach), np.maximum(y0, -reach)
+            x1, y1 = np.minimum(x1, reach), np.minimum(y1, reach)
+            front &= (x1 > x0) & (y1 > y0)
+        dark = np.flatnonzero(~front)
+        if dark.size:
+            x0[dark], x1[dark], y0[dark], y1[dark], height[dark] = -0.5, 0.5, -0.5, 0.5, 1.0
+        return (x0, x1, y0, y1), height, front
+
+    def _density_seen(
+        self,
+        bounds: tuple[np.ndarray, ...],
+        height: np.ndarray,
+        solid: np.ndarray,
+        small: np.ndarray,
+        distance: np.ndarray,
+    ) -> np.ndarray:
+        pdf = 1.0 / np.maximum(solid, SMALLEST_SOLID_ANGLE)
+        if small.size:
+            x0, x1, y0, y1 = (bound[small] for bound in bounds)
+            pdf[small] = self._density(height[small], distance[small], (x1 - x0) * (y1 - y0))
+        return pdf

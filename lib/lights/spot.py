@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A point or a sphere seen through a cone with a soft edge."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..scene.lights import Cone, PointLight, SphereLight, SpotLight
+from ..vectors import dot
+from .light import LightSample, column
+from .point import PointSampler
+from .sphere import SphereSampler
+
+
+class SpotSampler:
+    """Spot light: delta where its radius is 0. The cone does not dim what is inside its sphere, as in Cycles."""
+
+    def __init__(self, light: SpotLight) -> None:
+        self.visible_camera = light.visible_camera and light.radius > 0.0
+        self.delta = light.radius == 0.0
+        self._falloff = Falloff(light.cone)
+        self._emitter = (
+            PointSampler(PointLight(light.name, light.position, light.emission))
+            if self.delta
+            else SphereSampler(SphereLight(light.name, light.position, light.radius, light.emission))
+        )
+        self.power = self._emitter.power * self._falloff.mean()
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """The emitter's own sample, dimmed along the ray that it gives."""
+        sample = self._emitter.sample(point, u1, u2)
+        return sample._replace(radiance=sample.radiance * self._dimming(point, sample.wi))
+
+    def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The sphere's hit, dimmed along the ray; a sphere that shows nothing there is still met."""
+        distance, radiance = self._emitter.intersect(origin, direction)
+        met = np.flatnonzero(np.isfinite(distance))
+        if met.size:
+            radiance[:, met] *= self._dimming(np.take(origin, met, axis=1), np.take(direction, met, axis=1))
+        return distance, radiance
+
+    def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """That of the sphere."""
+        return self._emitter.pdf(origin, direction, distance)
+
+    def _dimming(self, point: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        factor = self._falloff(wi)
+        if not self.delta:
+            factor[self._emitter.inside(point)] = 1.0
+        return factor
+
+
+class Falloff:
+    """smoothstep((c - cos b) / ((1 - cos b) blend)), c the cosine between the ray from the light and the axis, b the half angle.
+
+    With blend 0 the edge is a step; with half angle 0 nothing is left.
+    """
+
+    def __init__(self, cone: Cone) -> None:
+        self._axis, self._x, self._y = column(cone.axis), column(cone.x_axis), column(cone.y_axis)
+        # An orthonormal frame measures every unit vector as 1 long, so that one product is enough.
+        self._stretched = not np.allclose(
+            [dot(self._x, self._x), dot(self._y, self._y), dot(self._x, self._y)],
+            [[1.0], [1.0], [0.0]],
+            rtol=0.0,
+            atol=1e-12,
+        )
+        self._cos_edge = cone.cos_half_angle
+        self._width = (1.0 - cone.cos_half_angle) * cone.blend
+
+    def __call__(self, wi: np.ndarray) -> np.ndarray:
+        """Factor in [0, 1], (n,), for unit directions `wi` (3, n) towards the light."""
+        c = -dot(self._axis, wi)
+        if self._stretched:
+            x, y = dot(self._x, wi), dot(self._y, wi)
+            length2 = c * c + x * x + y * y
+            c /= np.sqrt(np.where(length2 > 0.0, length2, np.inf))
+        c -= self._cos_edge
+        if self._width <= 0.0:
+            return (c > 0.0).astype(float)
+        c /= self._width
+        np.clip(c, 0.0, 1.0, out=c)
+        return c * c * (3.0 - 2.0 * c)
+
+    def mean(self) -> float:
+        """Mean of the factor over all directions of an unstretched cone: smoothstep is 1/2 on the average of its edge."""
+        return 0.5 * (1.0 - self._cos_edge - 0.5 * self._width)
