@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Views for the eye: radiance as sRGB, signed differences in two colours, and PNG files of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO
+
+from ..errors import EtalonError
+
+NONFINITE = (255, 0, 255)
+# Endpoints, and white between them, that stay apart for every kind of colour vision (ColorBrewer's RdBu).
+BELOW, EQUAL, ABOVE = (33, 102, 172), (247, 247, 247), (178, 24, 43)
+
+
+def srgb8(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
+    """Radiance (height, width, 3) times 2^exposure as sRGB code values, uint8, clipped at 1; non-finite pixels magenta.
+
+    IEC 61966-2-1.
+    """
+    finite = np.isfinite(radiance).all(axis=2)
+    linear = np.clip(np.where(finite[..., None], radiance, 0.0) * 2.0**exposure, 0.0, 1.0)
+    code = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    out = np.rint(255 * code).astype(np.uint8)
+    out[~finite] = NONFINITE
+    return out
+
+
+def signed8(difference: np.ndarray, limit: float) -> np.ndarray:
+    """A signed difference (height, width) as uint8 colours: blue at -limit, white at 0, red at +limit, magenta where not finite."""
+    finite = np.isfinite(difference)
+    place = np.clip(np.where(finite, difference, 0.0) / limit, -1.0, 1.0)
+    out = np.stack([np.interp(place, (-1, 0, 1), (BELOW[c], EQUAL[c], ABOVE[c])) for c in range(3)], axis=2)
+    out = np.rint(out).astype(np.uint8)
+    out[~finite] = NONFINITE
+    return out
+
+
+def middle_exposure(radiance: np.ndarray) -> float:
+    """The exposure, in stops, that brings the brightest per cent of the image to white; 0 for a black one."""
+    bright = radiance[np.isfinite(radiance).all(axis=2)].max(axis=-1, initial=0.0)
+    level = np.quantile(bright, 0.99) if bright.size else 0.0
+    return float(-np.log2(level)) if level > 0 else 0.0
+
+
+def write_png(path: Path, pixels: np.ndarray) -> None:
+    """Write uint8 pixels (height, width, 3) as PNG; raises EtalonError where that fails."""
+    height, width, channels = pixels.shape
+    file = OpenImageIO.ImageOutput.create(str(path))
+    good = file is not None and file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, "uint8"))
+    good = good and file.write_image(np.ascontiguousarray(pixels)) and file.close()
+    if not good:
+        reason = file.geterror() if file is not None else OpenImageIO.geterror()
+        raise EtalonError(f"{path}: cannot be written ({reason.strip()}); make room or name another folder")

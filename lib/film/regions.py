@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Regions of an image as weights per pixel, and the moments of their weighted means.
+
+A region's mean with fixed weights is a linear functional of the image, the same on both sides, so what is
+claimed of it needs no assumption about how pixels depend on one another inside a replicate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from ..errors import EtalonError
+from .moments import Moments
+
+BLOCK = 16
+
+Coverage = Mapping[str, Iterable[tuple[str, np.ndarray]]]
+
+
+@dataclass(frozen=True)
+class Regions:
+    """K regions of an image of `shape` (height, width).
+
+    `kinds` and `names` (K each) say what a region is ('image', 'material', 'object', 'block', ...) and how the user called
+    it; `boxes` (K, 4) its bounding box in pixels as first column, first row, last column, last row; `weights` (K, height * width) sparse,
+    non-negative, row-major over pixels.
+    """
+
+    shape: tuple[int, int]
+    kinds: tuple[str, ...]
+    names: tuple[str, ...]
+    boxes: np.ndarray
+    weights: sparse.csr_array
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """Total weight (K,) of each region, in pixels."""
+        return np.asarray(self.weights.sum(axis=1)).ravel()
+
+    def indices(self, kind: str) -> np.ndarray:
+        """The numbers of the regions of one kind."""
+        return np.flatnonzero(np.array(self.kinds) == kind)
+
+
+def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOCK) -> Regions:
+    """The whole image, what `coverage` names, and blocks of `block` x `block` pixels (less at the right and lower edge).
+
+    `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs: the share of each pixel that a camera
+    ray meets first. What is nowhere visible makes no region. Raises EtalonError for weights of another size, negative or not finite.
+    """
+    pixels = np.arange(height * width)
+    rows: list[sparse.csr_array] = [sparse.csr_array(np.ones((1, height * width)))]
+    kinds, names, boxes = ["image"], ["whole image"], [(0, 0, width - 1, height - 1)]
+    for kind, entries in coverage.items():
+        for name, weights in entries:
+            weights = np.asarray(weights, float)
+            if weights.shape != (height, width):
+                raise EtalonError(
+                    f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
+                )
+            if not np.isfinite(weights).all() or (weights < 0).any():
+                raise EtalonError(f"{name}: its coverage has negative or non-finite weights")
+            if not weights.any():
+                continue
+            y, x = np.nonzero(weights)
+            rows.append(sparse.csr_array(weights.reshape(1, -1)))
+            kinds.append(kind)
+            names.append(name)
+            boxes.append((x.min(), y.min(), x.max(), y.max()))
+    columns = -(-width // block)
+    owner = (pixels // width // block) * columns + pixels % width // block
+    count = -(-height // block) * columns
+    rows.append(sparse.csr_array((np.ones(height * width), (owner, pixels)), shape=(count, height * width)))
+    for index in range(count):
+        x, y = index % columns * block, index // columns * block
+        box = (x, y, min(x + block, width) - 1, min(y + block, height) - 1)
+        kinds.append("block")
+        names.append(f"x {box[0]} to {box[2]}, y {box[1]} to {box[3]}")
+        boxes.append(box)
+    return Regions((height, width), tuple(kinds), tuple(names), np.array(boxes), sparse.csr_array(sparse.vstack(rows)))
+
+
+@dataclass(frozen=True)
+class RegionMoments:
+    """Moments (K, 3) of the regions' means over replicates; `excluded` (height * width,) pixels count for nothing."""
+
+    regions: Regions
+    moments: Moments
+    excluded: np.ndarray
+
+    @classmethod
+    def empty(cls, regions: Regions) -> RegionMoments:
+        """No replicate yet, no pixel excluded."""
+        pixels = regions.shape[0] * regions.shape[1]
+        return cls(regions, Moments.empty((len(regions), 3)), np.zeros(pixels, bool))
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """Weight (K,) that is left in each region, in pixels."""
+        return self.regions.weights @ (~self.excluded).astype(float)
+
+    def add(self, radiance: np.ndarray) -> RegionMoments:
+        """One replicate (height, width, 3) more; regions with nothing left have mean NaN."""
+        kept = np.where(self.excluded[:, None], 0.0, radiance.reshape(-1, 3))
+        sizes = self.sizes
+        means = (self.regions.weights @ kept) / np.where(sizes > 0, sizes, np.nan)[:, None]
+        return RegionMoments(self.regions, self.moments.add(means), self.excluded)
+
+    def exclude(self, pixels: np.ndarray, film: Moments) -> RegionMoments:
+        """The same without `pixels` (height, width) bool, also in the replicates that were added before.
+
+        `film` holds the pixels' own moments over those replicates. The mean without them is then known exactly; of its
+        m2 the covariance is not known, so it is bounded from above: the norm of a sum is at most the sum of norms
+        (Cauchy-Schwarz), hence sqrt(m2(S - sum w x)) <= sqrt(m2(S)) + sum w sqrt(m2(x)). Claims stay valid, at worst late.
+        """
+        new = pixels.ravel() & ~self.excluded
+        if not new.any():
+            return self
+        before, excluded = self.sizes, self.excluded | new
+        after = RegionMoments(self.regions, self.moments, excluded).sizes
+        columns = np.flatnonzero(new)
+        weights = self.regions.weights[:, columns]
+        mean, spread = film.mean.reshape(-1, 3)[columns], np.sqrt(film.m2.reshape(-1, 3)[columns])
+        touched = np.asarray(weights.sum(axis=1)).ravel() > 0
+        share = np.where(after > 0, after, np.nan)[:, None]
+        means = (self.moments.mean * before[:, None] - weights @ mean) / share
+        roots = (np.sqrt(self.moments.m2) * before[:, None] + weights @ spread) / share
+        moments = Moments(
+            self.moments.n,
+            np.where(touched[:, None], means, self.moments.mean),
+            np.where(touched[:, None], roots * roots, self.moments.m2),
+        )
+        return RegionMoments(self.regions, moments, excluded)

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a renderer hands over: one independent replicate of an image."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Rendering:
+    """One replicate, row 0 on top.
+
+    radiance (height, width, 3) float64, W m^-2 sr^-1; nonfinite (height, width) int, the non-finite samples of each pixel;
+    seconds it took, and `stages` the same by stage; camera_samples and rays it traced.
+    """
+
+    radiance: np.ndarray
+    nonfinite: np.ndarray
+    seconds: float
+    stages: dict[str, float] = field(default_factory=dict)
+    camera_samples: int = 0
+    rays: int = 0

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a time budget becomes samples: cost and noise of both sides, from a pilot, to samples per replicate.
+
+The pilot's own images are not used for the verdict, so that nothing the data show decides how much of them there will be.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# So many replicates are aimed at: quantiles of t far out in the tail need degrees of freedom,
+REPLICATES = 48
+# but each render call has a fixed cost, and all of them together shall not eat more than this share of the budget.
+OVERHEAD = 0.15
+FEWEST = 16
+# Cycles adds samples up in float32, which drifts beyond this many.
+MOST_SAMPLES = 4096
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds of a render call: `fixed`, and `per_sample` for each sample per pixel."""
+
+    fixed: float
+    per_sample: float
+
+    def seconds(self, samples: int) -> float:
+        """Seconds of one call."""
+        return self.fixed + self.per_sample * samples
+
+
+def fit_cost(samples: list[int], seconds: list[float]) -> Cost:
+    """The cost through the last two timings (samples ascending); all of it per sample if there is one only."""
+    if len(samples) < 2 or samples[-1] == samples[-2]:
+        return Cost(0.0, max(seconds[-1] / samples[-1], 1e-9))
+    slope = (seconds[-1] - seconds[-2]) / (samples[-1] - samples[-2])
+    slope = max(slope, 0.01 * seconds[-1] / samples[-1], 1e-9)
+    return Cost(max(seconds[-1] - slope * samples[-1], 0.0), slope)
+
+
+def relative_noise(first: np.ndarray, second: np.ndarray, samples: int) -> float:
+    """Variance of one sample per pixel relative to the mean, averaged over regions, from two replicates' region means (K, 3)."""
+    mean = (first + second) / 2
+    scale = np.maximum(np.abs(mean), 1e-3 * np.nanmean(np.abs(mean)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        noise = (first - second) ** 2 / 2 * samples / scale**2
+    noise = noise[np.isfinite(noise)]
+    return float(noise.mean()) if noise.size else 0.0
+
+
+def allocate(seconds: float, costs: tuple[Cost, Cost], noises: tuple[float, float]) -> tuple[int, int]:
+    """Samples per replicate for both sides, as many replicates on each.
+
+    The variance of the difference, v1 / n1 + v2 / n2, is least for n1 c1 + n2 c2 seconds when time is shared as sqrt(v c)
+    (Neyman 1934, with costs: Cochran, "Sampling Techniques", 3rd ed., sec. 5.5). Rounded to powers of two, at which
+    low-discrepancy sequences are best.
+    """
+    fixed = costs[0].fixed + costs[1].fixed
+    replicates = np.clip(OVERHEAD * seconds / fixed if fixed > 0 else REPLICATES, FEWEST, REPLICATES)
+    weights = [np.sqrt(v * c.per_sample) for v, c in zip(noises, costs, strict=True)]
+    share = np.clip(weights[0] / sum(weights), 0.1, 0.9) if min(noises) > 0 else 0.5
+    available = max(seconds / replicates - fixed, 0.0)
+    samples = [
+        2 ** int(np.floor(np.log2(max(part * available / cost.per_sample, 1.0)) + 0.5))
+        for part, cost in zip((share, 1 - share), costs, strict=True)
+    ]
+    return min(samples[0], MOST_SAMPLES), min(samples[1], MOST_SAMPLES)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two claims about a region, each as a p-value, and the confidence interval that goes with them.
+
+With C the candidate's true mean of a region and E the reference's, per channel, the allowed gap is
+t max(|E|, floor): relative to the reference, absolute where that is nearly black. Both means are noisy; so every
+statement is made about the linear combinations C - (1 -+ t) E, whose noise is known, never about the ratio of two estimates
+(Fieller, "Some problems in interval estimation", 1954).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtr, stdtrit
+
+from ..film.moments import Moments
+
+# Below this share of the whole image's mean, tolerance is absolute: a relative one would ask for noise-free black.
+FLOOR_SHARE = 1e-3
+# Three channels, and two ends of the tolerance, each of which alone can show a difference.
+WAYS_TO_DIFFER = 6
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A linear combination of the two sides' means: its `value`, standard `error` and `df`, arrays (K, 3)."""
+
+    value: np.ndarray
+    error: np.ndarray
+    df: np.ndarray
+
+
+def combine(
+    candidate: Moments, reference: Moments, factor: np.ndarray | float, offset: np.ndarray | float = 0.0
+) -> Combination:
+    """C - factor E - offset.
+
+    Welch, "The generalization of 'Student's' problem when several different population variances are involved" (1947), with
+    Satterthwaite's degrees of freedom. All NaN where a side has fewer than two replicates.
+    """
+    value = candidate.mean - factor * reference.mean - offset
+    if min(candidate.n, reference.n) < 2:
+        nothing = np.full(value.shape, np.nan)
+        return Combination(value, nothing, nothing)
+    a = candidate.variance / candidate.n
+    b = factor * factor * reference.variance / reference.n
+    total = a + b
+    share = np.divide(a, total, out=np.full(value.shape, 0.5), where=total > 0)
+    df = 1.0 / (share * share / (candidate.n - 1) + (1 - share) ** 2 / (reference.n - 1))
+    return Combination(value, np.sqrt(total), df)
+
+
+def tolerance_ends(
+    candidate: Moments, reference: Moments, tolerance: float, floor: float
+) -> tuple[Combination, Combination]:
+    """C - E minus, and plus, the allowed gap: the first is below zero and the second above where C is inside.
+
+    Which of |E| and `floor` is greater is read off the estimate; near the switch both forms agree to tolerance times noise.
+    """
+    relative = np.abs(reference.mean) >= floor
+    slope = np.where(relative, tolerance * np.sign(reference.mean), 0.0)
+    step = np.where(relative, 0.0, tolerance * floor)
+    upper = combine(candidate, reference, 1 + slope, step)
+    lower = combine(candidate, reference, 1 - slope, -step)
+    return upper, lower
+
+
+def _p_below(c: Combination, at_zero: float) -> np.ndarray:
+    """p-value of the claim that a combination is below zero; without noise it is 0 or 1, and `at_zero` on the edge."""
+    exact = np.where(c.value < 0, 0.0, np.where(c.value > 0, 1.0, at_zero))
+    noisy = c.error > 0
+    t = np.divide(c.value, c.error, out=np.zeros(c.value.shape), where=noisy)
+    p = np.where(noisy, stdtr(np.where(noisy, c.df, 1.0), t), exact)
+    return np.where(np.isnan(c.error) | np.isnan(c.value), 1.0, p)
+
+
+def _mirrored(c: Combination) -> Combination:
+    return Combination(-c.value, c.error, c.df)
+
+
+def p_equivalent(upper: Combination, lower: Combination) -> np.ndarray:
+    """p-value (K,) of "inside the tolerance in every channel".
+
+    Two one-sided tests (Schuirmann, "A comparison of the two one-sided tests procedure and the power approach", 1987); all must hold, so
+    the worst p-value is the joint one (Berger, "Multiparameter hypothesis testing and acceptance sampling", 1982).
+    Two sides that are equal to the last bit, without noise, are equivalent.
+    """
+    return np.maximum(_p_below(upper, 0.0), _p_below(_mirrored(lower), 0.0)).max(axis=1)
+
+
+def p_different(upper: Combination, lower: Combination) -> np.ndarray:
+    """p-value (K,) of "outside the tolerance in some channel": Bonferroni over three channels and two ends."""
+    best = np.minimum(_p_below(_mirrored(upper), 1.0), _p_below(lower, 1.0)).min(axis=1)
+    return np.minimum(WAYS_TO_DIFFER * best, 1.0)
+
+
+def difference(candidate: Moments, reference: Moments, floor: float) -> np.ndarray:
+    """(C - E) / max(|E|, floor) as estimated, (K, 3); 0 where both are 0, infinite where only the reference is."""
+    gap = candidate.mean - reference.mean
+    scale = np.maximum(np.abs(reference.mean), floor)
+    unscaled = np.where(gap == 0, 0.0, np.copysign(np.inf, gap))
+    return np.where(np.isnan(gap), np.nan, np.divide(gap, scale, out=unscaled, where=scale > 0))
+
+
+def interval(candidate: Moments, reference: Moments, floor: float, tail: float) -> tuple[np.ndarray, np.ndarray]:
+    """Both ends (K, 3) of the confidence interval of the relative difference, with probability `tail` beyond each.
+
+    Fieller's: all rho with (C - rho E)^2 <= q^2 (var C + rho^2 var E); infinite ends where E is not
+    distinct from 0, and about (C - E) / floor where |E| is below `floor`. NaN where a side has fewer than two replicates.
+    """
+    plain = combine(candidate, reference, 1.0)
+    if np.isnan(plain.df).all():
+        return plain.df, plain.df
+    q = -stdtrit(plain.df, tail)
+    c, e = candidate.mean, reference.mean
+    qa, qb = q * q * candidate.variance / candidate.n, q * q * reference.variance / reference.n
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lead = e * e - qb
+        root = np.sqrt(np.maximum(c * c * qb + e * e * qa - qa * qb, 0.0))
+        bounded = lead > 0
+        low = np.where(bounded, (c * e - root) / lead - 1, -np.inf)
+        high = np.where(bounded, (c * e + root) / lead - 1, np.inf)
+        dark = np.abs(e) < floor
+        low = np.where(dark, (plain.value - q * plain.error) / floor, low)
+        high = np.where(dark, (plain.value + q * plain.error) / floor, high)
+    exact = (plain.error == 0) & ~bounded & ~dark
+    sure = difference(candidate, reference, floor)
+    missing = np.isnan(plain.value)
+    low, high = np.where(exact, sure, low), np.where(exact, sure, high)
+    return np.where(missing, np.nan, low), np.where(missing, np.nan, high)

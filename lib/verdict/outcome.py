@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The words of a verdict."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Outcome(Enum):
+    """What is claimed of a region or an image."""
+
+    EQUIVALENT = "EQUIVALENT"
+    DIFFERENT = "DIFFERENT"
+    UNDECIDED = "UNDECIDED"
+
+    @property
+    def exit_code(self) -> int:
+        """0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED; 2 is left to errors."""
+        return {Outcome.EQUIVALENT: 0, Outcome.DIFFERENT: 1, Outcome.UNDECIDED: 3}[self]

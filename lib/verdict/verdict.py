@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verdict on an image: one outcome per region, one for all, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..film.regions import RegionMoments
+from .claims import difference, interval
+from .forecast import Forecast, forecast
+from .outcome import Outcome
+from .sequential import Look, SequentialTest
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is claimed of N regions, and of the image.
+
+    `outcomes` (N,) of Outcome, `decided_at` (N,) the replicates it took (0: undecided); `difference`, `low`, `high` (N, 3) the relative
+    difference (candidate - reference) / max(|reference|, `floor`) and its confidence interval, simultaneous for all
+    regions and channels; `reference`, `candidate` (N, 3) means. `excluded` (N,) is the weight, in pixels, that non-finite
+    samples took out of each region. `reasons` says in words what keeps the image from being EQUIVALENT.
+    """
+
+    outcome: Outcome
+    reasons: tuple[str, ...]
+    tolerance: float
+    confidence: float
+    floor: float
+    outcomes: np.ndarray
+    decided_at: np.ndarray
+    reference: np.ndarray
+    candidate: np.ndarray
+    difference: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    excluded: np.ndarray
+    looks: tuple[Look, ...]
+    forecast: Forecast | None
+
+    def count(self, outcome: Outcome) -> int:
+        """The number of regions with that outcome."""
+        return int((self.outcomes == outcome).sum())
+
+
+def conclude(
+    test: SequentialTest, reference: RegionMoments, candidate: RegionMoments, nonfinite: dict[str, int]
+) -> Verdict:
+    """The verdict after the last look; `nonfinite` counts, by the side's name, the pixels with non-finite samples.
+
+    The image is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, else UNDECIDED: a pixel that
+    has no value agrees with nothing, and no sampling will give it one.
+    """
+    of_reference, of_candidate = reference.moments, candidate.moments
+    reasons = []
+    different, undecided = (int((test.outcomes == o).sum()) for o in (Outcome.DIFFERENT, Outcome.UNDECIDED))
+    if different:
+        reasons.append(f"{different} of {test.outcomes.size} regions differ by more than the tolerance")
+    if any(nonfinite.values()):
+        where = " and ".join(f"{count} pixels of {name}" for name, count in nonfinite.items() if count)
+        reasons.append(
+            f"non-finite samples in {where}: these pixels are excluded, and an image that has any cannot be EQUIVALENT"
+        )
+    if min(of_reference.n, of_candidate.n) < 2:
+        reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
+    elif undecided:
+        reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")
+    outcome = Outcome.DIFFERENT if different else Outcome.UNDECIDED if reasons else Outcome.EQUIVALENT
+    share = test.looks[-1].share
+    low, high = interval(of_candidate, of_reference, test.floor, test.level * share / (6 * test.outcomes.size))
+    return Verdict(
+        outcome,
+        tuple(reasons),
+        test.tolerance,
+        1 - test.level,
+        test.floor,
+        test.outcomes.copy(),
+        test.decided_at.copy(),
+        of_reference.mean,
+        of_candidate.mean,
+        difference(of_candidate, of_reference, test.floor),
+        low,
+        high,
+        reference.regions.sizes - reference.sizes,
+        tuple(test.looks),
+        forecast(test, of_reference, of_candidate),
+    )
