@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's images as lib.scene.images, each once, read so that their texels are those that Cycles sees."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...lib.errors import EtalonError
+from ...lib.scene.images import Image
+from ...lib.textures.color_spaces import srgb_encode
+
+_ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
+_SOURCES = ("FILE", "GENERATED")
+_TYPES = ("IMAGE", "UV_TEST")
+
+Refuse = Callable[[str, str], None]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An image in the table, and what its colour has to do with its alpha (ImageTexture's `association`)."""
+
+    index: int
+    association: str
+
+
+class ImageTable:
+    """Collects the images that materials and world use, and gives each an index."""
+
+    def __init__(self) -> None:
+        self._entries: dict[tuple[int, bool], Entry | None] = {}
+        self._images: list[Image] = []
+
+    @property
+    def images(self) -> tuple[Image, ...]:
+        """All images so far, in the order of their indices."""
+        return tuple(self._images)
+
+    def add(self, image: bpy.types.Image | None, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of `image`, read at its first use; None where it is refused, by `refuse(what, remedy)`.
+
+        `alpha_linked` says whether the node's alpha is in use. Raises EtalonError when the file is not there or unreadable.
+        """
+        if image is None:
+            refuse(" without an image", "choose an image")
+            return None
+        image = image.original
+        key = (image.session_uid, alpha_linked)
+        if key not in self._entries:
+            self._entries[key] = self._read(image, alpha_linked, refuse)
+        return self._entries[key]
+
+    def _read(self, image: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        reason = _unsupported(image)
+        if reason:
+            refuse(f", image '{image.name}' ({reason[0]}),", reason[1])
+            return None
+        pixels = _load(image)
+        if not np.isfinite(pixels).all():
+            refuse(f", image '{image.name}' (texels that are not finite),", "repair the image")
+            return None
+        encoding = _ENCODINGS[image.colorspace_settings.name]
+        # Blender decodes floats as it loads them. Cycles takes generated and packed images from Blender, others from the file.
+        codes_lost = image.is_float and encoding == "SRGB"
+        if codes_lost and (image.source == "GENERATED" or image.packed_file is not None):
+            encoding, codes_lost = "LINEAR", False
+
+        pixels, association = _associate(pixels, image, encoding, codes_lost, alpha_linked)
+        if association is None:
+            refuse(f", image '{image.name}' (premultiplied alpha in sRGB),", "set the image's Alpha to Straight")
+            return None
+        if codes_lost:
+            pixels[..., :3] = srgb_encode(pixels[..., :3])
+        return Entry(self._place(Image(image.name, pixels, encoding)), association)
+
+    def _place(self, image: Image) -> int:
+        """The image's index, that of an equal one where there is one."""
+        for index, other in enumerate(self._images):
+            if (
+                other.name == image.name
+                and other.encoding == image.encoding
+                and np.array_equal(other.pixels, image.pixels)
+            ):
+                return index
+        self._images.append(image)
+        return len(self._images) - 1
+
+
+def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
+    """(what, remedy) where the image is of a kind that is not simulated."""
+    if image.source not in _SOURCES or image.type not in _TYPES:
+        kind = image.source if image.source not in _SOURCES else image.type
+        return f"{kind.lower().replace('_', ' ')}", "use a single still image"
+    if image.colorspace_settings.name not in _ENCODINGS:
+        return f"colour space {image.colorspace_settings.name}", f"convert it to {' or '.join(_ENCODINGS)}"
+    if image.is_dirty and image.source == "FILE" and image.packed_file is None:
+        return "changes that are not saved", "save or pack the image: Cycles reads the file"
+    return None
+
+
+def _load(image: bpy.types.Image) -> np.ndarray:
+    """Texels (height, width, 4) float32, row 0 at the bottom, as Blender holds them."""
+    width, height = image.size
+    if not width or not height:
+        path = bpy.path.abspath(image.filepath, library=image.library)
+        fault = "cannot be read" if os.path.isfile(path) else "is not there"
+        raise EtalonError(f"image '{image.name}': file '{path}' {fault}; restore it, or choose another image")
+    channels = image.channels
+    flat = np.empty(width * height * channels, np.float32)
+    image.pixels.foreach_get(flat)
+    stored = flat.reshape(height, width, channels)
+    if channels == 4:
+        return stored
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = stored[..., :3] if channels == 3 else stored[..., :1]
+    if channels == 2:
+        pixels[..., 3] = stored[..., 1]
+    return pixels
+
+
+def _associate(
+    pixels: np.ndarray, image: bpy.types.Image, encoding: str, codes_lost: bool, alpha_linked: bool
+) -> tuple[np.ndarray, str | None]:
+    """Texels as Image holds them, and the association; None where there is no telling what was meant.
+
+    Blender holds bytes with straight alpha and floats with alpha multiplied in, whatever the file. Cycles multiplies
+    alpha in, and divides it out again after interpolation where it is in use.
+    """
+    if image.alpha_mode == "NONE":
+        pixels[..., 3] = 1.0
+    if image.alpha_mode in ("NONE", "CHANNEL_PACKED") or encoding == "DATA" or np.all(pixels[..., 3] == 1.0):
+        return pixels, "SEPARATE"
+    if encoding == "SRGB" and image.alpha_mode == "PREMUL":
+        return pixels, None
+    if image.is_float:
+        if not alpha_linked and not codes_lost:
+            return pixels, "SEPARATE"
+        alpha = pixels[..., 3:]
+        pixels[..., :3] /= np.where(alpha == 0, 1.0, alpha)
+    return pixels, "WEIGHTED" if alpha_linked else "MULTIPLIED"

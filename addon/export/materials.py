@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials and worlds: from Blender's node trees to lobes and radiance."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...lib.errors import Refusal
+from ...lib.scene import expressions as ex
+from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Transparent
+from ...lib.scene.world import World
+from ...lib.textures.fold import Folder, is_constant, walk
+from .images import ImageTable
+from .nodes import Scope, TreeReader, valid_link
+from .nodes_shaders import ShaderReader
+from .nodes_values import VALUES
+
+DEFAULT_MATERIAL = Material("", (Lobe(Diffuse(ex.Constant((0.8, 0.8, 0.8)))),))
+"""What Cycles shows where a face has no material."""
+
+_NO_TABLE = (16, 8)
+_LEAST_TABLE = (256, 128)
+_LARGEST_TABLE = (4096, 2048)
+
+
+def read_material(material: bpy.types.Material, images: ImageTable, refusals: list[Refusal]) -> Material:
+    """The material as lobes; what is not simulated is appended to `refusals`, images to `images`.
+
+    Raises EtalonError when an image's file is not there.
+    """
+    if not _uses_nodes(material):
+        r, g, b, _ = material.diffuse_color
+        return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
+    owner = f"material '{material.name}'"
+    lobes = _read_tree(material.node_tree, owner, False, images, refusals)
+    if not material.use_transparent_shadow and any(isinstance(lobe.closure, Transparent) for lobe in lobes):
+        refusals.append(Refusal(owner, "'Transparent Shadows' switched off", "switch it on in the material's settings"))
+    return Material(material.name, tuple(lobes))
+
+
+def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list[Refusal]) -> World:
+    """The world's radiance as an expression of direction; black without a world. Errors as read_material."""
+    if world is None:
+        return World(ex.BLACK, _NO_TABLE)
+    owner = f"world '{world.name}'"
+    for ray in ("camera", "diffuse", "glossy", "transmission"):
+        if not getattr(world.cycles_visibility, ray):
+            refusals.append(Refusal(owner, f"ray visibility without '{ray}'", "switch all rays on"))
+    if not _uses_nodes(world):
+        r, g, b = world.color
+        return World(ex.Constant((r, g, b)), _NO_TABLE)
+    folder = Folder()
+    radiance = ex.BLACK
+    for lobe in _read_tree(world.node_tree, owner, True, images, refusals):
+        assert isinstance(lobe.closure, Emission)
+        strength = ex.ValueToColor(ex.Math("MULTIPLY", lobe.weight, lobe.closure.strength, ex.ZERO))
+        glow = ex.Mix(ex.ONE, lobe.closure.color, strength, blend="MULTIPLY")
+        radiance = glow if radiance is ex.BLACK else ex.Mix(ex.ONE, radiance, glow, blend="ADD")
+    radiance = folder(radiance)
+    return World(radiance, _table_resolution(radiance, images))
+
+
+def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
+    """Whether the node tree counts; from Blender 5.0 on it always does where there is one."""
+    return owner.node_tree is not None and (bpy.app.version >= (5, 0, 0) or owner.use_nodes)
+
+
+def _read_tree(
+    tree: bpy.types.NodeTree, owner: str, is_world: bool, images: ImageTable, refusals: list[Refusal]
+) -> list[Lobe]:
+    output = tree.get_output_node("CYCLES")
+    if output is None:
+        return []
+    scope = Scope()
+    values = TreeReader(owner, is_world, images, refusals, VALUES)
+    for name, feature in (("Volume", "a volume"), ("Displacement", "displacement")):
+        socket = output.inputs.get(name)
+        if socket is not None and valid_link(socket):
+            refusals.append(Refusal(owner, f"{feature} (node '{output.name}', socket '{name}')", f"unlink {name}"))
+    lobes = ShaderReader(values, Folder()).lobes(output.inputs["Surface"], scope)
+    for key, (node, where) in values.alpha_expected.items():
+        if key not in values.alpha_read:
+            values.refuse(node, where, ", output 'Alpha', whose links lead nowhere,", "unlink Alpha")
+    return lobes
+
+
+def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int, int]:
+    """The size of the largest image in the radiance, within bounds: the table only steers where samples go."""
+    if is_constant(radiance):
+        return _NO_TABLE
+    indices = [n.image for n in walk(radiance) if isinstance(n, ex.EnvironmentTexture | ex.ImageTexture)]
+    sizes = [images.images[index].pixels.shape[:2] for index in indices]
+    width = max([_LEAST_TABLE[0], *(w for _, w in sizes)])
+    height = max([_LEAST_TABLE[1], *(h for h, _ in sizes)])
+    return min(width, _LARGEST_TABLE[0]), min(height, _LARGEST_TABLE[1])

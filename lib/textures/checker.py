@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's Checker texture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def checker(vector: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """True where the first colour shows, at `vector` (3, n) times `scale`: cells with an odd sum of coordinates.
+
+    Blender nudges the point by a millionth, so that surfaces on whole coordinates fall to one side; so does this.
+    """
+    cells = np.floor((vector * scale + 1e-6) * 0.999999)
+    return cells.sum(axis=0) % 2 == 1

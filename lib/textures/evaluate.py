@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluates an expression at many shading points at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from ..scene import expressions as ex
+from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
+from .checker import checker
+from .color_spaces import luminance
+from .images import ImageSet, equirectangular
+from .mapping import mapping
+from .math_node import math
+from .mix import mix
+from .ramp import color_ramp
+
+
+class Context(Protocol):
+    """What a shading point tells its expressions; asked only for what they need."""
+
+    size: int
+    cos_wo: np.ndarray
+    backfacing: np.ndarray
+
+    def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
+        """Coordinates (3, n) of a kind named in lib.scene.expressions.Coordinates."""
+
+
+class Evaluator:
+    """Evaluates expressions over one set of points; what several of them share (the same node object) is computed once.
+
+    `evaluator(expression)` gives a value as () or (n,) and a colour as (3, 1) or (3, n). Results are shared: never write
+    into them.
+    """
+
+    def __init__(self, context: Context, images: ImageSet) -> None:
+        self.context = context
+        self.images = images
+        # The expression is kept beside its result so that its id cannot be reused meanwhile.
+        self._results: dict[int, tuple[ex.Expression, np.ndarray]] = {}
+
+    def __call__(self, expression: ex.Expression) -> np.ndarray:
+        """The value or colour of `expression`."""
+        found = self._results.get(id(expression))
+        if found is None:
+            # Overflow is the material's own and comes out as inf or NaN, for the film to count.
+            with np.errstate(all="ignore"):
+                found = (expression, _NODES[type(expression)](expression, self))
+            self._results[id(expression)] = found
+        return found[1]
+
+
+def evaluate(expression: ex.Expression, context: Context, images: ImageSet) -> np.ndarray:
+    """The value, () or (n,), or colour, (3, 1) or (3, n), of one expression."""
+    return Evaluator(context, images)(expression)
+
+
+def _constant(node: ex.Constant, _: Evaluator) -> np.ndarray:
+    value = np.asarray(node.value, dtype=np.float64)
+    return value[:, None] if value.ndim else value
+
+
+def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
+    u, v, _ = read(node.vector)
+    rgba = read.images.sample(node.image, u, v, node.interpolation, node.extension, node.association)
+    if node.output == "COLOR":
+        return rgba[:3]
+    return rgba[3] if rgba.shape[1] > 1 else rgba[3, 0]
+
+
+def _environment_texture(node: ex.EnvironmentTexture, read: Evaluator) -> np.ndarray:
+    u, v = equirectangular(read(node.vector))
+    return read.images.sample(node.image, u, v, node.interpolation)[:3]
+
+
+def _checker(node: ex.Checker, read: Evaluator) -> np.ndarray:
+    first = checker(read(node.vector), read(node.scale))
+    if node.output == "FACTOR":
+        return first.astype(np.float64)
+    return np.where(first, read(node.color1), read(node.color2))
+
+
+def _mix(node: ex.Mix, read: Evaluator) -> np.ndarray:
+    return mix(node.blend, read(node.factor), read(node.a), read(node.b), node.clamp_factor, node.clamp_result)
+
+
+def _layer_weight(node: ex.LayerWeight, read: Evaluator) -> np.ndarray:
+    blend, context = read(node.blend), read.context
+    if node.output == "FRESNEL":
+        return layer_weight_fresnel(blend, context.cos_wo, context.backfacing)
+    return layer_weight_facing(blend, context.cos_wo)
+
+
+def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:
+    value = np.atleast_1d(read(node.value))
+    return np.broadcast_to(value, (3, value.size))
+
+
+def _vector_to_value(node: ex.VectorToValue, read: Evaluator) -> np.ndarray:
+    return _as_value(read(node.vector).sum(axis=0) / 3)
+
+
+def _as_value(row: np.ndarray) -> np.ndarray:
+    return row if row.size > 1 else row[0]
+
+
+_NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
+    ex.Constant: _constant,
+    ex.Coordinates: lambda node, read: read.context.coordinates(node.kind, node.uv_map),
+    ex.Mapping: lambda node, read: mapping(
+        node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)
+    ),
+    ex.ImageTexture: _image_texture,
+    ex.EnvironmentTexture: _environment_texture,
+    ex.Checker: _checker,
+    ex.Math: lambda node, read: math(node.operation, read(node.a), read(node.b), read(node.c), node.clamp),
+    ex.Mix: _mix,
+    ex.ColorRamp: lambda node, read: color_ramp(node, read(node.factor)),
+    ex.FresnelFactor: lambda node, read: fresnel_factor(read(node.ior), read.context.cos_wo, read.context.backfacing),
+    ex.LayerWeight: _layer_weight,
+    ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
+    ex.ColorToValue: lambda node, read: _as_value(luminance(read(node.color))),
+    ex.VectorToValue: _vector_to_value,
+    ex.ValueToColor: _value_to_color,
+}

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folding: what is the same at every point becomes one constant before rendering starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, replace
+
+import numpy as np
+
+from ..scene import expressions as ex
+from .evaluate import evaluate
+from .images import ImageSet
+
+_POINTWISE = (
+    ex.Mapping,
+    ex.Checker,
+    ex.Math,
+    ex.Mix,
+    ex.ColorRamp,
+    ex.ColorToValue,
+    ex.VectorToValue,
+    ex.ValueToColor,
+)
+"""Nodes whose result depends on nothing but their inputs."""
+
+
+class _NoPoint:
+    """The context of a constant: it has no point."""
+
+    size = 1
+    cos_wo = np.ones(1)
+    backfacing = np.zeros(1, bool)
+
+    def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
+        raise AssertionError(f"a constant asked for {kind} {uv_map}")
+
+
+def inputs(expression: ex.Expression) -> dict[str, ex.Expression]:
+    """The expressions that feed a node, by field name."""
+    named = ((field.name, getattr(expression, field.name)) for field in fields(expression))
+    return {name: value for name, value in named if isinstance(value, ex.Expression)}
+
+
+def walk(expression: ex.Expression) -> Iterator[ex.Expression]:
+    """The node and every node that feeds it, each object once."""
+    seen: set[int] = set()
+    pending = [expression]
+    while pending:
+        node = pending.pop()
+        if id(node) not in seen:
+            seen.add(id(node))
+            yield node
+            pending.extend(inputs(node).values())
+
+
+def is_constant(expression: ex.Expression) -> bool:
+    """Whether the expression is a constant as it stands; fold first to find those that come down to one."""
+    return isinstance(expression, ex.Constant)
+
+
+class Folder:
+    """Folds expressions; nodes shared between several stay shared, so that they are still evaluated once."""
+
+    def __init__(self) -> None:
+        self._done: dict[int, tuple[ex.Expression, ex.Expression]] = {}
+
+    def __call__(self, expression: ex.Expression) -> ex.Expression:
+        """An expression with the same value everywhere, with constant parts computed and neutral nodes gone."""
+        if id(expression) not in self._done:
+            old = inputs(expression)
+            new = {name: self(value) for name, value in old.items()}
+            changed = any(new[name] is not old[name] for name in old)
+            node = replace(expression, **new) if changed else expression
+            self._done[id(expression)] = (expression, _simplify(node))
+        return self._done[id(expression)][1]
+
+
+def fold(expression: ex.Expression) -> ex.Expression:
+    """`expression` with constant parts computed and neutral nodes gone."""
+    return Folder()(expression)
+
+
+def _simplify(node: ex.Expression) -> ex.Expression:
+    parts = inputs(node).values()
+    if isinstance(node, _POINTWISE) and all(is_constant(part) for part in parts):
+        return _constant(evaluate(node, _NoPoint(), ImageSet(())))
+    if isinstance(node, ex.Math) and not node.clamp:
+        return _simplify_math(node)
+    if isinstance(node, ex.Mix) and not node.clamp_result:
+        return _simplify_mix(node)
+    return node
+
+
+def _simplify_mix(node: ex.Mix) -> ex.Expression:
+    if node.blend == "MIX" and node.factor == ex.ZERO:
+        return node.a
+    if node.blend == "MIX" and node.factor == ex.ONE:
+        return node.b
+    if node.blend == "MULTIPLY" and node.factor == ex.ONE and node.b == ex.WHITE:
+        return node.a
+    return node
+
+
+def _simplify_math(node: ex.Math) -> ex.Expression:
+    for one, other in ((node.a, node.b), (node.b, node.a)):
+        if node.operation == "MULTIPLY" and one == ex.ZERO:
+            return ex.ZERO
+        if node.operation == "MULTIPLY" and one == ex.ONE:
+            return other
+        if node.operation == "ADD" and one == ex.ZERO:
+            return other
+    return node
+
+
+def _constant(value: np.ndarray) -> ex.Constant:
+    flat = value.ravel().tolist()
+    return ex.Constant(tuple(flat) if value.ndim == 2 else flat[0])

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sampling images: nearest or bilinear, texel centres at halves, v growing from the bottom row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..scene.images import Image
+from .color_spaces import srgb_decode
+
+
+def equirectangular(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(u, v) of `direction` (3, n), of any length: +x at the centre, +y a quarter to the left, +z at the top (v = 1)."""
+    x, y, z = direction
+    return 0.5 - np.arctan2(y, x) / (2 * np.pi), 0.5 + np.arctan2(z, np.hypot(x, y)) / np.pi
+
+
+def _wrap_index(index: np.ndarray, size: int, extension: str) -> np.ndarray:
+    if extension == "REPEAT":
+        return index % size
+    if extension == "MIRROR":
+        index = index % (2 * size)
+        return np.minimum(index, 2 * size - 1 - index)
+    return np.clip(index, 0, size - 1)
+
+
+class _Axis:
+    """Along one axis of `size` texels: the texels around coordinate `x` (in images) and their weights.
+
+    Outside an image with extension 'CLIP' the weights are 0: there is nothing.
+    """
+
+    def __init__(self, x: np.ndarray, size: int, interpolation: str, extension: str) -> None:
+        if extension == "REPEAT":
+            x = x - np.floor(x)
+        if interpolation == "CLOSEST":
+            first = np.floor(x * size)
+            neighbours = [(first, np.ones_like(x))]
+        else:
+            position = x * size - 0.5
+            first = np.floor(position)
+            t = position - first
+            neighbours = [(first, 1 - t), (first + 1, t)]
+        self.taps = []
+        for index, weight in neighbours:
+            if extension == "CLIP":
+                weight = np.where((index >= 0) & (index < size), weight, 0.0)
+            self.taps.append((_wrap_index(index.astype(np.int64), size, extension), weight))
+
+
+class ImageSet:
+    """The images of a scene, ready to be sampled.
+
+    With `decode_first` (the book) sRGB code values become linear light, and alpha is multiplied in, before texels are
+    interpolated. Without, code values are multiplied and interpolated and the result is decoded, as Cycles does.
+    """
+
+    def __init__(self, images: Sequence[Image], decode_first: bool = True) -> None:
+        self._images = tuple(images)
+        self._decode_first = decode_first
+        self._texels: dict[tuple[int, bool], np.ndarray] = {}
+
+    def sample(
+        self,
+        index: int,
+        u: np.ndarray,
+        v: np.ndarray,
+        interpolation: str = "LINEAR",
+        extension: str = "REPEAT",
+        association: str = "SEPARATE",
+    ) -> np.ndarray:
+        """RGBA (4, n) of image `index` at (u, v), each (n,); colours linear. The names are ImageTexture's."""
+        texels = self._prepared(index, multiplied=association != "SEPARATE")
+        height, width = self._images[index].pixels.shape[:2]
+        across = _Axis(u, width, interpolation, extension)
+        up = _Axis(v, height, interpolation, extension)
+        total: np.ndarray | None = None
+        for row, row_weight in up.taps:
+            for column, column_weight in across.taps:
+                part = texels.take(row * width + column, axis=0).astype(np.float64)
+                part *= (row_weight * column_weight)[:, None]
+                total = part if total is None else np.add(total, part, out=total)
+        assert total is not None
+        rgba = np.ascontiguousarray(total.T)
+        if association == "WEIGHTED":
+            rgba[:3] /= np.where(rgba[3] == 0, 1.0, rgba[3])
+        if self._images[index].encoding == "SRGB" and not self._decode_first:
+            rgba[:3] = srgb_decode(rgba[:3])
+        return rgba
+
+    def _prepared(self, index: int, multiplied: bool) -> np.ndarray:
+        """Texels (height * width, 4) as they are interpolated, made once."""
+        key = (index, multiplied)
+        if key not in self._texels:
+            image = self._images[index]
+            texels = image.pixels.reshape(-1, 4)
+            decode = image.encoding == "SRGB" and self._decode_first
+            if decode or multiplied:
+                texels = texels.astype(np.float32)
+                if decode:
+                    texels[:, :3] = srgb_decode(texels[:, :3])
+                if multiplied:
+                    texels[:, :3] *= texels[:, 3:]
+            self._texels[key] = texels
+        return self._texels[key]

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What materials ask of the geometry, so that only that is exported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields
+
+from ..scene.expressions import ZERO, Coordinates, Expression
+from ..scene.materials import Glossy, Material, Tangent
+from .fold import walk
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """Attributes that materials read: names of UV maps ('' is the active render map), and generated coordinates."""
+
+    uv_maps: frozenset[str]
+    generated: bool
+
+
+def requirements(materials: Iterable[Material]) -> Requirements:
+    """What `materials` read, through their textures and through the tangents of anisotropic lobes."""
+    uv_maps: set[str] = set()
+    generated = False
+    for material in materials:
+        for kind, uv_map in _reads(material):
+            if kind == "UV":
+                uv_maps.add(uv_map)
+            generated = generated or kind == "GENERATED"
+    return Requirements(frozenset(uv_maps), generated)
+
+
+def _reads(material: Material) -> Iterator[tuple[str, str]]:
+    """Kinds of coordinates, with the UV map where the kind is 'UV'."""
+    for lobe in material.lobes:
+        roots: list[Expression] = [lobe.weight]
+        roots.extend(
+            v for v in (getattr(lobe.closure, f.name) for f in fields(lobe.closure)) if isinstance(v, Expression)
+        )
+        for root in roots:
+            yield from ((node.kind, node.uv_map) for node in walk(root) if isinstance(node, Coordinates))
+        if isinstance(lobe.closure, Glossy) and lobe.closure.anisotropy != ZERO:
+            yield from _tangent_reads(lobe.closure.tangent)
+
+
+def _tangent_reads(tangent: Tangent) -> Iterator[tuple[str, str]]:
+    yield ("UV", tangent.uv_map) if tangent.kind == "UV" else ("GENERATED", "")
