@@ -2,7 +2,7 @@
 """Beckmann's distribution, isotropic and anisotropic.
 
 alpha_x, alpha_y in (0, 1], () or (n,): the documents' sigma, Blender's roughness squared (sqrt(2) times the rms slope).
-Uniforms in [0, 1).
+Uniforms in [0, 1].
 """
 
 from __future__ import annotations
@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import erfc, ndtri
 
+from ..sampling.tables import LARGEST_UNIFORM
 from ..sampling.warps import circle
+from .directions import FLOOR, normal_from_tangents, stretched_sine_squared
 from .masking import HIDDEN
-from .slopes import FLOOR, normal_from_tangents, stretched_sine_squared
 from .visible_slope import visible_tangent
 
 _SQRT_PI = float(np.sqrt(np.pi))
@@ -93,7 +94,8 @@ def sample_d_cos(
     The documents' example 2; the anisotropic lobe is the isotropic one stretched along x and y.
     """
     x, y = circle(u1)
-    tangent = np.negative(u2)
+    tangent = np.minimum(u2, LARGEST_UNIFORM)
+    np.negative(tangent, out=tangent)
     np.log1p(tangent, out=tangent)
     np.negative(tangent, out=tangent)
     np.sqrt(tangent, out=tangent)
@@ -121,7 +123,7 @@ def sample_visible(
     sine += across
     np.sqrt(sine, out=sine)
     along = visible_tangent(sine, np.maximum(wo[2], FLOOR, out=across), u1)
-    across = ndtri(np.maximum(u2, 2.0**-54, out=across), out=across)
+    across = ndtri(np.clip(u2, 0.5 - 0.5 * LARGEST_UNIFORM, LARGEST_UNIFORM, out=across), out=across)
     across *= np.sqrt(0.5)
     x /= sine
     y /= sine

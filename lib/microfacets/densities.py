@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-_TINY = 1e-100
+from .directions import FLOOR, dot
 
 
 def pdf_d_cos(m: np.ndarray, d: np.ndarray) -> np.ndarray:
@@ -24,11 +24,11 @@ def pdf_visible(m: np.ndarray, wo: np.ndarray, d: np.ndarray, lambda_o: np.ndarr
     `m`, `wo` (3, n) unit; `d` = D(m); `lambda_o` = Lambda(o) of the same distribution, (n,). Zero where wo lies below the
     horizon. For a density of wi the factor o.m cancels against `reflection_jacobian`.
     """
-    pdf = _dot(wo, m)
+    pdf = dot(wo, m)
     np.maximum(pdf, 0.0, out=pdf)
     pdf *= d
     projected = 1.0 + lambda_o
-    projected *= np.maximum(wo[2], _TINY)
+    projected *= np.maximum(wo[2], FLOOR)
     pdf /= projected
     return pdf
 
@@ -38,13 +38,6 @@ def reflection_jacobian(wo: np.ndarray, m: np.ndarray) -> np.ndarray:
 
     `wo`, `m` (3, n) unit. The documents sample m but estimate over wi: this is the factor that they leave out.
     """
-    jacobian = np.abs(_dot(wo, m))
-    np.maximum(jacobian, _TINY, out=jacobian)
+    jacobian = np.abs(dot(wo, m))
+    np.maximum(jacobian, FLOOR, out=jacobian)
     return np.divide(0.25, jacobian, out=jacobian)
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    product = a[0] * b[0]
-    product += a[1] * b[1]
-    product += a[2] * b[2]
-    return product

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """GGX (Trowbridge-Reitz, Walter et al. 2007), isotropic and anisotropic.
 
-alpha_x, alpha_y in (0, 1], () or (n,): the documents' sigma, Blender's roughness squared. Uniforms in [0, 1).
+alpha_x, alpha_y in (0, 1], () or (n,): the documents' sigma, Blender's roughness squared. Uniforms in [0, 1].
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..sampling.tables import LARGEST_UNIFORM
 from ..sampling.warps import circle
+from .directions import FLOOR, normal_from_tangents, stretched_sine_squared
 from .masking import HIDDEN
-from .slopes import FLOOR, normal_from_tangents, stretched_sine_squared
 
 
 def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
@@ -62,8 +63,8 @@ def sample_d_cos(
     Walter et al. 2007, eq. 35 and 36; the anisotropic lobe is the isotropic one stretched along x and y.
     """
     x, y = circle(u1)
-    tangent = np.subtract(1.0, u2)
-    np.divide(u2, tangent, out=tangent)
+    tangent = np.minimum(u2, LARGEST_UNIFORM)
+    tangent /= 1.0 - tangent
     np.sqrt(tangent, out=tangent)
     x *= tangent
     x *= alpha_x
@@ -107,7 +108,8 @@ def sample_visible(
     x *= alpha_x
     y += cap_y
     y *= alpha_y
-    z = np.subtract(1.0, u2, out=m[2])
+    z = np.minimum(u2, LARGEST_UNIFORM, out=m[2])
+    np.subtract(1.0, z, out=z)
     z *= above
     np.multiply(x, x, out=cap_x)
     cap_x += np.multiply(y, y, out=cap_y)

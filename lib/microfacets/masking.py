@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from .directions import FLOOR, dot
+
 HIDDEN = 1e100
 """Smith's Lambda of a direction below the horizon: 1 / (1 + Lambda) is nothing, and no product with it overflows."""
-
-_TINY = 1e-100
 
 
 def torrance_sparrow(wi: np.ndarray, wo: np.ndarray, m: np.ndarray) -> np.ndarray:
@@ -19,10 +19,10 @@ def torrance_sparrow(wi: np.ndarray, wo: np.ndarray, m: np.ndarray) -> np.ndarra
 
     `wi`, `wo`, `m` (3, n) unit. Zero where wi or wo lies below the horizon or sees the facet from behind.
     """
-    cos_im, cos_om = _dot(wi, m), _dot(wo, m)
+    cos_im, cos_om = dot(wi, m), dot(wo, m)
     behind = np.minimum(cos_im, cos_om) <= 0.0
-    np.maximum(cos_im, _TINY, out=cos_im)
-    np.maximum(cos_om, _TINY, out=cos_om)
+    np.maximum(cos_im, FLOOR, out=cos_im)
+    np.maximum(cos_om, FLOOR, out=cos_om)
     g = np.divide(wi[2], cos_im, out=cos_im)
     np.minimum(g, np.divide(wo[2], cos_om, out=cos_om), out=g)
     g *= m[2]
@@ -45,10 +45,3 @@ def height_correlated(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
     g = lambda_i + lambda_o
     g += 1.0
     return np.divide(1.0, g, out=g)
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    product = a[0] * b[0]
-    product += a[1] * b[1]
-    product += a[2] * b[2]
-    return product

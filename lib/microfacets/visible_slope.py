@@ -15,8 +15,10 @@ import functools
 import numpy as np
 from scipy.special import erf, erfc
 
+from ..sampling.tables import LARGEST_UNIFORM
+
 _VIEWS, _LEVELS = 128, 256  # cells of the table along 1 / (1 + a), and along u
-_LEAST, _MOST = 2.0**-54, 1.0 - 2.0**-53  # the u that have a finite logit
+_LEAST = 0.5 - 0.5 * LARGEST_UNIFORM  # with LARGEST_UNIFORM the bounds of the u that have a finite logit
 _SQRT_PI = float(np.sqrt(np.pi))
 _ABOVE_END = 1e-10  # how far above -a the step starts at least: at -a itself the density is zero
 
@@ -26,7 +28,7 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.n
 
     `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor; `u` in [0, 1].
     """
-    u = np.clip(u, _LEAST, _MOST)
+    u = np.clip(u, _LEAST, LARGEST_UNIFORM)
     cot = cosine / sine
     # With s + c = 1 nothing below overflows, and s is the table's coordinate.
     s = 1.0 + cot
@@ -119,7 +121,7 @@ def _table() -> tuple[np.ndarray, float]:
 
     The level of u is l / sqrt(2 + |l|) with l = log(u / (1 - u)): it goes to the ends as x does. Bisection: built once.
     """
-    limit = np.log(_MOST / (1.0 - _MOST))
+    limit = np.log(LARGEST_UNIFORM / (1.0 - LARGEST_UNIFORM))
     largest = limit / np.sqrt(2.0 + limit) * (1.0 + 1e-6)
     level = np.linspace(-largest, largest, _LEVELS + 1)
     square = level * level

@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directions by their tangents x = m.x / m.z and y = m.y / m.z (the surface's slopes, negated)."""
+"""What all microfacet kernels ask of directions: a dot product, tangents, the sine on a stretched surface."""
 
 from __future__ import annotations
 
 import numpy as np
 
-FLOOR = 1e-100
-"""Stands for a cosine of zero or less where one divides: no sum of its powers up to the third overflows."""
+FLOOR = 1e-70
+"""Stands for a cosine of zero or less where one divides: its fourth power still has a reciprocal."""
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Dot product of (3, n) and (3, n), (n,)."""
+    product = a[0] * b[0]
+    product += a[1] * b[1]
+    product += a[2] * b[2]
+    return product
 
 
 def normal_from_tangents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(x, y, 1) normalised, (3, n), from (n,) arrays."""
+    """Normal whose tangents m.x / m.z and m.y / m.z (the surface's slopes, negated) are `x` and `y`, (n,): (3, n)."""
     m = np.empty((3, x.shape[0]))
     z = np.multiply(x, x, out=m[2])
     np.multiply(y, y, out=m[1])
