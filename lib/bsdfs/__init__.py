@@ -1,2 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures in the local frame: evaluate (with the cosine), pdf (per steradian of wi), sample."""
+"""Closures in the local frame, +z the shading normal on the viewer's side.
+
+A lobe is made for the `wo` of some points and then asked three things:
+`evaluate(wi)` -> f |cos theta_i| and the density of its own sampling, per steradian of wi;
+`sample(u1, u2)` -> wi, weight = f |cos| / pdf, pdf;
+`part(index)` -> the same lobe at fewer points.
+A `delta` lobe has density inf and evaluates to nothing. Colours multiply outside, except where a model needs them.
+"""

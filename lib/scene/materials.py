@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .expressions import ONE, WHITE, ZERO, Expression
+from .expressions import ONE, WHITE, ZERO, Constant, Expression
 
 
 class Closure:
@@ -51,6 +51,11 @@ class Glossy(Closure):
     anisotropy: Expression = ZERO
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
+
+    @property
+    def is_anisotropic(self) -> bool:
+        """Whether the tangent matters: any anisotropy but a constant that counts as none (at most 1e-4, as in Cycles)."""
+        return not (isinstance(self.anisotropy, Constant) and abs(self.anisotropy.value) <= 1e-4)
 
 
 @dataclass(frozen=True)

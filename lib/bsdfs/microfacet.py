@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Microfacet reflection: f = D(m) G(wi, wo, m) / (4 |wi.n| |wo.n|), and the strategies that sample it.
+
+Fresnel is not part of it: Blender's Glossy BSDF has none, and a coloured factor multiplies outside.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+
+from ..microfacets import masking
+from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
+
+
+def _part(value: np.ndarray, index: np.ndarray) -> np.ndarray:
+    return value if np.ndim(value) == 0 else np.take(value, index)
+
+
+class MicrofacetReflection:
+    """One glossy lobe; `distribution` is a module of lib.microfacets, alpha_x and alpha_y () or (n,).
+
+    `strategy`: 'visible', 'd_cos', 'cosine', 'uniform'; `masking_form`: 'correlated', 'separable', 'torrance_sparrow'.
+    """
+
+    delta = False
+
+    def __init__(
+        self,
+        wo: np.ndarray,
+        alpha_x: np.ndarray,
+        alpha_y: np.ndarray,
+        distribution: ModuleType,
+        masking_form: str,
+        strategy: str,
+    ) -> None:
+        self._wo, self._alpha = wo, (alpha_x, alpha_y)
+        self._distribution, self._masking, self._strategy = distribution, masking_form, strategy
+        self._lambda_o = distribution.smith_lambda(wo, alpha_x, alpha_y)
+        self._above = wo[2] > 0.0
+        self._cos_o = np.where(self._above, wo[2], 1.0)
+
+    def _shadowing(self, wi: np.ndarray, m: np.ndarray) -> np.ndarray:
+        """G(wi, wo, m) in the chosen form."""
+        if self._masking == "torrance_sparrow":
+            return masking.torrance_sparrow(wi, self._wo, m)
+        lambda_i = self._distribution.smith_lambda(wi, *self._alpha)
+        form = masking.height_correlated if self._masking == "correlated" else masking.separable
+        return form(lambda_i, self._lambda_o)
+
+    def _pdf(self, wi: np.ndarray, m: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Density per steradian of wi of the chosen strategy; `m` is the half vector."""
+        if self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
+            return d / ((1.0 + self._lambda_o) * (4.0 * self._cos_o))
+        if self._strategy == "d_cos":  # the documents' pdf(m) = D cos, times the Jacobian they leave out
+            return d * m[2] / (4.0 * np.abs(_dot(self._wo, m)))
+        if self._strategy == "cosine":
+            return np.maximum(wi[2], 0.0) * (1.0 / np.pi)
+        return np.full(wi.shape[1], 0.5 / np.pi)
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F |cos| and density, (n,); zero below the surface."""
+        m = wi + self._wo
+        length = np.sqrt(_dot(m, m))
+        m /= np.where(length > 0.0, length, 1.0)
+        d = self._distribution.density(m, *self._alpha)
+        lit = (wi[2] > 0.0) & self._above
+        pdf = np.where(lit, self._pdf(wi, m, d), 0.0)
+        d *= self._shadowing(wi, m)
+        d /= 4.0 * self._cos_o
+        return np.where(lit, d, 0.0), pdf
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, weight f |cos| / pdf, density."""
+        if self._strategy in ("cosine", "uniform"):
+            wi = (cosine_hemisphere if self._strategy == "cosine" else uniform_hemisphere)(u1, u2)
+            value, pdf = self.evaluate(wi)
+            return wi, value / np.maximum(pdf, 1e-300), pdf
+        wo, alpha = self._wo, self._alpha
+        if self._strategy == "visible":
+            m = self._distribution.sample_visible(wo, *alpha, u1, u2)
+        else:
+            m = self._distribution.sample_d_cos(*alpha, u1, u2)
+        cos_om = _dot(wo, m)
+        wi = m * (2.0 * cos_om)
+        wi -= wo
+        lit = (wi[2] > 0.0) & self._above & (cos_om > 0.0)
+        weight = self._shadowing(wi, m)
+        if self._strategy == "visible":  # D cancels: G2 / G1(wo)
+            weight *= 1.0 + self._lambda_o
+        else:
+            weight *= cos_om / (self._cos_o * m[2])
+        pdf = self._pdf(wi, m, self._distribution.density(m, *alpha))
+        return wi, np.where(lit, weight, 0.0), pdf
+
+    def part(self, index: np.ndarray) -> MicrofacetReflection:
+        """The same lobe at fewer points."""
+        alpha_x, alpha_y = (_part(a, index) for a in self._alpha)
+        wo = np.take(self._wo, index, axis=1)
+        return MicrofacetReflection(wo, alpha_x, alpha_y, self._distribution, self._masking, self._strategy)
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    product = a[0] * b[0]
+    product += a[1] * b[1]
+    product += a[2] * b[2]
+    return product

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several lobes at one point: one is picked to be sampled, all are counted (one-sample model, Veach 1997, section 9.2.4)."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+
+class Lobe(Protocol):
+    """What every closure offers; see the folder's docstring."""
+
+    delta: bool
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Value f |cos| and density."""
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, weight, density."""
+
+    def part(self, index: np.ndarray) -> Lobe:
+        """The same lobe at fewer points."""
+
+
+class Mixture:
+    """Coloured lobes; `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour."""
+
+    def __init__(self, lobes: list[Lobe], colors: list[np.ndarray], size: int) -> None:
+        self._lobes, self._colors, self._size = lobes, colors, size
+        self.all_delta = all(lobe.delta for lobe in lobes)
+        if len(lobes) > 1:
+            weight = np.stack([np.broadcast_to(np.abs(color).mean(axis=0), (size,)) for color in colors])
+            total = weight.sum(axis=0)
+            self._share = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Coloured value f |cos| (3, n) and the density (n,) of `sample`, deltas left out."""
+        if len(self._lobes) == 1:
+            value, pdf = self._lobes[0].evaluate(wi)
+            return self._colors[0] * value, pdf
+        value, pdf = np.zeros_like(wi), np.zeros(self._size)
+        for lobe, color, share in zip(self._lobes, self._colors, self._share, strict=True):
+            if not lobe.delta:
+                one, density = lobe.evaluate(wi)
+                value += color * one
+                pdf += share * density
+        return value, pdf
+
+    def sample(self, pick: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction (3, n), coloured weight (3, n), density (n,), which is infinite where a delta lobe was picked."""
+        if len(self._lobes) == 1:
+            wi, weight, pdf = self._lobes[0].sample(u1, u2)
+            return wi, self._colors[0] * weight, pdf
+        wi, weight, pdf = np.zeros((3, self._size)), np.zeros((3, self._size)), np.zeros(self._size)
+        chosen = (pick >= np.cumsum(self._share, axis=0)[:-1]).sum(axis=0)
+        for k, lobe in enumerate(self._lobes):
+            index = np.flatnonzero(chosen == k)
+            if index.size:
+                self._sample_one(k, lobe.part(index), index, (u1[index], u2[index]), (wi, weight, pdf))
+        return wi, weight, pdf
+
+    def _sample_one(
+        self,
+        k: int,
+        lobe: Lobe,
+        index: np.ndarray,
+        uniforms: tuple[np.ndarray, np.ndarray],
+        out: tuple[np.ndarray, np.ndarray, np.ndarray],
+    ) -> None:
+        """Sample lobe `k` where it was picked, and weigh the direction by all lobes; fills `out` at `index`."""
+        direction, factor, density = lobe.sample(*uniforms)
+        color = _at(self._colors[k], index)
+        share = self._share[k, index]
+        if lobe.delta:
+            total_weight, total_pdf = color * factor / share, density
+        else:
+            total_pdf = share * density
+            value = color * (factor * density)
+            for j, other in enumerate(self._lobes):
+                if j != k and not other.delta:
+                    one, other_density = other.part(index).evaluate(direction)
+                    value += _at(self._colors[j], index) * one
+                    total_pdf += self._share[j, index] * other_density
+            total_weight = value / np.where(total_pdf > 0.0, total_pdf, 1.0)
+        wi, weight, pdf = out
+        wi[:, index], weight[:, index], pdf[index] = direction, total_weight, total_pdf
+
+
+def _at(color: np.ndarray, index: np.ndarray) -> np.ndarray:
+    return color if color.shape[1] == 1 else np.take(color, index, axis=1)

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Padded, Owen-scrambled Sobol' pairs, and plain random pairs behind the same two methods.
+
+Every decision of a path (pixel filter, lens, lobe, light, ...) is one *dimension*: a pair of uniforms. For each
+dimension a replicate holds a few point sets, each its own nested uniform scrambling of the first two Sobol' dimensions in
+its own random order (padding: two dimensions of one path are independent). A pixel picks a set by a hash and shifts it digitally
+(XOR) by another: pixels are then independent of each other given the sets, and every point is uniform by the shift alone, so that each
+pixel is unbiased.
+
+Owen 1995, "Randomly permuted (t,m,s)-nets"; Kollig and Keller 2002, padded (0,2)-sequences; Burley 2020 for hashing the scrambling.
+"""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+from scipy.stats import qmc
+
+SETS = 32
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+
+
+def hash64(key: np.ndarray) -> np.ndarray:
+    """Mix unsigned 64-bit integers; the finaliser of SplitMix64 (Steele, Lea and Flood 2014)."""
+    key = np.asarray(key, np.uint64)
+    with np.errstate(over="ignore"):
+        key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return key ^ (key >> np.uint64(31))
+
+
+def stream_key(*parts: int) -> np.uint64:
+    """One 64-bit key from a few integers (seed, replicate, dimension)."""
+    key = np.zeros(1, np.uint64)
+    for part in parts:
+        with np.errstate(over="ignore"):
+            key = hash64(key + _GOLDEN * np.uint64((part + 1) & 0xFFFFFFFFFFFFFFFF))
+    return key[0]
+
+
+def sobol_pairs(log2_count: int) -> np.ndarray:
+    """The first 2**log2_count points of the first two Sobol' dimensions, (2, n) uint32."""
+    points = qmc.Sobol(2, scramble=False, bits=32).random_base2(log2_count)
+    return np.ascontiguousarray((points * 4294967296.0).astype(np.uint32).T)
+
+
+def owen_scramble(points: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """Nested uniform scrambling (Owen 1995): each bit is flipped by a hash of all bits above it.
+
+    `points` uint32, broadcast against the uint64 `keys`, one key per scrambling.
+    """
+    points = np.asarray(points, np.uint64)
+    scrambled = np.zeros(np.broadcast_shapes(points.shape, keys.shape), np.uint64)
+    for bit in range(32):
+        above = (points >> np.uint64(32 - bit)) | np.uint64(1 << bit)  # the leading one tells the level
+        with np.errstate(over="ignore"):
+            flip = hash64(keys + _GOLDEN * above) >> np.uint64(63)
+        scrambled |= (((points >> np.uint64(31 - bit)) & np.uint64(1)) ^ flip) << np.uint64(31 - bit)
+    return scrambled.astype(np.uint32)
+
+
+class SobolSampler:
+    """Uniform pairs for one replicate of `samples` samples per pixel.
+
+    Powers of two stratify best; any other count takes a random part of the next power of two, which leaves it unbiased.
+    """
+
+    def __init__(self, seed: int, replicate: int, samples: int) -> None:
+        self.samples = samples
+        self._seed, self._replicate = seed, replicate
+        self._log2 = max(samples - 1, 0).bit_length()
+        self._base = sobol_pairs(self._log2)
+        self._tables: dict[int, np.ndarray] = {}
+        self._lock = threading.Lock()
+
+    def _table(self, dimension: int) -> np.ndarray:
+        """The point sets of one dimension, (2, SETS * n) uint32."""
+        table = self._tables.get(dimension)
+        if table is None:
+            with self._lock:
+                table = self._tables.get(dimension)
+                if table is None:
+                    table = self._tables[dimension] = self._make_table(dimension)
+        return table
+
+    def _make_table(self, dimension: int) -> np.ndarray:
+        key = stream_key(self._seed, self._replicate, dimension)
+        order = np.random.default_rng(int(key))
+        count = self._base.shape[1]
+        with np.errstate(over="ignore"):
+            keys = hash64(key + _GOLDEN * np.arange(1, 2 * SETS + 1, dtype=np.uint64)).reshape(2, SETS, 1)
+        points = owen_scramble(self._base[:, None, :], keys)
+        shuffled = order.permuted(np.broadcast_to(np.arange(count), (SETS, count)), axis=1)
+        return np.take_along_axis(points, shuffled[None], axis=2).reshape(2, SETS * count)
+
+    def tile(self, pixels: np.ndarray) -> SobolTile:
+        """The sampler's view of some pixels, given by their index in the image."""
+        return SobolTile(self, np.asarray(pixels, np.uint64))
+
+
+class SobolTile:
+    """Pairs for the paths of one tile; a path is a local pixel index and a sample index."""
+
+    def __init__(self, sampler: SobolSampler, pixels: np.ndarray) -> None:
+        self._sampler = sampler
+        with np.errstate(over="ignore"):
+            self._pixel_keys = hash64(pixels * _GOLDEN + stream_key(sampler._seed, sampler._replicate, -2))
+
+    def pair(self, dimension: int, pixel: np.ndarray, sample: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Two uniforms in (0, 1) for each path, float64 (n,); `pixel` and `sample` are (n,) intp."""
+        sampler = self._sampler
+        table = sampler._table(dimension)
+        with np.errstate(over="ignore"):
+            key = hash64(self._pixel_keys + _GOLDEN * np.uint64(dimension + 1))
+        count = table.shape[1] // SETS
+        start = (hash64(key) % np.uint64(SETS)).astype(np.intp) * count
+        shift = np.ascontiguousarray(key.view(np.uint32).reshape(-1, 2).T)
+        index = np.take(start, pixel)
+        index += sample
+        return _uniform(table[0], index, shift[0], pixel), _uniform(table[1], index, shift[1], pixel)
+
+
+def _uniform(table: np.ndarray, index: np.ndarray, shift: np.ndarray, pixel: np.ndarray) -> np.ndarray:
+    """Shifted table entries as the midpoints of 2**-32 wide cells: never 0, never 1."""
+    bits = np.take(table, index)
+    bits ^= np.take(shift, pixel)
+    u = bits * 2.0**-32
+    u += 2.0**-33
+    return u
+
+
+class RandomSampler:
+    """Plain independent uniforms behind the same interface, for showing what stratification buys."""
+
+    def __init__(self, seed: int, replicate: int, samples: int) -> None:
+        self.samples = samples
+        self._key = int(stream_key(seed, replicate, -1))
+
+    def tile(self, pixels: np.ndarray) -> RandomTile:
+        """The sampler's view of some pixels; their first index seeds the tile."""
+        return RandomTile(np.random.default_rng([self._key, int(pixels[0])]))
+
+
+class RandomTile:
+    """Independent pairs for the paths of one tile."""
+
+    def __init__(self, generator: np.random.Generator) -> None:
+        self._generator = generator
+
+    def pair(self, dimension: int, pixel: np.ndarray, sample: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Two uniforms in [0, 1) for each path, float64 (n,)."""
+        return self._generator.random(pixel.shape[0]), self._generator.random(pixel.shape[0])

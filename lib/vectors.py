@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vectors of shape (3, n): products, normalisation, local frames."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar product, (n,)."""
+    product = a[0] * b[0]
+    product += a[1] * b[1]
+    product += a[2] * b[2]
+    return product
+
+
+def normalize(v: np.ndarray) -> np.ndarray:
+    """Unit vectors, (3, n); a zero vector stays zero."""
+    length = np.sqrt(dot(v, v))
+    return v / np.where(length > 0.0, length, 1.0)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vector product, (3, n)."""
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[j], b[k], out=product[i])
+        product[i] -= a[k] * b[j]
+    return product
+
+
+def orthonormal_basis(n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit vectors across `n`, right-handed with it; Duff et al. 2017, listing 3."""
+    x, y, z = n
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y
+    b *= a
+    t, s = np.empty_like(n), np.empty_like(n)
+    a_sign = sign * a
+    np.multiply(x, x, out=t[0])
+    t[0] *= a_sign
+    t[0] += 1.0
+    np.multiply(sign, b, out=t[1])
+    np.multiply(sign, x, out=t[2])
+    np.negative(t[2], out=t[2])
+    s[0] = b
+    np.multiply(y, y, out=s[1])
+    s[1] *= a
+    s[1] += sign
+    np.negative(y, out=s[2])
+    return t, s
+
+
+def to_local(v: np.ndarray, t: np.ndarray, s: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """Components of `v` along t, s, n, (3, n)."""
+    local = np.empty_like(v)
+    scratch = np.empty(v.shape[1])
+    for axis, row in zip((t, s, n), local, strict=True):
+        np.multiply(axis[0], v[0], out=row)
+        np.multiply(axis[1], v[1], out=scratch)
+        row += scratch
+        np.multiply(axis[2], v[2], out=scratch)
+        row += scratch
+    return local
+
+
+def to_world(v: np.ndarray, t: np.ndarray, s: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """The vector with components `v` along t, s, n, (3, n)."""
+    world = np.empty_like(v)
+    scratch = np.empty(v.shape[1])
+    for k, row in enumerate(world):
+        np.multiply(t[k], v[0], out=row)
+        np.multiply(s[k], v[1], out=scratch)
+        row += scratch
+        np.multiply(n[k], v[2], out=scratch)
+        row += scratch
+    return world

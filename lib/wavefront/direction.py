@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directions as the context of the world's expressions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class Directions:
+    """Unit directions (3, n) out of the scene; every kind of coordinates is the direction itself."""
+
+    def __init__(self, direction: np.ndarray) -> None:
+        self._direction = direction
+        self.size = direction.shape[1]
+        self.cos_wo = np.ones(self.size)
+        self.backfacing = np.zeros(self.size, bool)
+
+    def coordinates(self, kind: str, uv_map: str = "") -> np.ndarray:
+        """The direction, (3, n)."""
+        return self._direction

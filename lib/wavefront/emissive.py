@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Emissive triangles as one light: which faces emit, how much by estimate, and what exactly at a sampled point."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..lights.light import LightSample, luminance
+from ..lights.triangles import EmissiveTriangles
+from ..vectors import cross, dot
+from .materials import PreparedMaterial
+from .surface import SurfacePoints, SurfaceTables
+
+
+class EmissiveMesh:
+    """All emissive faces; a light sampler whose radiance is the material's own emission at the sampled point."""
+
+    delta = False
+    visible_camera = True
+
+    def __init__(self, tables: SurfaceTables, materials: list[PreparedMaterial], planes: np.ndarray) -> None:
+        self._tables, self._materials = tables, materials
+        mesh = tables.mesh
+        emitting = np.array([m.emits for m in materials])
+        triangles = np.flatnonzero(emitting[mesh.material_index])
+        a, b, c = mesh.triangles[:, triangles]
+        corner = np.take(mesh.vertices, a, axis=1)
+        edges = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
+        self._normal, self._plane_of = planes[:3, triangles], np.full(mesh.triangle_count, -1, np.intp)
+        self._plane_of[triangles] = np.arange(triangles.size)
+        self._offset = planes[4, triangles]
+        normal = cross(*edges)
+        flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edges)  # both faces
+        self._sampler = EmissiveTriangles(corner, *edges, triangles, flux)
+        self.power = self._sampler.power
+
+    def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edges: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Luminance of the emission at each triangle's middle, with a floor so that nothing that emits is left out."""
+        third = np.full(triangles.size, 1.0 / 3.0)
+        middle = corner + (edges[0] + edges[1]) / 3.0
+        points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
+        estimate = np.maximum(luminance(self._radiance(points)), 0.0)
+        return np.maximum(estimate, 0.05 * max(float(estimate.max(initial=0.0)), 1e-30))
+
+    def _radiance(self, points: SurfacePoints) -> np.ndarray:
+        radiance = np.zeros((3, points.size))
+        material = np.take(self._tables.mesh.material_index, points.triangle)
+        for k in np.unique(material):
+            index = np.flatnonzero(material == k)
+            radiance[:, index] = self._materials[k].emission(points.at(index))
+        return radiance
+
+    def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """A direction to a point on an emissive face; the distance ends just short of it."""
+        found = self._sampler.sample(point, u1, u2)
+        local = self._plane_of[found.triangle]
+        position = point + found.wi * found.distance
+        points = SurfacePoints(
+            self._tables, found.triangle, found.b1, found.b2, position, np.take(self._normal, local, axis=1), -found.wi
+        )
+        reach = found.distance * (1.0 - 2.0**-20) - 2.0 * np.take(self._offset, local)
+        return LightSample(found.wi, reach, self._radiance(points), found.pdf)
+
+    def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
+        """Density per steradian with which `sample` gives a direction that hit `triangle` at `distance`."""
+        return self._sampler.pdf_of_hit(triangle, distance, cos_light)

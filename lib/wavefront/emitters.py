@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage: light that rays meet by themselves, lights along the way, emissive faces, the sky; weighed against light sampling."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..sampling.mis import power_heuristic
+from ..vectors import dot
+from .kernel import Kernel
+from .paths import Paths
+from .raycaster import Hits
+from .sums import PixelSums
+from .surface import SurfacePoints
+
+
+class Emitters:
+    """Collects emission along rays into pixel sums."""
+
+    def __init__(self, kernel: Kernel, sums: PixelSums) -> None:
+        self._kernel, self._sums = kernel, sums
+
+    def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
+        """The power heuristic for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
+        if self._kernel.options.direct == "mis":
+            return power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
+        if self._kernel.options.direct == "bsdf":
+            return np.ones_like(pdf)
+        return np.where(np.isinf(pdf), 1.0, 0.0)  # only deltas and the camera see what light sampling covers
+
+    def lights_met(self, paths: Paths, hits: Hits) -> None:
+        """Light objects in front of the nearest face; they are transparent, so all of them count."""
+        origin = paths.origin if paths.scatter_origin is None else paths.scatter_origin
+        for k, light in enumerate(self._kernel.lights):
+            if light.delta or light in (self._kernel.environment, self._kernel.emissive):
+                continue
+            distance, radiance = light.intersect(paths.origin, paths.direction)
+            met = distance < hits.distance
+            met |= np.isinf(distance) & np.isinf(hits.distance) & radiance.any(axis=0)
+            if not light.visible_camera:
+                met &= ~_from_camera(paths)
+            index = np.flatnonzero(met)
+            if index.size == 0:
+                continue
+            direction, reach = np.take(paths.direction, index, axis=1), distance[index]
+            if paths.travelled is not None:
+                reach = reach + paths.travelled[index]
+            density = light.pdf(np.take(origin, index, axis=1), direction, reach)
+            arriving = np.take(radiance, index, axis=1) * np.take(paths.throughput, index, axis=1)
+            arriving *= self._weight(paths.pdf[index], k, density)
+            self._sums.add(paths.pixel[index], arriving)
+
+    def sky(self, paths: Paths, escaped: np.ndarray) -> None:
+        """The world, for the rays at `escaped` that left the scene."""
+        kernel = self._kernel
+        if escaped.size == 0 or (kernel.sky is None and kernel.environment is None):
+            return
+        throughput = np.take(paths.throughput, escaped, axis=1)
+        if kernel.sky is not None:  # no light sampling competes for a constant sky
+            self._sums.add(paths.pixel[escaped], throughput * kernel.sky)
+            return
+        direction = np.take(paths.direction, escaped, axis=1)
+        reach, radiance = kernel.environment.intersect(direction, direction)
+        density = kernel.environment.pdf(direction, direction, reach)
+        throughput *= radiance
+        throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
+        self._sums.add(paths.pixel[escaped], throughput)
+
+    def faces(
+        self, paths: Paths, points: SurfacePoints, distance: np.ndarray, start: int, stop: int, material: int
+    ) -> None:
+        """Emissive faces: `points` are the hits from `start` to `stop` of `paths`, all of one material."""
+        kernel = self._kernel
+        arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
+        pdf = paths.pdf[start:stop]
+        if kernel.emissive is not None and not np.all(np.isinf(pdf)):
+            reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]
+            density = kernel.emissive.pdf_of_hit(points.triangle, reach, np.abs(dot(points.ng, points.wo)))
+            arriving *= self._weight(pdf, kernel.lights.index(kernel.emissive), density)
+        self._sums.add(paths.pixel[start:stop], arriving)
+
+
+def _from_camera(paths: Paths) -> np.ndarray:
+    """Rays that no surface has scattered yet; a camera ray's density is infinite and it has counted no scattering."""
+    if paths.scatterings is not None:
+        return paths.scatterings == 0
+    return np.full(paths.size, paths.at_camera)

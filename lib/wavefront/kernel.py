@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene made ready for tracing: acceleration structure, prepared materials, light samplers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects.plan import Plan
+from ..lights.build import light_samplers
+from ..lights.environment import EnvironmentSampler
+from ..lights.selection import LightSelection
+from ..scene.scene import Scene
+from ..textures.evaluate import evaluate
+from ..textures.fold import fold
+from ..textures.images import ImageSet
+from .direction import Directions
+from .emissive import EmissiveMesh
+from .materials import PreparedMaterial
+from .options import Options
+from .raycaster import Raycaster
+from .surface import SurfacePoints, SurfaceTables
+
+
+class Kernel:
+    """Everything that tiles share; read-only once made.
+
+    `lights` are the samplers of light objects, then the environment's, then the emissive mesh's, as far as the plan calls for them;
+    `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None.
+    """
+
+    def __init__(self, scene: Scene, plan: Plan, options: Options) -> None:
+        self.scene, self.plan, self.options = scene, plan, options
+        self.caster = Raycaster(scene.mesh)
+        self.tables = SurfaceTables(scene.mesh)
+        self.images = ImageSet(scene.images)
+        self.materials = [PreparedMaterial(m, self.images, options) for m in scene.materials]
+        self.material_of = scene.mesh.material_index.astype(np.int16)
+        radius = 0.5 * float(np.linalg.norm(np.ptp(scene.mesh.vertices, axis=1)))
+        self.lights = light_samplers(scene.lights, radius)
+        self.sky: np.ndarray | None = None
+        self.environment: EnvironmentSampler | None = None
+        if plan.needs("constant world"):
+            world = np.asarray(fold(scene.world.radiance).value, np.float64)
+            self.sky = np.maximum(np.broadcast_to(world, (3,)), 0.0)[:, None]
+        if plan.needs("environment world"):
+            self.environment = EnvironmentSampler(self._world, scene.world.table_resolution, radius)
+            self.lights.append(self.environment)
+        self.emissive: EmissiveMesh | None = None
+        if plan.needs("mesh lights"):
+            self.emissive = EmissiveMesh(self.tables, self.materials, self.caster.planes)
+            self.lights.append(self.emissive)
+        self.selection = LightSelection(self.lights) if self.lights else None
+        self.light_is_delta = np.array([light.delta for light in self.lights], bool)
+        # Light sampling is called for by lights that nothing else finds, and wherever it is one of the strategies.
+        self.samples_lights = bool(self.light_is_delta.any()) or (bool(self.lights) and options.direct != "bsdf")
+
+    def _world(self, direction: np.ndarray) -> np.ndarray:
+        """The world's radiance from unit directions (3, n)."""
+        radiance = evaluate(self.scene.world.radiance, Directions(direction), self.images)
+        return np.broadcast_to(np.maximum(radiance, 0.0), direction.shape)
+
+    def transparency(self, points: SurfacePoints) -> np.ndarray:
+        """Straight-through factor at points of any materials, (3, n)."""
+        factor = np.zeros((3, points.size))
+        material = np.take(self.material_of, points.triangle)
+        for k in np.unique(material):
+            if self.materials[k].transparent:
+                index = np.flatnonzero(material == k)
+                factor[:, index] = self.materials[k].transparency(points.at(index))
+        return factor

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The state of the paths that are still under way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class Paths:
+    """Rays to be traced and what they carry; all arrays over the same n paths.
+
+    pixel, sample: indices within the tile, intp. origin, direction, throughput (3, n). pdf (n,): the density with which the direction was
+    sampled, inf for camera rays and delta lobes. The next four are kept only where surfaces can be transparent, else
+    None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. `at_camera` says that
+    these are the camera rays themselves.
+    """
+
+    pixel: np.ndarray
+    sample: np.ndarray
+    origin: np.ndarray
+    direction: np.ndarray
+    throughput: np.ndarray
+    pdf: np.ndarray
+    scatter_origin: np.ndarray | None = None
+    travelled: np.ndarray | None = None
+    scatterings: np.ndarray | None = None
+    passed: np.ndarray | None = None
+    at_camera: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of paths."""
+        return self.pixel.shape[0]
+
+    def take(self, index: np.ndarray) -> Paths:
+        """The paths at `index`, as copies."""
+        return Paths(
+            **{k: np.take(a, index, axis=-1) if isinstance(a, np.ndarray) else a for k, a in vars(self).items()}
+        )
+
+    @staticmethod
+    def joined(first: Paths, second: Paths) -> Paths:
+        """Both sets of paths, one after the other."""
+        if first.size == 0:
+            return second
+        pairs = {k: (a, getattr(second, k)) for k, a in vars(first).items()}
+        return Paths(
+            **{k: np.concatenate(ab, axis=-1) if isinstance(ab[0], np.ndarray) else ab[0] for k, ab in pairs.items()}
+        )

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage: rays against triangles, by Embree in float32, made good in float64.
+
+The scene is moved to its centre and scaled to unit size in float64 before it is rounded, so that a scene far from the
+origin, or a tiny one, loses nothing. Embree decides which triangle is hit; the point itself is then put on that triangle's plane in
+float64, and rays that leave it start off the plane by what float32 can resolve there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+
+from ..scene.mesh import Mesh
+from ..vectors import cross
+
+_FLOAT32_STEP = 2.0**-23
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Closest hits: triangle (n,) int32 with -1 for a miss, distance (n,) with inf for a miss, Embree's barycentrics u, v (n,)."""
+
+    triangle: np.ndarray
+    distance: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+
+
+class Raycaster:
+    """Embree over one mesh."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        corners = mesh.vertices
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        self._center = (0.5 * (low + high))[:, None]
+        self._scale = 1.0 / max(float(np.max(high - low)), np.finfo(np.float64).tiny)
+        unit = ((corners - self._center) * self._scale).T.astype(np.float32)
+        self._scene = EmbreeScene()
+        self._mesh = TriangleMesh(
+            self._scene, np.ascontiguousarray(unit), np.ascontiguousarray(mesh.triangles.T, np.int32)
+        )
+        self.planes = _planes(mesh, self._center, np.abs(unit).max(axis=1) / self._scale)
+        self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # builds the tree, before threads do
+
+    def _origins(self, origin: np.ndarray) -> np.ndarray:
+        rounded = np.empty((origin.shape[1], 3), np.float32)
+        for k in range(3):
+            row = origin[k] - self._center[k]
+            row *= self._scale
+            rounded[:, k] = row
+        return rounded
+
+    def closest(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray | None = None) -> Hits:
+        """First triangle along each ray; `reach` (n,) ends a ray early."""
+        directions = _rounded(direction)
+        far = None if reach is None else (reach * self._scale).astype(np.float32)
+        out = self._scene.run(self._origins(origin), directions, dists=far, output=True)
+        triangle = out["primID"]
+        distance = out["tfar"] / self._scale
+        distance[triangle < 0] = np.inf
+        return Hits(triangle, distance, out["u"], out["v"])
+
+    def occluded(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """Whether anything stands before distance `reach` (inf allowed), (n,) bool."""
+        far = np.minimum(reach * self._scale, 1e37).astype(np.float32)
+        return self._scene.run(self._origins(origin), _rounded(direction), dists=far, query="OCCLUDED") >= 0
+
+    def on_plane(self, triangle: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The point moved along the normal onto its triangle's plane, the geometric normal, and the safe offset (n,)."""
+        plane = np.take(self.planes, triangle, axis=1)
+        ng = plane[:3]
+        height = plane[3]
+        for k in range(3):
+            height -= (point[k] - self._center[k]) * ng[k]
+        placed = np.empty_like(point)
+        for k in range(3):
+            np.multiply(ng[k], height, out=placed[k])
+            placed[k] += point[k]
+        return placed, ng, plane[4]
+
+
+def _rounded(direction: np.ndarray) -> np.ndarray:
+    rounded = np.empty((direction.shape[1], 3), np.float32)
+    for k in range(3):
+        rounded[:, k] = direction[k]
+    return rounded
+
+
+def _planes(mesh: Mesh, center: np.ndarray, magnitude: np.ndarray) -> np.ndarray:
+    """Rows: unit geometric normal (3), plane distance from `center`, offset that float32 can resolve; (5, t).
+
+    `magnitude` (v,) is each vertex's largest coordinate after centring.
+    """
+    a, b, c = mesh.triangles
+    corner = np.take(mesh.vertices, a, axis=1)
+    normal = cross(np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner)
+    length = np.sqrt((normal * normal).sum(axis=0))
+    normal /= np.where(length > 0.0, length, 1.0)
+    planes = np.empty((5, mesh.triangle_count))
+    planes[:3] = normal
+    planes[3] = (normal * (corner - center)).sum(axis=0)
+    planes[4] = 3.0 * _FLOAT32_STEP * np.maximum(np.maximum(magnitude[a], magnitude[b]), magnitude[c])
+    return planes

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reference renderer: replicates of an image, tile by tile over a pool of threads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from ..effects.plan import Plan, make_plan
+from ..film.rendering import Rendering
+from ..sampling.sobol import RandomSampler, SobolSampler
+from ..scene.scene import Scene
+from .kernel import Kernel
+from .options import Options
+from .sums import PixelSums, StageClock
+from .trace import Tracer
+
+
+class Cancelled(Exception):
+    """The caller asked to stop; nothing of the replicate is kept."""
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Pixels `first` to `last` of the row-major image, samples `start` to `stop` of each."""
+
+    first: int
+    last: int
+    start: int
+    stop: int
+
+
+def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
+    """Cover all samples of all pixels with tiles of at most `paths` paths."""
+    depth = min(samples, paths)
+    wide = max(paths // depth, 1)
+    for first in range(0, pixels, wide):
+        for start in range(0, samples, depth):
+            yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
+
+
+class ReferenceRenderer:
+    """The scene by the book. One object renders any number of replicates; each has its own scrambling."""
+
+    name = "reference"
+
+    def __init__(self, scene: Scene, options: Options = Options(), plan: Plan | None = None) -> None:  # noqa: B008
+        self.scene, self.options = scene, options
+        self.plan = make_plan(scene) if plan is None else plan
+        self.kernel = Kernel(scene, self.plan, options)
+
+    @property
+    def settings(self) -> dict[str, object]:
+        """What a report says about this side."""
+        return {**vars(self.options), "max_bounces": self.scene.transport.max_bounces}
+
+    def render(
+        self,
+        replicate: int,
+        samples: int,
+        progress: Callable[[float], None] = lambda _: None,
+        cancelled: Callable[[], bool] = lambda: False,
+    ) -> Rendering:
+        """One independent replicate of `samples` samples per pixel; raises Cancelled when asked to stop."""
+        begin = perf_counter()
+        camera = self.scene.camera
+        pixels = camera.width * camera.height
+        make = SobolSampler if self.options.sampler == "sobol" else RandomSampler
+        sampler = make(self.options.seed, replicate, samples)
+        total, nonfinite = np.zeros((3, pixels)), np.zeros(pixels, np.int64)
+        stages: dict[str, float] = {}
+        rays = done = 0
+        work = list(tiles(pixels, samples, self.options.tile_paths))
+
+        def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
+            return tile, *self._run(tile, sampler)
+
+        with ThreadPoolExecutor(self.options.threads) as pool:
+            pending: set[Future] = set()
+            queue = iter(work)
+            try:
+                while True:
+                    for tile in queue:
+                        pending.add(pool.submit(run, tile))
+                        if len(pending) >= 2 * self.options.threads:
+                            break
+                    if not pending:
+                        break
+                    finished, pending = wait(pending, return_when=FIRST_COMPLETED)
+                    for future in finished:
+                        tile, sums, clock, traced = future.result()
+                        total[:, tile.first : tile.last] += sums.radiance
+                        nonfinite[tile.first : tile.last] += sums.nonfinite
+                        rays += traced
+                        for stage, seconds in clock.seconds.items():
+                            stages[stage] = stages.get(stage, 0.0) + seconds
+                        done += 1
+                    progress(done / len(work))
+                    if cancelled():
+                        raise Cancelled
+            finally:
+                for future in pending:
+                    future.cancel()
+        shape = (camera.height, camera.width)
+        radiance = np.ascontiguousarray((total / samples).T).reshape(*shape, 3)
+        seconds = perf_counter() - begin
+        return Rendering(radiance, nonfinite.reshape(shape), seconds, stages, pixels * samples, rays)
+
+    def _run(self, tile: Tile, sampler: SobolSampler | RandomSampler) -> tuple[PixelSums, StageClock, int]:
+        index = np.arange(tile.first, tile.last)
+        row, column = np.divmod(index, self.scene.camera.width)
+        depth = tile.stop - tile.start
+        sums, clock = PixelSums(index.size), StageClock()
+        tracer = Tracer(self.kernel, sampler.tile(index), sums, clock)
+        pixel = np.repeat(np.arange(index.size), depth)
+        sample = np.tile(np.arange(tile.start, tile.stop), index.size)
+        tracer.trace(column, row, pixel, sample)
+        return sums, clock, tracer.rays

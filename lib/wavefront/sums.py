@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sums over the samples of each pixel of a tile."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+
+
+class PixelSums:
+    """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away."""
+
+    def __init__(self, pixels: int) -> None:
+        self.radiance = np.zeros((3, pixels))
+        self.nonfinite = np.zeros(pixels, np.int64)
+
+    def add(self, pixel: np.ndarray, contribution: np.ndarray) -> None:
+        """Add contributions (3, n) to the pixels (n,) they belong to."""
+        count = self.nonfinite.shape[0]
+        for k in range(3):
+            self.radiance[k] += np.bincount(pixel, contribution[k], count)
+        if not np.isfinite(contribution.sum()):
+            self._set_aside(pixel, contribution)
+
+    def _set_aside(self, pixel: np.ndarray, contribution: np.ndarray) -> None:
+        bad = ~np.isfinite(contribution).all(axis=0)
+        self.nonfinite += np.bincount(pixel[bad], minlength=self.nonfinite.shape[0])
+        touched = np.unique(pixel[bad])
+        self.radiance[:, touched] = np.nan
+
+
+class StageClock:
+    """Seconds spent in each stage, by laps."""
+
+    def __init__(self) -> None:
+        self._last = perf_counter()
+        self.seconds: dict[str, float] = {}
+
+    def lap(self, stage: str) -> None:
+        """Charge the time since the last lap to `stage`."""
+        now = perf_counter()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self._last
+        self._last = now

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is known at points of the surface: normals, texture coordinates, tangents; each worked out when first asked for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import SceneError
+from ..scene.materials import Tangent
+from ..scene.mesh import Mesh
+from ..vectors import cross, dot, normalize
+
+
+class SurfaceTables:
+    """Per-object matrices and per-triangle data that points look up."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self.all_flat = mesh.corner_normals.shape[2] == 0 or not mesh.smooth.any()
+        self.all_smooth = not self.all_flat and bool(mesh.smooth.all())
+        if not self.all_flat:
+            self.corner_normals = np.ascontiguousarray(mesh.corner_normals.reshape(9, -1))
+
+    @cached_property
+    def object_from_world(self) -> np.ndarray:
+        """Inverse object matrices, rows by rows, (12, objects)."""
+        inverses = []
+        for item in self.mesh.objects:
+            full = np.vstack([item.world_from_object, [0.0, 0.0, 0.0, 1.0]])
+            if abs(np.linalg.det(full[:3, :3])) == 0.0:
+                raise SceneError(f"object '{item.name}' has a scale of zero; give it one that can be inverted")
+            inverses.append(np.linalg.inv(full)[:3].reshape(12))
+        return np.ascontiguousarray(np.array(inverses).T)
+
+    @cached_property
+    def world_from_object(self) -> np.ndarray:
+        """Linear parts of the object matrices, (9, objects)."""
+        return np.ascontiguousarray(
+            np.array([item.world_from_object[:, :3].reshape(9) for item in self.mesh.objects]).T
+        )
+
+
+class SurfacePoints:
+    """Points on triangles, seen from `wo`; the context in which expressions are evaluated.
+
+    triangle (n,) int, barycentrics u, v (n,) of the second and third corner, position, ng and wo (3, n). The geometric normal is
+    turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where.
+    """
+
+    def __init__(
+        self,
+        tables: SurfaceTables,
+        triangle: np.ndarray,
+        u: np.ndarray,
+        v: np.ndarray,
+        position: np.ndarray,
+        ng: np.ndarray,
+        wo: np.ndarray,
+    ) -> None:
+        self.tables = tables
+        self.triangle, self.u, self.v = triangle, u, v
+        self.position, self.wo = position, wo
+        facing = dot(ng, wo)
+        self.backfacing = facing < 0.0
+        self.side = np.copysign(1.0, facing)
+        self.ng = ng * self.side
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return self.triangle.shape[0]
+
+    def part(self, start: int, stop: int) -> SurfacePoints:
+        """The points from `start` to `stop`, sharing arrays."""
+        points = object.__new__(SurfacePoints)
+        points.tables = self.tables
+        points.triangle, points.u, points.v = self.triangle[start:stop], self.u[start:stop], self.v[start:stop]
+        points.position, points.wo, points.ng = (
+            self.position[:, start:stop],
+            self.wo[:, start:stop],
+            self.ng[:, start:stop],
+        )
+        points.backfacing, points.side = self.backfacing[start:stop], self.side[start:stop]
+        points.n = self.n[:, start:stop]
+        return points
+
+    def at(self, index: np.ndarray) -> SurfacePoints:
+        """The points at `index`, as copies."""
+        points = object.__new__(SurfacePoints)
+        points.tables = self.tables
+        for name in ("triangle", "u", "v", "position", "wo", "ng", "backfacing", "side"):
+            setattr(points, name, np.take(getattr(self, name), index, axis=-1))
+        return points
+
+    @cached_property
+    def n(self) -> np.ndarray:
+        """Shading normal, (3, n): the normalised barycentric mix of the corner normals on smooth faces, else ng."""
+        tables = self.tables
+        if tables.all_flat:
+            return self.ng
+        if tables.all_smooth:
+            return self._mixed_normal(self.triangle, self.u, self.v, self.side)
+        smooth = np.flatnonzero(np.take(tables.mesh.smooth, self.triangle))
+        if smooth.size == 0:
+            return self.ng
+        normal = self.ng.copy()
+        normal[:, smooth] = self._mixed_normal(self.triangle[smooth], self.u[smooth], self.v[smooth], self.side[smooth])
+        return normal
+
+    def _mixed_normal(self, triangle: np.ndarray, u: np.ndarray, v: np.ndarray, side: np.ndarray) -> np.ndarray:
+        corners = np.take(self.tables.corner_normals, triangle, axis=1).astype(np.float64)
+        first = 1.0 - u - v
+        mixed = corners[:3] * first
+        mixed += corners[3:6] * u
+        mixed += corners[6:] * v
+        return normalize(mixed) * side
+
+    @cached_property
+    def cos_wo(self) -> np.ndarray:
+        """|n.wo|, (n,)."""
+        return np.abs(dot(self.n, self.wo))
+
+    def coordinates(self, kind: str, uv_map: str = "") -> np.ndarray:
+        """Texture coordinates of kind 'UV', 'GENERATED', 'OBJECT', 'NORMAL' or 'POSITION', (3, n)."""
+        if kind == "POSITION":
+            return self.position
+        if kind == "UV":
+            return self._uv(uv_map)
+        if kind == "GENERATED":
+            return self._generated()
+        index = np.take(self.tables.mesh.object_index, self.triangle)
+        if kind == "OBJECT":
+            m = np.take(self.tables.object_from_world, index, axis=1)
+            p = self.position
+            return np.stack(
+                [m[4 * k] * p[0] + m[4 * k + 1] * p[1] + m[4 * k + 2] * p[2] + m[4 * k + 3] for k in range(3)]
+            )
+        # The inverse of the normal's map (the inverse transpose) is the transpose.
+        m = np.take(self.tables.world_from_object, index, axis=1)
+        n = self.n
+        return normalize(np.stack([m[k] * n[0] + m[3 + k] * n[1] + m[6 + k] * n[2] for k in range(3)]))
+
+    def _interpolated(self, corner: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+        first = 1.0 - self.u - self.v
+        return corner[0] * first + corner[1] * self.u + corner[2] * self.v
+
+    def _uv(self, uv_map: str) -> np.ndarray:
+        table = self.tables.mesh.uvs.get(uv_map)
+        coordinates = np.zeros((3, self.size))
+        if table is not None:  # Cycles gives zero where there is no such map
+            corners = np.take(table, self.triangle, axis=2)
+            coordinates[:2] = self._interpolated((corners[0], corners[1], corners[2]))
+        return coordinates
+
+    def _generated(self) -> np.ndarray:
+        mesh = self.tables.mesh
+        a, b, c = np.take(mesh.triangles, self.triangle, axis=1)
+        return self._interpolated(tuple(np.take(mesh.generated, k, axis=1) for k in (a, b, c)))
+
+    def tangent(self, source: Tangent, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Unit tangent and bitangent across n, (3, n) each, the tangent turned about n by `turns` full circles."""
+        raw = self._uv_tangent(source.uv_map) if source.kind == "UV" else self._radial_tangent(source.axis)
+        turns = np.asarray(turns)
+        if np.any(turns):
+            raw = _rotate_about(raw, self.n, 2.0 * np.pi * turns)
+        bitangent = cross(self.n, raw)
+        length = np.sqrt(dot(bitangent, bitangent))
+        lost = length <= 1e-20  # a tangent along the normal: any direction across will do, the same one for all
+        bitangent /= np.where(lost, 1.0, length)
+        if lost.any():
+            bitangent[:, lost] = _any_perpendicular(self.n[:, lost])
+        return cross(bitangent, self.n), bitangent
+
+    def _radial_tangent(self, axis: str) -> np.ndarray:
+        x, y, z = self._generated() - 0.5
+        zero = np.zeros_like(x)
+        radial = np.stack({"X": (zero, -z, y), "Y": (-z, zero, x), "Z": (-y, x, zero)}[axis])
+        m = np.take(self.tables.object_from_world, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
+        return np.stack([m[k] * radial[0] + m[4 + k] * radial[1] + m[8 + k] * radial[2] for k in range(3)])
+
+    def _uv_tangent(self, uv_map: str) -> np.ndarray:
+        """The direction in which u grows fastest on the flat triangle, dP/du."""
+        mesh = self.tables.mesh
+        table = mesh.uvs.get(uv_map)
+        if table is None:
+            return np.zeros((3, self.size))
+        a, b, c = np.take(mesh.triangles, self.triangle, axis=1)
+        corner = np.take(mesh.vertices, a, axis=1)
+        edge1, edge2 = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
+        uv = np.take(table, self.triangle, axis=2).astype(np.float64)
+        v1, v2 = uv[1, 1] - uv[0, 1], uv[2, 1] - uv[0, 1]
+        u1, u2 = uv[1, 0] - uv[0, 0], uv[2, 0] - uv[0, 0]
+        return normalize((edge1 * v2 - edge2 * v1) * np.copysign(1.0, u1 * v2 - u2 * v1))
+
+
+def _rotate_about(v: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Rodrigues' rotation of `v` about unit `axis`."""
+    c, s = np.cos(angle), np.sin(angle)
+    return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c))
+
+
+def _any_perpendicular(n: np.ndarray) -> np.ndarray:
+    """A unit vector across n, (3, n)."""
+    x, _, z = n
+    other = np.where(np.abs(x) > 0.9, 0.0, 1.0)
+    return normalize(cross(n, np.stack([other, 1.0 - other, np.zeros_like(z)])))

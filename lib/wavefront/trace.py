@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The loop: camera rays, then intersect, collect emission, shade, shadow rays, until no path is left."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..lights.light import LightSample
+from ..sampling.sobol import RandomTile, SobolTile
+from ..vectors import dot
+from .camera_rays import camera_rays
+from .emitters import Emitters
+from .kernel import Kernel
+from .light_choice import choose_light
+from .pass_through import Groups, split
+from .paths import Paths
+from .raycaster import Hits
+from .shade import Shaded, shade_all
+from .sums import PixelSums, StageClock
+from .surface import SurfacePoints
+from .visibility import transmittance
+
+# Dimensions of the sampler: two for the camera, then DIMENSIONS_PER_STEP for each step along the path.
+PIXEL, LENS, FIRST_STEP = 0, 1, 2
+BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
+DIMENSIONS_PER_STEP = 4
+
+
+class Tracer:
+    """Traces the samples of one tile."""
+
+    def __init__(self, kernel: Kernel, uniforms: SobolTile | RandomTile, sums: PixelSums, clock: StageClock) -> None:
+        self._kernel, self._uniforms, self._sums, self._clock = kernel, uniforms, sums, clock
+        self._emitters = Emitters(kernel, sums)
+        self._transparent = kernel.plan.needs("transparent surfaces")
+        self.rays = 0
+
+    def trace(self, column: np.ndarray, row: np.ndarray, pixel: np.ndarray, sample: np.ndarray) -> None:
+        """Follow one path for each (pixel, sample); column and row (p,) locate the tile's pixels in the image."""
+        paths, reach = self._from_camera(column, row, pixel, sample)
+        step = 0
+        while paths.size:
+            hits = self._kernel.caster.closest(paths.origin, paths.direction, reach)
+            self.rays += paths.size
+            self._clock.lap("intersect")
+            self._emitters.lights_met(paths, hits)
+            self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
+            self._clock.lap("emission")
+            paths = self._scatter(paths, hits, step)
+            reach = None
+            step += 1
+
+    def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
+        return self._uniforms.pair(dimension, paths.pixel, paths.sample)
+
+    def _from_camera(
+        self, column: np.ndarray, row: np.ndarray, pixel: np.ndarray, sample: np.ndarray
+    ) -> tuple[Paths, np.ndarray]:
+        camera = self._kernel.scene.camera
+        dx, dy = self._uniforms.pair(PIXEL, pixel, sample)
+        lens = self._uniforms.pair(LENS, pixel, sample) if self._kernel.plan.needs("depth of field") else None
+        x = np.take(column, pixel) + dx
+        y = np.take(camera.height - 1.0 - row, pixel) + dy
+        rays = camera_rays(camera, x, y, lens)
+        count = pixel.shape[0]
+        paths = Paths(
+            pixel, sample, rays.origin, rays.direction, np.ones((3, count)), np.full(count, np.inf), at_camera=True
+        )
+        if self._transparent:
+            paths.scatter_origin, paths.travelled = rays.origin, np.zeros(count)
+            paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        self._clock.lap("camera")
+        return paths, rays.reach
+
+    def _scatter(self, paths: Paths, hits: Hits, step: int) -> Paths:
+        """All that happens at the hits; the paths that go on from them."""
+        order, groups = self._by_material(hits)
+        if order.size == 0:
+            return paths.take(order)
+        paths = paths.take(order)
+        triangle, distance = np.take(hits.triangle, order), np.take(hits.distance, order)
+        placed, ng, offset = self._kernel.caster.on_plane(triangle, paths.origin + paths.direction * distance)
+        u, v = (np.take(x, order).astype(np.float64) for x in (hits.u, hits.v))
+        points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
+        self._clock.lap("surface")
+        for material, start, stop in groups:
+            if self._kernel.materials[material].emits:
+                self._emitters.faces(paths, points.part(start, stop), distance[start:stop], start, stop, material)
+        self._clock.lap("emission")
+        return self._next(paths, points, distance, offset, groups, step)
+
+    def _by_material(self, hits: Hits) -> tuple[np.ndarray, Groups]:
+        """Indices of the hits, sorted by material, and each material's (index, start, stop) in that order."""
+        material = np.take(self._kernel.material_of, hits.triangle)  # a miss reads the last triangle, and is masked
+        material = np.where(hits.triangle < 0, np.int16(-1), material)
+        counts = np.bincount(material + 1, minlength=1)
+        if counts.size == 2 and counts[0] == 0:
+            return np.arange(material.size), [(0, 0, material.size)]
+        order = np.argsort(material, kind="stable")[counts[0] :]
+        stops = np.cumsum(counts[1:])
+        return order, [(k, int(b - n), int(b)) for k, (b, n) in enumerate(zip(stops, counts[1:], strict=True)) if n]
+
+    def _next(
+        self,
+        paths: Paths,
+        points: SurfacePoints,
+        distance: np.ndarray,
+        offset: np.ndarray,
+        groups: Groups,
+        step: int,
+    ) -> Paths:
+        """Pass through or scatter at the hits; the paths that go on."""
+        if not self._transparent:
+            if step > self._kernel.scene.transport.max_bounces:
+                return paths.take(np.empty(0, np.intp))
+            return self._shade(paths, points, offset, groups, step)
+        uniform, _ = self._pair(FIRST_STEP + DIMENSIONS_PER_STEP * step + FATE, paths)
+        parted = split(self._kernel, paths, points, distance, offset, groups, uniform)
+        self._clock.lap("pass through")
+        if parted.index.size == 0:
+            return parted.passing
+        scattering = paths.take(parted.index)
+        scattering.throughput /= parted.share[parted.index]
+        following = self._shade(scattering, points.at(parted.index), offset[parted.index], parted.groups, step)
+        return Paths.joined(parted.passing, following)
+
+    def _shade(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int) -> Paths:
+        """Light sampling and BSDF sampling at all hits; the scattered paths."""
+        dimension = FIRST_STEP + DIMENSIONS_PER_STEP * step
+        pick, choice = self._pair(dimension + CHOICES, paths)
+        light = None
+        if self._kernel.samples_lights:
+            light = choose_light(self._kernel, points.position, choice, *self._pair(dimension + LIGHT, paths))
+        self._clock.lap("lights")
+        uniforms = (pick, *self._pair(dimension + BSDF, paths))
+        shaded = shade_all(self._kernel, points, groups, light, uniforms)
+        self._clock.lap("shade")
+        if light is not None:
+            self._add_direct(paths, points, offset, light.sample, shaded.direct)
+        return self._advance(paths, points, offset, shaded)
+
+    def _add_direct(
+        self, paths: Paths, points: SurfacePoints, offset: np.ndarray, sample: LightSample, direct: np.ndarray
+    ) -> None:
+        """Ask for visibility where light would arrive, and add what does."""
+        direct *= paths.throughput
+        index = np.flatnonzero(direct.any(axis=0))
+        if index.size == 0:
+            return
+        direction = np.take(sample.wi, index, axis=1)
+        origin = _leave(points, offset, index, direction)
+        through = transmittance(self._kernel, origin, direction, sample.distance[index])
+        self.rays += index.size
+        self._clock.lap("shadow rays")
+        self._sums.add(paths.pixel[index], np.take(direct, index, axis=1) * through)
+        self._clock.lap("film")
+
+    def _advance(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded) -> Paths:
+        """The paths whose throughput is not zero, set out along wi."""
+        throughput = shaded.weight * paths.throughput
+        index = np.flatnonzero(throughput.any(axis=0))
+        direction = np.take(shaded.wi, index, axis=1)
+        following = Paths(
+            paths.pixel[index],
+            paths.sample[index],
+            _leave(points, offset, index, direction),
+            direction,
+            np.take(throughput, index, axis=1),
+            shaded.pdf[index],
+        )
+        if self._transparent:
+            following.scatter_origin = np.take(points.position, index, axis=1)
+            following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
+            following.scatterings = paths.scatterings[index] + 1
+        self._clock.lap("advance")
+        return following
+
+
+def _leave(points: SurfacePoints, offset: np.ndarray, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Origins off the plane on the side of `direction`, by what float32 can resolve."""
+    ng = np.take(points.ng, index, axis=1)
+    ng *= np.copysign(offset[index], dot(ng, direction))
+    ng += np.take(points.position, index, axis=1)
+    return ng

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage: shadow rays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .kernel import Kernel
+from .surface import SurfacePoints
+
+
+def transmittance(kernel: Kernel, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """What part of the light arrives over distance `reach`, (1, n) or (3, n).
+
+    Opaque scenes need one occlusion query. Where materials are transparent the ray goes on through them, at most
+    `transparent_max_bounces` times, as in Cycles.
+    """
+    if not kernel.plan.needs("transparent surfaces"):
+        return (~kernel.caster.occluded(origin, direction, reach))[None].astype(np.float64)
+    through = np.ones_like(direction)
+    active = np.arange(direction.shape[1])
+    start, left = origin, reach.copy()
+    for _ in range(kernel.scene.transport.transparent_max_bounces + 1):
+        hits = kernel.caster.closest(start, direction[:, active], np.minimum(left, 1e30))
+        met = np.flatnonzero(hits.triangle >= 0)
+        if met.size == 0:
+            return through
+        active, triangle = active[met], hits.triangle[met]
+        along = direction[:, active]
+        point = start[:, met] + along * hits.distance[met]
+        placed, ng, offset = kernel.caster.on_plane(triangle, point)
+        points = SurfacePoints(kernel.tables, triangle, hits.u[met], hits.v[met], placed, ng, -along)
+        through[:, active] *= kernel.transparency(points)
+        start = placed - points.ng * offset
+        left = left[met] - hits.distance[met] - offset
+        alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
+        active, start, left = active[alive], start[:, alive], left[alive]
+        if active.size == 0:
+            return through
+    through[:, active] = 0.0
+    return through
