@@ -80,13 +80,11 @@ def _hue_ramp(ramp: ColorRamp, stops: np.ndarray, left: np.ndarray, right: np.nd
 
 
 def _hue_step(difference: np.ndarray, direction: str) -> np.ndarray:
-    """How far to turn from one hue to the next: the near way, the far way, growing (CCW) or falling (CW)."""
+    """How far to turn from one hue to the next: the near way, the far way, always falling (CCW) or always growing (CW)."""
     if direction == "NEAR":
-        return difference - np.where(difference > 0.5, 1.0, 0.0) + np.where(difference < -0.5, 1.0, 0.0)
+        return difference - (difference > 0.5) + (difference < -0.5)
     if direction == "CCW":
-        return difference + (difference < 0)
-    if direction == "CW":
         return difference - (difference > 0)
-    falling = (difference >= 0) & (difference < 0.5)
-    rising = (difference < 0) & (difference > -0.5)
-    return difference - falling + rising
+    if direction == "CW":
+        return difference + (difference < 0)
+    return difference - ((difference > 0) & (difference < 0.5)) + ((difference <= 0) & (difference > -0.5))
