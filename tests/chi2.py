@@ -134,13 +134,16 @@ def chi_square(
 ) -> Result:
     """Compare `samples`, (3, n) directions, with `density`, a function of (3, k) directions per steradian.
 
-    Cells that expect fewer than `least_expected` are pooled, the smallest first.
+    Cells that expect fewer than `least_expected` are pooled, the smallest first. A density whose integral exceeds 1 by more than
+    the quadrature can err is refuted without a sample.
     """
     count = samples.shape[1]
     p, q = chart.coordinates(samples)
     known = np.isfinite(p) & np.isfinite(q)
     observed, _, _ = np.histogram2d(p[known], q[known], bins=bins, range=((0.0, 1.0), (0.0, 1.0)))
     expected = count * integrals(density, chart, bins)
+    if expected.sum() > count * (1.0 + 1e-4):
+        return Result(float("inf"), expected.size, 0.0)
     observed = np.append(observed.ravel(), count - observed.sum())
     expected = np.append(expected.ravel(), max(count - expected.sum(), 0.0))
 

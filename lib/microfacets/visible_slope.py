@@ -20,7 +20,7 @@ from ..sampling.tables import LARGEST_UNIFORM
 _VIEWS, _LEVELS = 128, 256  # cells of the table along 1 / (1 + a), and along u
 _LEAST = 0.5 - 0.5 * LARGEST_UNIFORM  # with LARGEST_UNIFORM the bounds of the u that have a finite logit
 _SQRT_PI = float(np.sqrt(np.pi))
-_ABOVE_END = 1e-10  # how far above -a the step starts at least: at -a itself the density is zero
+_ABOVE_END = 1e-10  # how far above -a the bracket begins at least: at -a itself the density is zero
 
 
 def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -36,7 +36,8 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.n
     c = cot * s
     x, low, high = _bracket(s, u)
     np.negative(cot, out=cot)
-    np.maximum(x, cot + _ABOVE_END, out=x)
+    np.maximum(low, cot + _ABOVE_END, out=low)
+    np.maximum(x, low, out=x)
 
     # The mass above x that is wanted, (1 - u) of the whole.
     target = erf(cot)
