@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles as one side of a comparison: independent replicates, linear float pixels, and its own words about its settings."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..lib.errors import EtalonError
+from ..lib.film.exr import read_exr
+from ..lib.film.rendering import Rendering
+from .console import quiet
+from .neutral import SEQUENCE, Changes, neutral
+
+__all__ = ["CyclesRenderer", "neutral"]
+
+# Cycles adds samples up in float32; longer sums drift (5e-5 here, 6e-4 at 65,536).
+CHUNK = SEQUENCE // 2
+# Camera samples in one call, a few seconds: in between the renderer tells its progress and can be cancelled.
+CALL = 1 << 23
+# Seeds are numbered replicate first, then chunk: distinct for 2^21 replicates of 2^10 chunks.
+REPLICATES = 1 << 21
+
+
+class CyclesRenderer:
+    """Cycles on the CPU in its least biased state, one side of a comparison.
+
+    `max_bounces` and `threads` as for `neutral`; `seed` of the whole. Hold one `neutral` around many replicates: alone each
+    of them sets and puts back everything. Raises EtalonError where the scene has no camera or no view layer to render.
+    """
+
+    name = "Cycles"
+
+    def __init__(
+        self, scene: bpy.types.Scene, *, seed: int = 0, max_bounces: int | None = None, threads: int | None = None
+    ) -> None:
+        layers = [layer.name for layer in scene.view_layers if layer.use]
+        if scene.camera is None:
+            raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
+        if not layers:
+            raise EtalonError(f"{scene.name}: no view layer is used for rendering; switch one on")
+        self.scene = scene
+        self.seed = seed
+        self._layer = layers[0]
+        self._neutral = {"max_bounces": max_bounces, "threads": threads}
+        with neutral(scene, **self._neutral) as changes:
+            self.settings: dict[str, Any] = {"version": bpy.app.version_string, "seed": seed, **changes.settings}
+        if changes.refused:
+            self.settings["not editable"] = ", ".join(changes.refused)
+
+    def render(
+        self,
+        replicate: int,
+        samples: int,
+        progress: Callable[[float], None] = lambda fraction: None,
+        cancelled: Callable[[], bool] = lambda: False,
+    ) -> Rendering:
+        """Replicate number `replicate` with `samples` per pixel; different numbers are independent.
+
+        `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file cost.
+        Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart either: one is
+        counted for each partial image in which the pixel was not finite. Raises EtalonError where Cycles cannot render or when cancelled.
+        """
+        begin = time.perf_counter()
+        total = nonfinite = 0
+        done, rendering, reading = 0, 0.0, 0.0
+        with neutral(self.scene, **self._neutral), tempfile.TemporaryDirectory(prefix="etalon-") as folder:
+            path = Path(folder) / "cycles.exr"
+            while done < samples:
+                if cancelled():
+                    raise EtalonError("Cycles: cancelled before the image was done; nothing to keep")
+                count = min(samples - done, self._per_call())
+                rendering += self._call(path, replicate, done, samples, count)
+                start = time.perf_counter()
+                pixels = _pixels(path)
+                nonfinite = nonfinite + ~np.isfinite(pixels).all(axis=2)
+                total = total + pixels * (count / samples)
+                done += count
+                reading += time.perf_counter() - start
+                progress(done / samples)
+        height, width, _ = total.shape
+        settings = time.perf_counter() - begin - rendering - reading
+        stages = {"render": rendering, "read": reading, "settings": settings}
+        return Rendering(total, nonfinite.astype(np.int64), rendering, stages, height * width * samples)
+
+    def _per_call(self) -> int:
+        render = self.scene.render
+        pixels = render.resolution_x * render.resolution_y * (render.resolution_percentage / 100) ** 2
+        return min(CHUNK, _power_of_two(max(int(CALL / max(pixels, 1)), 1) + 1) // 2)
+
+    def _call(self, path: Path, replicate: int, done: int, samples: int, count: int) -> float:
+        """Render `count` samples from sample `done` of a replicate of `samples` into a file; the seconds it took.
+
+        Cycles' seeds only deal one sequence out to the pixels in another order, so a replicate takes its own part of
+        the sequence too. Parts of a power of two that start at a multiple of themselves are nets: sample 0, which
+        is not random, is never among them.
+        """
+        chunk, within = divmod(done, CHUNK)
+        part = min(_power_of_two(samples), CHUNK)
+        changes = Changes()
+        try:
+            changes.set(self.scene.cycles, "seed", (_hash(self.seed) + replicate + chunk * REPLICATES) % (1 << 31))
+            changes.set(self.scene.cycles, "sample_offset", CHUNK + (replicate * part) % CHUNK + within)
+            changes.set(self.scene.cycles, "sample_subset_length", count)
+            changes.set(self.scene.render, "filepath", str(path))
+            # Without the tag, persistent data renders the settings of the time before.
+            self.scene.update_tag()
+            with quiet():
+                start = time.perf_counter()
+                try:
+                    bpy.ops.render.render(write_still=True, scene=self.scene.name, layer=self._layer)
+                except RuntimeError as error:
+                    reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+                    raise EtalonError(
+                        f"{self.scene.name}: Cycles cannot render it ({reason}); try F12 in Blender"
+                    ) from error
+                return time.perf_counter() - start
+        finally:
+            changes.undo()
+
+
+def _pixels(path: Path) -> np.ndarray:
+    """Radiance (height, width, 3) float64 from the file that Cycles wrote."""
+    channels = read_exr(path)
+    path.unlink()
+    return np.stack([channels[name] for name in "RGB"], axis=2).astype(np.float64)
+
+
+def _power_of_two(n: int) -> int:
+    """The smallest power of two that is not less than `n`."""
+    return 1 << (n - 1).bit_length()
+
+
+def _hash(seed: int) -> int:
+    """31 bits of a seed, so that neighbouring seeds do not share their replicates."""
+    return int(np.random.SeedSequence(seed).generate_state(1)[0]) & 0x7FFFFFFF
