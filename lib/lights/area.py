@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..scene.lights import AreaLight
-from ..wavefront.frame import dot
+from ..vectors import dot
 from .light import LightSample, column, luminance
 from .spread import Spread
 

@@ -37,7 +37,7 @@ class EnvironmentSampler:
         self,
         radiance_function: Callable[[np.ndarray], np.ndarray],
         table_resolution: tuple[int, int],
-        scene_radius: float,
+        scene_radius: float = 1.0,
     ) -> None:
         width, height = table_resolution
         self._radiance = radiance_function

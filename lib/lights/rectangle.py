@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..wavefront.frame import dot
+from ..vectors import dot
 from .area import AreaSampler
 from .light import LightSample
-from .spherical_rectangle import solid_angle, uniform_place
+from .spherical_rectangle import SphericalRectangle
 
 # Below this solid angle (steradians) places are uniform in area: the two densities are then nearly one, and the inversion in
 # solid angle would lose its digits, its error being about 1e-16 / solid angle.
@@ -26,8 +26,9 @@ class RectangleSampler(AreaSampler):
         """Uniform in solid angle; uniform in area where that is below `SMALLEST_SOLID_ANGLE`."""
         bounds, height, front = self._seen(point)
         x0, x1, y0, y1 = bounds
-        solid = solid_angle(*bounds, height)
-        x, y = uniform_place(*bounds, height, solid, u1, u2)
+        seen = SphericalRectangle(*bounds, height)
+        solid = seen.solid_angle
+        x, y = seen.place(u1, u2)
         small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
         if small.size:
             x[small] = x0[small] + u1[small] * (x1 - x0)[small]
@@ -43,7 +44,7 @@ class RectangleSampler(AreaSampler):
         """One over the solid angle that is sampled."""
         bounds, height, front = self._seen(origin)
         hit = np.isfinite(distance)
-        solid = solid_angle(*bounds, height)
+        solid = SphericalRectangle(*bounds, height).solid_angle
         small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
         distance = np.where(hit, distance, 0.0)
         hit &= front

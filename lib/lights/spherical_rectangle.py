@@ -1,105 +1,169 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The solid angle of a rectangle, and places on it that are uniform in solid angle.
 
-Urena, Fajardo and King 2013, "An area-preserving parametrization for spherical rectangles", rewritten with tangents of half
-angles: their sum of four angles minus 2 pi has no digits left for a rectangle that is small, far, or seen edge on.
-The rectangle is x0 <= x <= x1, y0 <= y <= y1 in a plane at `height` > 0 from the origin; all are (n,).
+Urena, Fajardo and King 2013, "An area-preserving parametrization for spherical rectangles", rewritten: their sum of four angles
+minus 2 pi has no digits left for a rectangle that is small, far, or seen edge on. Here the rectangle x0 <= x <= x1, y0 <= y <= y1, in a
+plane at `height` from the origin, is cut out of the strip y0 <= y <= y1 that runs on to x = infinity. With r0 and r1 the
+distances of (x, y0) and (x, y1), the strip beyond x >= 0 is a spherical triangle, and by van Oosterom and Strackee 1983, eq. 8,
+
+    tan(angle / 2) = height (y1 - y0) / d(x),   d(x) = (x + r0) (x + r1) + y0 y1 + height^2.
+
+Mirrored so that x1 >= |x0| and y1 >= |y0|, and cut at x = 0, every difference that matters is a sum of positive terms.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 
-def half_angle_tangent(
-    x0: np.ndarray, x1: np.ndarray, y0: np.ndarray, y1: np.ndarray, height: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Sine and cosine, up to a common positive factor, of half the solid angle.
+class _Edge(NamedTuple):
+    """An edge at x >= 0 across the strip: its x, the distances of its ends, and d(x)."""
 
-    Each of the two triangles has tan(angle / 2) = det / (abc + (a.b) c + (b.c) a + (c.a) b) (van Oosterom and Strackee 1983, eq. 8), where the
-    determinant is height times the area of the rectangle, exactly; the half angles add as complex numbers multiply.
-    The sine has the sign of (x1 - x0) (y1 - y0).
-    """
-    height2 = height * height
-    x00, y00 = x0 * x0 + height2, y0 * y0
-    x11, y11 = x1 * x1 + height2, y1 * y1
-    x01, y01 = x0 * x1 + height2, y0 * y1
-    a, b = np.sqrt(x00 + y00), np.sqrt(x11 + y11)  # the corners on the diagonal that both triangles share
-    c, d = np.sqrt(x11 + y00), np.sqrt(x00 + y11)
-    ab = a * b
-    ab += x01
-    ab += y01
-    first = ab * c
-    first += (x01 + y00) * b
-    first += (x11 + y01) * a
-    second = ab * d
-    second += (x00 + y01) * b
-    second += (x01 + y11) * a
-    determinant = x1 - x0
-    determinant *= y1 - y0
-    determinant *= height
-    sine = first + second
-    sine *= determinant
-    first *= second
-    determinant *= determinant
-    first -= determinant
-    return sine, first
+    x: np.ndarray
+    r0: np.ndarray
+    r1: np.ndarray
+    d: np.ndarray
 
 
-def solid_angle(x0: np.ndarray, x1: np.ndarray, y0: np.ndarray, y1: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Solid angle in steradians, (n,)."""
-    angle = np.arctan2(*half_angle_tangent(x0, x1, y0, y1, height))
-    angle *= 2.0
-    return angle
+class _Strip:
+    """Strips y0 <= y <= y1 with y1 >= |y0|, at `height`."""
+
+    def __init__(self, y0: np.ndarray, y1: np.ndarray, height: np.ndarray) -> None:
+        self.y0, self.y1, self.height = y0, y1, height
+        self.height2 = height * height
+        self.q0, self.q1 = y0 * y0 + self.height2, y1 * y1 + self.height2
+        self.product = y0 * y1
+        self.determinant = (y1 - y0) * height
+
+    def edge(self, x: np.ndarray) -> _Edge:
+        """The edge at `x`."""
+        x2 = x * x
+        r0, r1 = np.sqrt(x2 + self.q0), np.sqrt(x2 + self.q1)
+        d = r0 * r1
+        d += np.abs(self.product)
+        # r0 r1 + y0 y1 cancels where y0 < 0; the difference of the squares does not.
+        squares = x2 + self.q0
+        squares += self.q1 - self.height2
+        x2 += self.height2
+        squares *= x2
+        squares /= d
+        d = np.where(self.product < 0.0, squares, d)
+        d += x2
+        d += x * (r0 + r1)
+        return _Edge(x, r0, r1, d)
+
+    def half_angle(self, near: _Edge, far: _Edge) -> np.ndarray:
+        """Half the solid angle between two edges, as the argument of a product of complex numbers."""
+        far0 = far.x + far.r0
+        near1 = near.x + near.r1
+        width = far.x - near.x
+        middle = far.x + near.x
+        # d(far) - d(near) by the differences of x + r0 and of x + r1, both positive.
+        sine = middle / (far.r1 + near.r1)
+        sine += 1.0
+        sine *= far0
+        middle /= far.r0 + near.r0
+        middle += 1.0
+        middle *= near1
+        sine += middle
+        sine *= width
+        sine *= self.determinant
+        cosine = near.d * far.d
+        cosine += self.determinant * self.determinant
+        return np.arctan2(sine, cosine)
 
 
-def uniform_place(
-    x0: np.ndarray,
-    x1: np.ndarray,
-    y0: np.ndarray,
-    y1: np.ndarray,
-    height: np.ndarray,
-    solid: np.ndarray,
-    u1: np.ndarray,
-    u2: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Place (x, y) on the rectangle of solid angle `solid`, uniform in solid angle; Urena et al. 2013, section 4.
+class SphericalRectangle:
+    """Rectangles seen from the origin, bounds and `height` > 0 all (n,); `solid_angle` (n,) in steradians."""
 
-    x is where the part from x0 has the solid angle u1 solid. With b = y / sqrt(y^2 + height^2) and c = x / sqrt(x^2 + height^2) the
-    part from 0 to x has the angle p = asin(c b1) - asin(c b0), hence c = sin p / sqrt(b0^2 + b1^2 - 2 b0 b1 cos p).
-    """
-    height2 = height * height
-    sine, cosine = half_angle_tangent(np.zeros_like(x0), x0, y0, y1, height)
-    part = np.tan((0.5 * u1) * solid)
-    t = sine + part * cosine  # tan(p / 2), by the tangent of a sum
-    t /= cosine - part * sine
-    b0 = y0 / np.sqrt(y0 * y0 + height2)
-    b1 = y1 / np.sqrt(y1 * y1 + height2)
-    t2 = t * t
-    # c^2 = 4 t^2 / ((1 + t^2) ((b1 - b0)^2 + t^2 (b1 + b0)^2)) = top / bottom
-    bottom = b1 - b0
-    b1 += b0
-    bottom *= bottom
-    b1 *= b1
-    b1 *= t2
-    bottom += b1
-    t2 += 1.0
-    bottom *= t2
-    t += t
-    bottom -= t * t
-    np.maximum(bottom, np.finfo(float).tiny, out=bottom)
-    x = t / np.sqrt(bottom)
-    x *= height
-    np.minimum(np.maximum(x, x0, out=x), x1, out=x)
-    distance2 = x * x
-    distance2 += height2
-    low = y0 / np.sqrt(distance2 + y0 * y0)
-    sine_y = y1 / np.sqrt(distance2 + y1 * y1)
-    sine_y -= low
-    sine_y *= u2
-    sine_y += low
-    cos2 = 1.0 - sine_y * sine_y
-    np.maximum(cos2, np.finfo(float).tiny, out=cos2)
-    distance2 /= cos2
-    y = sine_y * np.sqrt(distance2)
-    return x, np.minimum(np.maximum(y, y0, out=y), y1, out=y)
+    def __init__(self, x0: np.ndarray, x1: np.ndarray, y0: np.ndarray, y1: np.ndarray, height: np.ndarray) -> None:
+        self._bounds = x0, x1, y0, y1
+        self._strip = _Strip(np.maximum(y0, -y1), np.maximum(y1, -y0), height)
+        near = np.maximum(x0, -x1)
+        self._far = self._strip.edge(np.maximum(x1, -x0))
+        half = self._strip.half_angle(self._strip.edge(np.maximum(near, 0.0)), self._far)
+        # The part at x < 0 is measured on its own.
+        self._across = np.flatnonzero(near < 0.0)
+        if self._across.size:
+            lengths = (self._strip.y0, self._strip.y1, height)
+            strip = _Strip(*(np.take(length, self._across) for length in lengths))
+            reach = -np.take(near, self._across)
+            self._behind = strip.edge(reach)
+            self._half_behind = strip.half_angle(strip.edge(np.zeros_like(reach)), self._behind)
+            half[self._across] += self._half_behind
+        self._half = half
+        self.solid_angle = 2.0 * half
+
+    def place(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Place (x, y), uniform in solid angle for uniforms in [0, 1): x by u1, y by u2; Urena et al. 2013, section 4."""
+        x0, x1, y0, y1 = self._bounds
+        x = self._x(u1)
+        np.negative(x, out=x, where=x0 + x1 < 0.0)
+        np.minimum(np.maximum(x, x0, out=x), x1, out=x)
+        y = self._y(x, u2)
+        np.negative(y, out=y, where=y0 + y1 < 0.0)
+        return x, np.minimum(np.maximum(y, y0, out=y), y1, out=y)
+
+    def _x(self, u1: np.ndarray) -> np.ndarray:
+        """Where, mirrored, the part u1 of the solid angle lies below x.
+
+        With psi half the solid angle of the strip beyond |x| and t = tan psi, Urena's x = height c / sqrt(1 - c^2) becomes, by products of
+        sines for the differences of cosines in 1 - c^2,
+
+            x / height = (n (1 - t^2) - 2 m t) / (2 sqrt(t (n - m t) (height + y1 t) (height - y0 t))),
+
+        n = height (y1 - y0), m = height^2 + y0 y1.
+        """
+        strip = self._strip
+        n, d = strip.determinant, self._far.d
+        beyond = (1.0 - u1) * self._half
+        behind = np.empty(0, np.intp)
+        if self._across.size:
+            below = np.take(u1, self._across) * np.take(self._half, self._across)
+            chosen = np.flatnonzero(below < self._half_behind)
+            behind = self._across[chosen]
+            beyond[behind] = below[chosen]
+            d = d.copy()
+            d[behind] = self._behind.d[chosen]
+        part = np.tan(beyond)
+        t = d * part
+        t += n
+        d = d - n * part
+        t /= np.maximum(d, np.finfo(float).eps * n)
+        m = strip.height2 + strip.product
+        m *= t
+        bottom = n - m
+        bottom *= t
+        bottom *= strip.height + strip.y1 * t
+        bottom *= strip.height - strip.y0 * t
+        x = 1.0 - t * t
+        x *= n
+        m *= 2.0
+        x -= m
+        np.maximum(x, 0.0, out=x)
+        x *= strip.height
+        np.sqrt(bottom, out=bottom)
+        bottom *= 2.0
+        x /= bottom
+        x[behind] *= -1.0
+        return x
+
+    def _y(self, x: np.ndarray, u2: np.ndarray) -> np.ndarray:
+        """Where, mirrored, y / r is uniform between the edges; by 1 - y / r, which keeps its digits for y much larger than x."""
+        strip = self._strip
+        x2 = x * x
+        x2 += strip.height2
+        r0, r1 = np.sqrt(x2 + strip.y0 * strip.y0), np.sqrt(x2 + strip.y1 * strip.y1)
+        low = x2 / (r0 * (r0 + np.abs(strip.y0)))
+        low = np.where(strip.y0 < 0.0, 2.0 - low, low)
+        high = x2 / (r1 * (r1 + strip.y1))
+        low *= 1.0 - u2
+        high *= u2
+        low += high
+        y = 1.0 - low
+        low *= 2.0 - low
+        x2 /= np.maximum(low, np.finfo(float).tiny, out=low)
+        y *= np.sqrt(x2, out=x2)
+        return y

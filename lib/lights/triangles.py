@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..sampling.tables import Distribution1D
-from ..wavefront.frame import cross, dot
+from ..vectors import cross, dot
 
 _SMALLEST = 1e-100
 
@@ -33,7 +33,7 @@ class TriangleSample(NamedTuple):
 class EmissiveTriangles:
     """Triangles that shine from both faces, chosen by their power and sampled uniformly by area.
 
-    `corner`, `edge1`, `edge2` (3, t): first corner and the edges to the second and third; `triangle` (t,) indices in the scene, ascending;
+    `corner`, `edge1`, `edge2` (3, t): first corner and the edges to the second and third; `triangle` (t,) indices in the scene;
     `power` (t,) an estimate of each one's flux, luminance in W, not negative; if all are zero, the area decides. Triangles without area
     are never chosen.
     """
