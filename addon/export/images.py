@@ -16,6 +16,7 @@ from ...lib.textures.color_spaces import srgb_encode
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 _SOURCES = ("FILE", "GENERATED")
+_PREMULTIPLIED_FORMATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER")
 _TYPES = ("IMAGE", "UV_TEST")
 
 Refuse = Callable[[str, str], None]
@@ -72,7 +73,9 @@ class ImageTable:
 
         pixels, association = _associate(pixels, image, encoding, codes_lost, alpha_linked)
         if association is None:
-            refuse(f", image '{image.name}' (premultiplied alpha in sRGB),", "set the image's Alpha to Straight")
+            natural = _natural_alpha(image).title()
+            what = f", image '{image.name}' (alpha {image.alpha_mode.title()}, colour where alpha is 0),"
+            refuse(what, f"set its Alpha to {natural}, Channel Packed or None, and clear colour where alpha is 0")
             return None
         if codes_lost:
             pixels[..., :3] = srgb_encode(pixels[..., :3])
@@ -123,6 +126,11 @@ def _load(image: bpy.types.Image) -> np.ndarray:
     return pixels
 
 
+def _natural_alpha(image: bpy.types.Image) -> str:
+    """The alpha that the file's kind calls for; with any other, versions of Blender disagree on what the colours mean."""
+    return "PREMUL" if image.source == "FILE" and image.file_format in _PREMULTIPLIED_FORMATS else "STRAIGHT"
+
+
 def _associate(
     pixels: np.ndarray, image: bpy.types.Image, encoding: str, codes_lost: bool, alpha_linked: bool
 ) -> tuple[np.ndarray, str | None]:
@@ -135,11 +143,13 @@ def _associate(
         pixels[..., 3] = 1.0
     if image.alpha_mode in ("NONE", "CHANNEL_PACKED") or encoding == "DATA" or np.all(pixels[..., 3] == 1.0):
         return pixels, "SEPARATE"
-    if encoding == "SRGB" and image.alpha_mode == "PREMUL":
+    if image.alpha_mode != _natural_alpha(image):
         return pixels, None
     if image.is_float:
         if not alpha_linked and not codes_lost:
             return pixels, "SEPARATE"
         alpha = pixels[..., 3:]
+        if np.any(pixels[..., :3] * (alpha == 0)):
+            return pixels, None
         pixels[..., :3] /= np.where(alpha == 0, 1.0, alpha)
     return pixels, "WEIGHTED" if alpha_linked else "MULTIPLIED"
