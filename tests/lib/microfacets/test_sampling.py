@@ -72,7 +72,9 @@ def test_chi_square_sees_planted_errors(distribution, rng):
         "1 % shift": (distribution.sample_visible(observer(70.0, COUNT), 0.3, 0.1, 0.99 * u[0], u[1]), right),
     }
     assert chi_square(m, right, chart).p_value > LEVEL
-    missed = [name for name, (samples, density) in errors.items() if chi_square(samples, density, chart).p_value > LEVEL]
+    missed = [
+        name for name, (samples, density) in errors.items() if chi_square(samples, density, chart).p_value > LEVEL
+    ]
     assert not missed
 
 
@@ -111,7 +113,7 @@ def test_the_documents_angles(rng):
 def mass_above(x, sine, cosine):
     """The share of visible normals with a tangent above x, in floating point: exact to some 1e-15."""
     cot = cosine / sine
-    whole = cosine * np.sqrt(np.pi) * (1.0 + erf(cot)) + sine * np.exp(-np.minimum(cot, 30.0) ** 2)
+    whole = cosine * np.sqrt(np.pi) * (1.0 + erf(cot)) + sine * np.exp(-(np.minimum(cot, 30.0) ** 2))
     return (cosine * np.sqrt(np.pi) * erfc(x) + sine * np.exp(-x * x)) / whole
 
 
