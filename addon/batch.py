@@ -25,28 +25,6 @@ from ..lib.report.batch import Row, write_csv, write_grid
 from .process import end, etalon_command, start
 from .results import folder_beside
 
-HELP = """\
-Compare every scene at every combination of property values. PLAN.toml:
-
-  out = "sweep"                              # folder for the results, beside the plan
-  scenes = ["glossy_spheres", "room.blend"]  # reference scenes and files, beside the plan
-
-  [options]                                  # any long option of `etalon compare`
-  tolerance = 0.01
-  time = 60
-
-  [[vary]]                                   # any number of these; all combinations are run
-  path = 'materials["Floor"].node_tree.nodes["Glossy BSDF"].inputs["Roughness"].default_value'
-  values = [0.1, 0.3, 0.5]
-  name = "roughness"                         # optional: what tables call it
-
-A path is a data path from bpy.data, or from the open scene where it begins with `scene.`. Each comparison runs in a
-process of its own; one that crashes is recorded as failed and the rest go on. Finished ones are kept in
-OUT/journal.sqlite, so that the same command, after Ctrl-C or a crash, runs only what is missing. OUT holds a folder for
-each comparison, batch.csv and batch.html.
-
-exit code: the worst of all comparisons: 0 all EQUIVALENT, 1 some DIFFERENT, 3 some UNDECIDED, 2 some refused or failed"""
-
 VERDICTS = {0: "EQUIVALENT", 1: "DIFFERENT", 3: "UNDECIDED"}
 _SEVERITY = {0: 0, 3: 1, 1: 2}
 _JOURNAL = """
@@ -163,11 +141,11 @@ def run(path: Path) -> int:
         try:
             _run_missing(plan, keyed, journal)
         finally:
-            rows = [row for key in keyed if (row := _row(journal, key)) is not None]
-            _write_tables(plan, rows, keyed)
-    if any(row["status"] != "finished" for row in rows):
+            recorded = [_row(journal, key) for key in keyed]
+            _write_tables(plan, list(zip(keyed.values(), recorded, strict=True)))
+    if any(row is None or row["status"] != "finished" for row in recorded):
         return 2
-    return max((row["exit_code"] for row in rows), key=_SEVERITY.__getitem__)
+    return max((row["exit_code"] for row in recorded), key=_SEVERITY.__getitem__)
 
 
 def _open_journal(path: Path) -> sqlite3.Connection:
@@ -200,12 +178,23 @@ def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: sqlite3.Conne
             shown.set_description(unit.label)
             folder = _folder_name(unit, key)
             begin = time.perf_counter()
-            code, message = _run_unit([*unit.arguments(), *plan.options, f"--out={plan.out / folder}"])
-            status = "finished" if code in VERDICTS else "refused" if code == 2 else "failed"
+            code, words = _run_unit([*unit.arguments(), *plan.options, f"--out={plan.out / folder}"])
+            # A crash may end with any code; what counts as a verdict has been written as one.
+            judged = code in VERDICTS and (plan.out / folder / "verdict.json").is_file()
+            status = "finished" if judged else "refused" if code == 2 else "failed"
             assignments = json.dumps({v.name: value for v, value in unit.assignments})
             journal.execute(
                 "insert or replace into units values (?, ?, ?, ?, ?, ?, ?, ?)",
-                (key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder),
+                (
+                    key,
+                    unit.scene,
+                    assignments,
+                    status,
+                    code,
+                    time.perf_counter() - begin,
+                    "" if judged else words,
+                    folder,
+                ),
             )
             shown.update()
 
@@ -216,44 +205,35 @@ def _folder_name(unit: Unit, key: str) -> str:
 
 
 def _run_unit(arguments: list[str]) -> tuple[int, str]:
-    """Run `etalon compare` in a process of its own; return its exit code and its last words if it found no verdict."""
+    """Run `etalon compare` in a process of its own; return its exit code and its last words."""
     process = start([*etalon_command(), "compare", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         _, errors = process.communicate()
     except BaseException:
         end(process)
         raise
-    code = process.returncode
-    if code in VERDICTS:
-        return code, ""
     lines = [line.strip() for line in errors.replace("\r", "\n").splitlines() if line.strip()]
-    return code, lines[-1] if lines else f"the process ended with code {code}"
+    return process.returncode, lines[-1] if lines else f"the process ended with code {process.returncode}"
 
 
-def _write_tables(plan: BatchPlan, rows: list[sqlite3.Row], keyed: dict[str, Unit]) -> None:
-    """Write batch.csv and batch.html about everything the journal knows of this plan."""
+def _write_tables(plan: BatchPlan, recorded: list[tuple[Unit, sqlite3.Row | None]]) -> None:
+    """Write batch.csv and batch.html about the whole plan, as far as the journal knows it."""
     names = [v.name for v in plan.variations]
-    results = [_result(plan.out, row, keyed[row["key"]]) for row in rows]
+    results = [_result(plan.out, unit, row) for unit, row in recorded]
     with folder_beside(plan.out) as beside:
         write_csv(names, results, beside / "batch.csv")
         write_grid(names, results, beside / "batch.html")
 
 
-def _result(out: Path, row: sqlite3.Row, unit: Unit) -> Row:
-    """A journal's row, and what the comparison's own verdict.json says of the whole image."""
-    difference = low = high = None
-    if row["status"] == "finished":
-        verdict = json.loads((out / row["folder"] / "verdict.json").read_text(encoding="utf-8"))
-        difference, (low, high) = verdict["image"]["difference"], verdict["image"]["interval"]
-    return Row(
-        scene=unit.scene,
-        values=tuple(value for _, value in unit.assignments),
-        status=row["status"],
-        verdict=VERDICTS.get(row["exit_code"], ""),
-        difference=difference,
-        low=low,
-        high=high,
-        seconds=row["seconds"],
-        folder=row["folder"],
-        message=row["message"],
-    )
+def _result(out: Path, unit: Unit, row: sqlite3.Row | None) -> Row:
+    """What the journal says of a unit, and what the comparison's own verdict.json says of the whole image."""
+    values = tuple(value for _, value in unit.assignments)
+    if row is None:
+        return Row(unit.scene, values, status="not run")
+    facts = {"status": row["status"], "seconds": row["seconds"], "folder": row["folder"], "message": row["message"]}
+    if row["status"] != "finished":
+        return Row(unit.scene, values, **facts)
+    image = json.loads((out / row["folder"] / "verdict.json").read_text(encoding="utf-8"))["image"]
+    low, high = image["interval"]
+    verdict = VERDICTS[row["exit_code"]]
+    return Row(unit.scene, values, **facts, verdict=verdict, difference=image["difference"], low=low, high=high)

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import sys
+import traceback
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
@@ -15,6 +17,7 @@ from ..lib.wavefront.options import DIRECT, MASKING, SAMPLERS, STRATEGIES
 
 EXIT_CODES = "exit code: 0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 2 refused or bad input"
 BAD_INPUT = 2
+INTERNAL_ERROR = 70
 INTERRUPTED = 130
 
 DESCRIPTION = """\
@@ -28,6 +31,29 @@ examples:
   etalon render cornell_glossy --out c.exr   the reference alone
   etalon plan kitchen.blend                  the effects the scene calls for, without rendering
   blender kitchen.blend --background --command etalon compare"""
+
+
+BATCH = """\
+Compare every scene at every combination of property values. PLAN.toml:
+
+  out = "sweep"                              # folder for the results, beside the plan
+  scenes = ["glossy_spheres", "room.blend"]  # reference scenes and files, beside the plan
+
+  [options]                                  # any long option of `etalon compare`
+  tolerance = 0.01
+  time = 60
+
+  [[vary]]                                   # any number of these; all combinations are run
+  path = 'materials["Floor"].node_tree.nodes["Glossy BSDF"].inputs["Roughness"].default_value'
+  values = [0.1, 0.3, 0.5]
+  name = "roughness"                         # optional: what tables call it
+
+A path is a data path from bpy.data, or from the open scene where it begins with `scene.`. Each comparison runs in a
+process of its own; one that crashes is recorded as failed and the rest go on. Finished ones are kept in
+OUT/journal.sqlite, so that the same command, after Ctrl-C or a crash, runs only what is missing. OUT holds a folder for
+each comparison, batch.csv and batch.html.
+
+exit code: the worst of all comparisons: 0 all EQUIVALENT, 1 some DIFFERENT, 3 some UNDECIDED, 2 some refused or failed"""
 
 
 class Parser(argparse.ArgumentParser):
@@ -138,12 +164,10 @@ def _others(commands: argparse._SubParsersAction) -> None:
     plan = commands.add_parser("plan", help="say which effects a scene calls for, and why, without rendering")
     _add_scene(plan, "a reference scene or a .blend file")
     plan.add_argument("--json", action="store_true", help="print JSON")
-    from .batch import HELP
-
     batch = commands.add_parser(
         "batch",
         help="compare scenes over property values, resumably",
-        description=HELP,
+        description=BATCH,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     batch.add_argument("plan", type=Path, metavar="PLAN.toml", help="what to run")
@@ -169,14 +193,15 @@ def parser(prog: str = "etalon") -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; every error a user can meet is one line on standard error."""
+    words = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = parser().parse_args(argv)
+        arguments = parser().parse_args(words, argparse.Namespace(repeat=shlex.join(["etalon", *words])))
     except SystemExit as end:
         return int(end.code or 0)
     from . import commands
 
     try:
-        return getattr(commands, arguments.command)(arguments)
+        return commands.COMMANDS[arguments.command](arguments)
     except Refused as refused:
         for refusal in refused.refusals:
             print(f"etalon: {refusal}", file=sys.stderr)
@@ -192,4 +217,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("etalon: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except Exception:
+        # Python would end with 1, which is a verdict.
+        traceback.print_exc()
+        print("etalon: this is an error in etalon itself; please report it with the text above", file=sys.stderr)
+        return INTERNAL_ERROR
     return BAD_INPUT

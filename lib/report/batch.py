@@ -17,7 +17,7 @@ COLUMNS = ("status", "verdict", "relative_difference", "low", "high", "seconds",
 class Row:
     """One comparison of a batch.
 
-    `values` those of the varied properties, in the order of their names; `status` 'finished', 'refused' or 'failed'; `verdict`
+    `values` those of the varied properties, in the order of their names; `status` 'finished', 'refused', 'failed' or 'not run'; `verdict`
     empty unless finished; `difference`, `low`, `high` the whole image's relative difference and its interval, None if unknown;
     `folder` with its report, relative to the table's.
     """
@@ -25,13 +25,13 @@ class Row:
     scene: str
     values: tuple[Any, ...]
     status: str
-    verdict: str
-    difference: float | None
-    low: float | None
-    high: float | None
-    seconds: float
-    folder: str
-    message: str
+    verdict: str = ""
+    difference: float | None = None
+    low: float | None = None
+    high: float | None = None
+    seconds: float = 0.0
+    folder: str = ""
+    message: str = ""
 
 
 def write_csv(names: list[str], rows: list[Row], path: Path) -> None:

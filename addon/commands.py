@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each command does, once its arguments are read; each returns its exit code.
+
+Blender is imported by the commands that need it, so that the others and all help texts come at once.
+"""
+
+from __future__ import annotations
+
+import json
+from argparse import Namespace
+from dataclasses import asdict
+from pathlib import Path
+
+from ..lib.compare import CompareOptions
+from ..lib.effects.plan import Plan, make_plan
+from ..lib.errors import EtalonError
+from ..lib.film.exr import write_film
+from ..lib.film.film import Film
+from ..lib.report.words import sentences
+from ..lib.scene import archive
+from ..lib.scene.scene import Scene
+from ..lib.wavefront.options import Options
+from ..lib.wavefront.render import ReferenceRenderer
+from .console import bar, interruptible, quiet
+from .results import file_beside
+
+
+def compare(arguments: Namespace) -> int:
+    """Open the scene, compare, print the verdict; the exit code is the verdict's."""
+    from . import job
+    from .opening import open_target
+
+    if arguments.scene is not None and arguments.scene.endswith(".npz"):
+        raise EtalonError(
+            f"{arguments.scene}: Cycles cannot render a saved scene; give the .blend, or use etalon render"
+        )
+    verdict = CompareOptions(
+        tolerance=arguments.tolerance,
+        confidence=arguments.confidence,
+        time=arguments.time,
+        samples=arguments.samples,
+        replicates=arguments.replicates,
+        seed=arguments.seed,
+    )
+    choices = job.Choices(verdict, _reference_options(arguments))
+    name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
+    folder = arguments.out or Path("etalon-out") / name
+    import bpy
+
+    with interruptible() as interrupted, bar(name) as progress, quiet():
+        comparison = job.compare_here(bpy.context.scene, choices, folder, arguments.repeat, progress, interrupted)
+    print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
+    for sentence in sentences(comparison):
+        print(f"  {sentence}")
+    print(f"report: {folder / 'report.html'}")
+    return comparison.verdict.outcome.exit_code
+
+
+def render(arguments: Namespace) -> int:
+    """Render the reference alone and write it as EXR; Ctrl-C writes the replicates that are done."""
+    options = _reference_options(arguments)
+    scene = _exported(arguments)
+    film = Film.empty(scene.camera.height, scene.camera.width, arguments.samples)
+    with file_beside(arguments.out) as path, interruptible() as interrupted, bar(scene.name) as progress:
+        renderer = ReferenceRenderer(scene, options)
+        for replicate in range(arguments.replicates):
+
+            def spent(fraction: float, done: int = replicate) -> None:
+                progress((done + fraction) / arguments.replicates)
+
+            rendering = renderer.render(replicate, arguments.samples, spent, interrupted)
+            if interrupted():
+                break
+            film = film.add(rendering)
+        if not film.moments.n:
+            raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
+        write_film(path, film)
+    print(f"{arguments.out}: {film.moments.n} replicates of {arguments.samples} samples, {film.seconds:.1f} s")
+    return 0
+
+
+def scenes(arguments: Namespace) -> int:
+    """List the reference scenes, or save one as a .blend."""
+    from ..reference_scenes import SCENES, save
+
+    if arguments.save is None:
+        width = max(map(len, SCENES))
+        for name, description in SCENES.items():
+            print(f"{name:{width}}  {description}")
+        return 0
+    name, target = arguments.save[0], Path(arguments.save[1])
+    if name not in SCENES:
+        raise EtalonError(f"{name}: no reference scene of that name; `etalon scenes` lists them")
+    with file_beside(target) as path, quiet():
+        save(name, path)
+    print(f"{name} saved as {target}")
+    return 0
+
+
+def plan(arguments: Namespace) -> int:
+    """Print which effects the scene calls for, each with the fact that decided it."""
+    scene = _exported(arguments)
+    decided = make_plan(scene)
+    if arguments.json:
+        print(json.dumps({"scene": scene.name, **asdict(decided)}, indent=2))
+    else:
+        print(plan_text(scene, decided))
+    return 0
+
+
+def plan_text(scene: Scene, decided: Plan) -> str:
+    """The plan as two lists for a terminal."""
+    width = max(len(decision.effect) for decision in decided.decisions)
+    lines = [f"{scene.name}: {scene.mesh.triangle_count} triangles, {len(scene.lights)} lights"]
+    for heading, needed in (("needed", True), ("not needed", False)):
+        lines += ["", heading]
+        lines += [f"  {d.effect:{width}}  {d.fact}" for d in decided.decisions if d.needed is needed]
+    return "\n".join(lines)
+
+
+def batch(arguments: Namespace) -> int:
+    """Run a PLAN.toml."""
+    from .batch import run
+
+    return run(arguments.plan)
+
+
+def _reference_options(arguments: Namespace) -> Options:
+    return Options(
+        strategy=arguments.strategy,
+        direct=arguments.direct,
+        masking=arguments.masking,
+        sampler=arguments.sampler,
+        russian_roulette=arguments.russian_roulette,
+        seed=arguments.seed,
+        threads=arguments.threads,
+    )
+
+
+def _exported(arguments: Namespace) -> Scene:
+    """The scene that the arguments name, from a saved .npz or through Blender."""
+    if arguments.scene is not None and arguments.scene.endswith(".npz"):
+        return archive.load(Path(arguments.scene))
+    from . import job
+    from .opening import open_target
+
+    open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
+    import bpy
+
+    with quiet():
+        return job.export(bpy.context.scene)
+
+
+COMMANDS = {"compare": compare, "render": render, "scenes": scenes, "plan": plan, "batch": batch}

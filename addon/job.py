@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One comparison as a job: the command line runs it where it stands, the panel beside the window."""
+
+from __future__ import annotations
+
+import shlex
+import tempfile
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..lib.compare import CompareOptions, Comparison, Renderer, compare
+from ..lib.errors import EtalonError, Refused
+from ..lib.report import write_report
+from ..lib.scene.scene import Scene
+from ..lib.wavefront.coverage import coverage
+from ..lib.wavefront.options import Options
+from ..lib.wavefront.render import ReferenceRenderer
+from .cycles import CyclesRenderer, neutral
+from .export import export_scene
+from .render_depsgraph import with_render_depsgraph
+from .results import folder_beside
+from .second_blender import SecondBlender
+
+Progress = Callable[[float], None]
+Cancelled = Callable[[], bool]
+
+COVERAGE_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Choices:
+    """All that a user chooses about a comparison: the verdict's options and the reference's."""
+
+    verdict: CompareOptions
+    reference: Options
+
+
+def export(scene: bpy.types.Scene) -> Scene:
+    """The scene as its render would see it; raises Refused or EtalonError."""
+    return with_render_depsgraph(scene, export_scene)
+
+
+def judge(
+    scene: Scene,
+    candidate: Renderer,
+    choices: Choices,
+    folder: Path,
+    repeat: str,
+    progress: Progress,
+    cancelled: Cancelled,
+) -> Comparison:
+    """Render the reference beside `candidate`, compare the two, and leave the report in `folder`.
+
+    `repeat` is the command that does the same again; the report shows it.
+    """
+    with folder_beside(folder) as beside:
+        reference = ReferenceRenderer(scene, choices.reference)
+        covered = coverage(scene, COVERAGE_SAMPLES)
+        comparison = compare(scene, reference, candidate, covered, choices.verdict, progress, cancelled)
+        write_report(comparison, beside, repeat)
+    return comparison
+
+
+def compare_here(
+    scene: bpy.types.Scene,
+    choices: Choices,
+    folder: Path,
+    repeat: str,
+    progress: Progress,
+    cancelled: Cancelled,
+) -> Comparison:
+    """Compare with Cycles in this very process; its settings come back when it is done."""
+    exported = export(scene)
+    with neutral(scene):
+        candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
+        return judge(exported, candidate, choices, folder, repeat, progress, cancelled)
+
+
+def repeat(blend: str, options: CompareOptions) -> str:
+    """The command line that compares as the panel does."""
+    words = ["etalon", "compare", blend or "FILE.blend", f"--tolerance={options.tolerance:g}"]
+    return shlex.join([*words, f"--confidence={options.confidence:g}", f"--time={options.time:g}"])
+
+
+class BackgroundJob:
+    """A comparison that leaves the window alone: export and Cycles in a second Blender, the reference in a thread.
+
+    Made and read by the main thread. `fraction` and `message` tell how far it is; when `done`, either `comparison` or
+    `errors` is there, or neither if it was cancelled before there was anything to compare.
+    """
+
+    def __init__(self, scene: bpy.types.Scene, choices: Choices, folder: Path) -> None:
+        self.folder = folder
+        self.fraction = 0.0
+        self.message = "Exporting"
+        self.comparison: Comparison | None = None
+        self.errors: tuple[str, ...] = ()
+        self._choices = choices
+        self._cancel = threading.Event()
+        self._temporary = tempfile.TemporaryDirectory(prefix="etalon-", ignore_cleanup_errors=True)
+        self._repeat = repeat(bpy.data.filepath, choices.verdict)
+        copy = Path(self._temporary.name) / "scene.blend"
+        bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
+        self._blender = SecondBlender(copy, scene.name, choices.verdict.seed, choices.reference.threads)
+        self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
+        self._thread.start()
+
+    @property
+    def done(self) -> bool:
+        """Whether the thread has ended."""
+        return not self._thread.is_alive()
+
+    def cancel(self) -> None:
+        """End it: the second Blender at once, the reference after the tile at hand. What both sides finished is kept."""
+        self._cancel.set()
+        self.message = "Ending"
+        self._blender.close()
+
+    def wait(self) -> None:
+        """Wait until the thread has ended."""
+        self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            scene = self._blender.export()
+            self.message = "Rendering"
+            self.comparison = judge(
+                scene, self._blender, self._choices, self.folder, self._repeat, self._progress, self._cancel.is_set
+            )
+        except Refused as refused:
+            self.errors = tuple(str(refusal) for refusal in refused.refusals)
+        except EtalonError as error:
+            self.errors = () if self._cancel.is_set() else (str(error),)
+        except Exception as error:
+            self.errors = (f"{type(error).__name__}: {error}; please report it with the console's text",)
+            raise
+        finally:
+            self._blender.close()
+            self._temporary.cleanup()
+
+    def _progress(self, fraction: float) -> None:
+        self.fraction = fraction

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender is told when the extension is switched on, and taken back when it is switched off."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import cli, operators, panels, properties
+
+_CLASSES = (
+    properties.EtalonSettings,
+    operators.CompareWithCycles,
+    operators.CancelComparison,
+    operators.OpenReport,
+    panels.RenderPanel,
+    panels.SidebarPanel,
+)
+
+_commands: list[object] = []
+
+
+def register() -> None:
+    """Add the settings, the panel and the command `etalon`."""
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.etalon = bpy.props.PointerProperty(type=properties.EtalonSettings)
+    _commands.append(bpy.utils.register_cli_command("etalon", cli.main))
+
+
+def unregister() -> None:
+    """Remove all of it again, and end a comparison that still runs."""
+    operators.session.forget()
+    bpy.utils.unregister_cli_command(_commands.pop())
+    del bpy.types.Scene.etalon
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as a render sees it: render levels of modifiers and what is hidden in viewports, but not in renders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import bpy
+
+Result = TypeVar("Result")
+
+
+def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph], Result]) -> Result:
+    """Return `function(depsgraph)` for the depsgraph in render mode, which Blender hands to a render engine only.
+
+    An engine that renders nothing is registered for the time of the call. The scene's settings come back, and whatever
+    `function` raises is raised here.
+    """
+    results: list[Result] = []
+    errors: list[BaseException] = []
+
+    class Exporter(bpy.types.RenderEngine):
+        bl_idname = "ETALON_EXPORTER"
+        bl_label = "Étalon exporter"
+
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+            if results or errors:
+                return
+            try:
+                results.append(function(depsgraph))
+            except BaseException as error:  # Blender would print it and go on
+                errors.append(error)
+
+    render = scene.render
+    kept = {name: getattr(render, name) for name in ("engine", "use_compositing", "use_sequencer")}
+    bpy.utils.register_class(Exporter)
+    try:
+        render.use_compositing = render.use_sequencer = False
+        render.engine = Exporter.bl_idname
+        bpy.ops.render.render(scene=scene.name)
+    finally:
+        for name, value in kept.items():
+            setattr(render, name, value)
+        bpy.utils.unregister_class(Exporter)
+    if errors:
+        raise errors[0]
+    return results[0]

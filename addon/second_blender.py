@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A second Blender on a saved copy of the file: it exports the scene and renders Cycles' side, for a window that stays alive."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..lib.errors import EtalonError, Refusal, Refused
+from ..lib.film.rendering import Rendering
+from ..lib.scene import archive
+from ..lib.scene.scene import Scene
+from .process import end, start
+from .second_blender_worker import MARK
+
+_WORKER = Path(__file__).with_name("second_blender_worker.py")
+
+
+class SecondBlender:
+    """Cycles' side of a comparison, as a renderer; nothing but its construction needs the main thread."""
+
+    def __init__(self, copy: Path, scene: str, seed: int, threads: int) -> None:
+        self.name = "Cycles"
+        self.settings: dict[str, Any] = {}
+        self._log = copy.with_name("second_blender.log")
+        request = {"scene": scene, "seed": seed, "threads": threads, "folder": str(copy.parent)}
+        # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
+        blender = [bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
+        with self._log.open("w", encoding="utf-8") as log:
+            self._process = start(
+                [*blender, "--python", str(_WORKER), "--", json.dumps(request)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log.fileno(),
+            )
+
+    def export(self) -> Scene:
+        """The scene, exported there; raises Refused or EtalonError."""
+        reply = next(self._replies())
+        if "refusals" in reply:
+            raise Refused([Refusal(**refusal) for refusal in reply["refusals"]])
+        if "error" in reply:
+            raise EtalonError(reply["error"])
+        self.name, self.settings = reply["name"], reply["settings"]
+        return archive.load(Path(reply["scene"]))
+
+    def render(
+        self, replicate: int, samples: int, progress: Callable[[float], None], cancelled: Callable[[], bool]
+    ) -> Rendering:
+        """One replicate; raises EtalonError if the process ends before it has one, as it does when it is closed."""
+        try:
+            self._process.stdin.write(json.dumps({"replicate": replicate, "samples": samples}) + "\n")
+            self._process.stdin.flush()
+        except (OSError, ValueError) as error:
+            raise self._gone() from error
+        for reply in self._replies():
+            if "error" in reply:
+                raise EtalonError(reply["error"])
+            if "progress" not in reply:
+                break
+            progress(reply["progress"])
+        with np.load(reply.pop("images")) as images:
+            return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], **reply)
+
+    def close(self) -> None:
+        """End the process at once."""
+        end(self._process)
+
+    def _replies(self) -> Iterator[dict[str, Any]]:
+        """What the worker says, from among all that Blender prints."""
+        for line in self._process.stdout:
+            if line.startswith(MARK):
+                yield json.loads(line[len(MARK) :])
+        raise self._gone()
+
+    def _gone(self) -> EtalonError:
+        """The error that says how the process ended, in its own last words."""
+        try:
+            lines = self._log.read_text(encoding="utf-8", errors="replace").split("\n")
+        except OSError:
+            lines = []
+        words = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
+        return EtalonError(f"the second Blender ended early ({words}); compare from the command line to see more")

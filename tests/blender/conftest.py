@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The real Blender program in a Debian 13 folder, with the extension built from this tree and installed."""
+
+import json
+import os
+import select
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DEFAULT = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "etalon-debian13"
+MARK = "ETALON "
+
+
+class Debian:
+    """Commands in the folder at `root`; `home` is a fresh place for settings and files, as seen from inside."""
+
+    def __init__(self, root, home):
+        self.root = root
+        self.home = home
+        self.outside = root / home.relative_to("/")
+        self.environment = {
+            "PATH": "/usr/bin:/bin:/usr/sbin:/sbin",
+            "HOME": str(home),
+            "BLENDER_USER_RESOURCES": str(home / "blender"),
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+            "LANG": "C.UTF-8",
+        }
+
+    def command(self, *words, **environment):
+        """The command line that runs `words` inside."""
+        variables = [f"{k}={v}" for k, v in {**self.environment, **environment}.items()]
+        return ["chroot", str(self.root), "env", "-i", f"--chdir={self.home}", *variables, *map(str, words)]
+
+    def run(self, *words, timeout=300, **environment):
+        """Run a command inside to its end; output and errors come as one text."""
+        return subprocess.run(
+            self.command(*words, **environment),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=timeout,
+            stdin=subprocess.DEVNULL,
+        )
+
+
+@pytest.fixture(scope="session")
+def debian(tmp_path_factory):
+    """The folder, with a home of its own that goes when the tests end."""
+    root = Path(os.environ.get("ETALON_DEBIAN", DEFAULT))
+    if not (root / "usr/bin/blender").exists():
+        pytest.fail(f"{root}: no Blender there; `.ci/debian {root}` makes it (root, network, two minutes)")
+    home = Path("/tmp") / tmp_path_factory.mktemp("etalon-home").name
+    inside = Debian(root, home)
+    inside.outside.mkdir()
+    yield inside
+    subprocess.run(["rm", "-rf", str(inside.outside)], check=True)
+
+
+@pytest.fixture(scope="session")
+def extension(debian):
+    """The extension, built, validated and installed; its module's name in that Blender."""
+    build = [sys.executable, "build_extension.py", "--platform=linux-x64", "--python=3.13", f"--out={debian.outside}"]
+    subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    (archive,) = debian.outside.glob("etalon-*.zip")
+    archive = debian.home / archive.name
+    for words in (("validate", archive), ("install-file", "--repo=user_default", "--enable", archive)):
+        done = debian.run("blender", "--command", "extension", *words)
+        assert done.returncode == 0, done.stdout
+    return "bl_ext.user_default.etalon"
+
+
+class Window:
+    """Blender in a window on an X server of its own, driven by window.py from inside and xdotool from outside."""
+
+    def __init__(self, debian, display, blend):
+        self.debian = debian
+        self.display = display
+        driver = debian.outside / "window.py"
+        driver.write_text((Path(__file__).parent / "window.py").read_text())
+        words = ["blender", "--window-geometry", "0", "0", "1280", "900", blend, "--python", debian.home / driver.name]
+        self.process = subprocess.Popen(
+            debian.command(*words, DISPLAY=display),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        self._text = b""
+
+    def wait_for(self, event, seconds):
+        """The next report of that kind from window.py; fails with what Blender printed if it does not come."""
+        deadline = time.monotonic() + seconds
+        seen = []
+        while (left := deadline - time.monotonic()) > 0:
+            line, separator, rest = self._text.partition(b"\n")
+            if separator:
+                self._text = rest
+                seen.append(line.decode(errors="replace"))
+                if seen[-1].startswith(MARK) and (report := json.loads(seen[-1][len(MARK) :]))["event"] == event:
+                    return report
+            elif select.select([self.process.stdout], [], [], left)[0]:
+                more = os.read(self.process.stdout.fileno(), 65536)
+                if not more:
+                    break
+                self._text += more
+        raise AssertionError(f"no '{event}' within {seconds} s; Blender said:\n" + "\n".join(seen[-40:]))
+
+    def hand(self, *words):
+        """Mouse and keyboard, in xdotool's words."""
+        done = self.debian.run("xdotool", *words, DISPLAY=self.display)
+        assert done.returncode == 0, done.stdout
+
+    def screenshot(self, path):
+        """Save what the screen shows."""
+        inside = self.debian.home / path.name
+        done = self.debian.run("import", "-window", "root", inside, DISPLAY=self.display)
+        assert done.returncode == 0, done.stdout
+        path.write_bytes((self.debian.outside / path.name).read_bytes())
+
+    def close(self):
+        """End Blender."""
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+
+
+@pytest.fixture
+def display(debian):
+    """An X server without a screen; its name."""
+    read, write = os.pipe()
+    words = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x900x24", "-nolisten", "tcp"]
+    server = subprocess.Popen(debian.command(*words), pass_fds=[write], stderr=subprocess.DEVNULL)
+    os.close(write)
+    try:
+        assert select.select([read], [], [], 60)[0], "Xvfb did not start"
+        yield f":{os.read(read, 64).decode().strip()}"
+    finally:
+        os.close(read)
+        server.terminate()
+        server.wait()

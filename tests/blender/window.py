@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside the windowed Blender: shows the panel, and prints what becomes of the comparison as lines of JSON."""
+
+import json
+import sys
+import time
+
+import bpy
+from bl_ext.user_default.etalon.addon.operators import session
+
+# No other button has this colour, so that the test finds the panel's on a picture of the screen, as a user's eye does.
+BUTTON = (1.0, 0.0, 1.0, 1.0)
+
+
+def report(event, **facts):
+    sys.stdout.write("ETALON " + json.dumps({"event": event, **facts}) + "\n")
+    sys.stdout.flush()
+
+
+def user_state():
+    """What a comparison must leave as it is."""
+    scene = bpy.context.scene
+    kinds = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
+    cycles, render = (
+        {name: repr(getattr(owner, name)) for name, rna in owner.bl_rna.properties.items() if rna.type in kinds}
+        for owner in (scene.cycles, scene.render)
+    )
+    counts = {name: len(getattr(bpy.data, name)) for name in ("images", "objects", "materials", "scenes", "meshes")}
+    return {"cycles": cycles, "render": render, "counts": counts, "file": bpy.data.filepath, "dirty": bpy.data.is_dirty}
+
+
+class Watch:
+    """A timer that never rests longer than Blender lets it: it also shows that the window is alive."""
+
+    def __init__(self):
+        self.step = 0
+        self.was_running = False
+        self.fractions = set()
+        self.last = self.longest = 0.0
+
+    def __call__(self):
+        window = bpy.context.window_manager.windows[0]
+        area = max((a for a in window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.width)
+        self.step += 1
+        if self.step == 1:
+            area.spaces.active.show_region_ui = True
+        elif self.step == 2:
+            region = next(r for r in area.regions if r.type == "UI")
+            region.active_panel_category = "Étalon"
+            area.tag_redraw()
+        elif self.step == 5:
+            region = next(r for r in area.regions if r.type == "UI")
+            box = [region.x, window.height - region.y - region.height, region.width, region.height]
+            report("ready", box=box, state=user_state())
+        elif self.step > 5:
+            self.watch()
+        return 0.1
+
+    def watch(self):
+        running = session.running is not None
+        now = time.monotonic()
+        if running and not self.was_running:
+            report("started")
+            self.fractions, self.longest = set(), 0.0
+        if running and self.was_running:
+            self.longest = max(self.longest, now - self.last)
+            self.fractions.add(session.running.fraction)
+            if len(self.fractions) == 4:
+                report("halfway")
+        if self.was_running and not running:
+            comparison = session.comparison
+            report(
+                "ended",
+                outcome=comparison and comparison.verdict.outcome.value,
+                stopped=comparison and comparison.stopped,
+                folder=str(session.folder),
+                errors=session.errors,
+                fractions=len(self.fractions),
+                longest=self.longest,
+                state=user_state(),
+            )
+        self.was_running, self.last = running, now
+
+
+bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.themes[0].user_interface.wcol_tool.inner = BUTTON
+bpy.context.scene.render.resolution_percentage = 50
+bpy.context.scene.etalon.time = 30.0
+bpy.app.timers.register(Watch(), first_interval=0.5, persistent=True)
