@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene in one .npz file: its frozen dataclasses as JSON, large arrays beside; nothing in it is ever executed."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import tempfile
+import zipfile
+import zlib
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import EtalonError
+from . import camera, expressions, images, lights, materials, mesh, scene, world
+from .checks import validate
+from .scene import Scene
+
+_VERSION = 1
+_SMALL = 64
+_CLASSES = {
+    kind.__name__: kind
+    for module in (camera, expressions, images, lights, materials, mesh, scene, world)
+    for kind in vars(module).values()
+    if isinstance(kind, type) and is_dataclass(kind)
+}
+_DAMAGE = (ValueError, TypeError, KeyError, IndexError, AttributeError, EOFError, RecursionError, MemoryError)
+_DAMAGE += (zipfile.BadZipFile, zlib.error, NotImplementedError)
+
+
+def save(scene: Scene, path: Path | str) -> None:
+    """Write `scene` to `path`, beside it first, so that a failure leaves what was there.
+
+    Raises EtalonError when the folder cannot be written.
+    """
+    path = Path(path)
+    encoder = _Encoder()
+    root = encoder.encode(scene)
+    text = json.dumps({"version": _VERSION, "root": root, "nodes": encoder.nodes})
+    arrays = {f"array_{i}": array for i, array in enumerate(encoder.arrays)}
+    arrays["scene"] = np.frombuffer(text.encode(), np.uint8)
+    beside: Path | None = None
+    try:
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+            beside = Path(file.name)
+            np.savez(file, **arrays)
+        os.replace(beside, path)
+    except OSError as error:
+        raise EtalonError(
+            f"{path}: cannot be written ({error.strerror}); choose another folder or make room"
+        ) from error
+    finally:
+        if beside is not None:
+            with contextlib.suppress(OSError):
+            beside.unlink()
+
+
+def load(path: Path | str) -> Scene:
+    """Read and validate what `save` wrote; raises EtalonError when it is missing, damaged or of another version."""
+    path = Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            document = json.loads(file["scene"].tobytes())
+            if document["version"] != _VERSION:
+                raise EtalonError(
+                    f"{path}: is of version {document['version']}, not {_VERSION}; export the scene again"
+                )
+            result = _Decoder(document["nodes"], file).decode(document["root"])
+        if not isinstance(result, Scene):
+            raise TypeError(type(result).__name__)
+        validate(result)
+    except OSError as error:
+        raise EtalonError(f"{path}: cannot be read ({error.strerror or error}); check the path") from error
+    except _DAMAGE as error:
+        raise EtalonError(f"{path}: is damaged or no scene of Étalon's ({error}); export the scene again") from error
+    return result
+
+
+class _Encoder:
+    """Turns values into JSON; each dataclass instance becomes one node, however often the scene refers to it."""
+
+    def __init__(self) -> None:
+        self.nodes: list[dict[str, Any]] = []
+        self.arrays: list[np.ndarray] = []
+        self._index: dict[int, int] = {}
+
+    def encode(self, value: Any) -> Any:
+        if is_dataclass(value):
+            if id(value) not in self._index:
+                node = {f.name: self.encode(getattr(value, f.name)) for f in fields(value)}
+                self._index[id(value)] = len(self.nodes)
+                self.nodes.append({"class": type(value).__name__, "fields": node})
+            return {"node": self._index[id(value)]}
+        if isinstance(value, np.ndarray):
+            if value.size <= _SMALL:
+                return {"values": value.ravel().tolist(), "dtype": value.dtype.str, "shape": value.shape}
+            self.arrays.append(value)
+            return {"array": len(self.arrays) - 1}
+        if isinstance(value, tuple):
+            return {"tuple": [self.encode(one) for one in value]}
+        if isinstance(value, dict):
+            return {"dict": {name: self.encode(one) for name, one in value.items()}}
+        return value.item() if isinstance(value, np.generic) else value
+
+
+class _Decoder:
+    """The way back; nodes only refer to nodes before them, so that there is no cycle to follow."""
+
+    def __init__(self, nodes: list[dict[str, Any]], file: np.lib.npyio.NpzFile) -> None:
+        self._file = file
+        self._nodes: list[Any] = []
+        for node in nodes:
+            values = {name: self.decode(value) for name, value in node["fields"].items()}
+            self._nodes.append(_CLASSES[node["class"]](**values))
+
+    def decode(self, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        if "node" in value:
+            return self._nodes[value["node"]]
+        if "array" in value:
+            return self._file[f"array_{value['array']}"]
+        if "values" in value:
+            return np.array(value["values"], np.dtype(value["dtype"])).reshape(value["shape"])
+        if "tuple" in value:
+            return tuple(self.decode(one) for one in value["tuple"])
+        return {name: self.decode(one) for name, one in value["dict"].items()}
