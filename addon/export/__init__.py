@@ -1,2 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's evaluated depsgraph to lib.scene: one file per kind of data, materials node by node."""
+"""From Blender's evaluated scene to lib.scene.
+
+scene.py the whole, mesh.py one mesh, placements.py its instances in the world, camera.py, lights.py, refusals.py what of objects
+and settings is not simulated; materials.py with nodes*.py closures and the world, images.py textures.
+"""
+
+from .scene import export_scene
+
+__all__ = ["export_scene"]

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The active camera as an affine map from the raster, with Cycles' rules for sensor fit, shift, border and lens."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...lib.errors import EtalonError, Refusal
+from ...lib.scene.camera import Aperture, Camera
+from .matrices import affine, is_sheared
+
+_KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
+
+# Cycles' own lower bounds for the f-number and the focus distance.
+_LEAST_FSTOP = 1e-5
+_LEAST_FOCUS = 1e-5
+
+
+def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refusals: list[Refusal]) -> Camera | None:
+    """The evaluated object `camera` for the raster that `render` describes; None where it is refused.
+
+    With a render border the raster is the border's region alone, cropped or not, so that no pixel outside is simulated.
+    Raises EtalonError when the object is no camera or the border is empty.
+    """
+    if camera.type != "CAMERA":
+        raise EtalonError(f"{camera.name}: the scene looks through an object that is no camera; choose a camera object")
+    data = camera.data
+    owner = f"camera '{camera.name}'"
+    if data.type not in _KINDS:
+        refusals.append(Refusal(owner, f"the lens type {data.type}", "make it perspective or orthographic"))
+    matrix = affine(camera.matrix_world)
+    if is_sheared(matrix):
+        refusals.append(Refusal(owner, "a sheared matrix", "apply the scale of its parents"))
+    if data.type not in _KINDS or is_sheared(matrix):
+        return None
+    matrix[:, :3] /= np.linalg.norm(matrix[:, :3], axis=0)
+    full_width = render.resolution_x * render.resolution_percentage // 100
+    full_height = render.resolution_y * render.resolution_percentage // 100
+    left, bottom, width, height = _region(camera.name, render, full_width, full_height)
+    return Camera(
+        kind=_KINDS[data.type],
+        width=width,
+        height=height,
+        plane_from_raster=_plane_from_raster(data, render, full_width, full_height, left, bottom),
+        world_from_camera=matrix,
+        clip_start=data.clip_start,
+        clip_end=data.clip_end,
+        aperture=_aperture(data, matrix),
+    )
+
+
+def _region(name: str, render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
+    """Left, bottom, width and height of the rendered region, in pixels."""
+    if width < 1 or height < 1:
+        raise EtalonError(f"{name}: the image has no pixels; raise the resolution or its percentage")
+    if not render.use_border:
+        return 0, 0, width, height
+    # Blender multiplies in single precision and cuts off.
+    edges = np.array([render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y], np.float32)
+    left, right, bottom, top = (edges * np.array([width, width, height, height], np.float32)).astype(int)
+    if right <= left or top <= bottom:
+        raise EtalonError(f"{name}: the render border encloses no pixel; enlarge it or switch it off")
+    return int(left), int(bottom), int(right - left), int(top - bottom)
+
+
+def _plane_from_raster(
+    data: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int, left: int, bottom: int
+) -> np.ndarray:
+    """(2, 3): raster to the plane at depth 1, or in metres for an orthographic camera."""
+    aspect = np.array([render.pixel_aspect_x, render.pixel_aspect_y])
+    size = aspect * (width, height)
+    horizontal = data.sensor_fit == "HORIZONTAL" or (data.sensor_fit == "AUTO" and size[0] > size[1])
+    sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+    extent = data.ortho_scale if data.type == "ORTHO" else sensor / data.lens
+    scale = extent * aspect / (size[0] if horizontal else size[1])
+    middle = np.array([width / 2 - left, height / 2 - bottom])
+    offset = extent * np.array([data.shift_x, data.shift_y]) - scale * middle
+    return np.column_stack([np.diag(scale), offset])
+
+
+def _aperture(data: bpy.types.Camera, matrix: np.ndarray) -> Aperture | None:
+    """The lens; None where everything is in focus. Millimetres divide the f-number in perspective, metres otherwise."""
+    dof = data.dof
+    if not dof.use_dof:
+        return None
+    fstop = max(dof.aperture_fstop, _LEAST_FSTOP)
+    radius = (1.0 if data.type == "ORTHO" else data.lens * 1e-3) / (2.0 * fstop)
+    blades = dof.aperture_blades if dof.aperture_blades >= 3 else 0
+    focus = max(_focus_distance(dof, matrix), _LEAST_FOCUS)
+    return Aperture(radius, blades, dof.aperture_rotation, dof.aperture_ratio, focus)
+
+
+def _focus_distance(dof: bpy.types.CameraDOFSettings, matrix: np.ndarray) -> float:
+    target = dof.focus_object
+    if target is None:
+        return dof.focus_distance
+    position = affine(target.matrix_world)
+    bone = target.pose.bones.get(dof.focus_subtarget) if target.pose else None
+    point = position[:, 3] if bone is None else position[:, :3] @ np.array(bone.head) + position[:, 3]
+    return abs(float((point - matrix[:, 3]) @ matrix[:, 2]))

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light objects in radiometric units: Blender's watts, sizes and switches, by Cycles' rules."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+
+from ...lib.errors import Refusal
+from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
+from .matrices import is_sheared
+from .refusals import refuse_light_rays
+
+_NODES = {"ShaderNodeEmission", "ShaderNodeOutputLight", "NodeFrame"}
+
+
+def read_light(
+    light: bpy.types.Object,
+    instancer: bpy.types.Object | None,
+    matrix: np.ndarray,
+    bounces: int,
+    refusals: list[Refusal],
+) -> Light | None:
+    """The light object `light`, of `instancer` if it is an instance, with the (3, 4) `matrix`.
+
+    None where it gives no light or is refused; `bounces` is how far light will be followed.
+    """
+    data = light.data
+    owner = f"light '{light.name}'"
+    before = len(refusals)
+    refuse_light_rays(light, instancer, bounces, refusals)
+    emission = _emission(data, owner, refusals)
+    if data.type in ("SPOT", "AREA") and is_sheared(matrix) and np.linalg.matrix_rank(matrix[:, :3]) == 3:
+        refusals.append(Refusal(owner, "a sheared matrix", "apply the scale of its parents"))
+    if data.type == "AREA" and data.spread <= 0.0:
+        refusals.append(Refusal(owner, "a spread of 0", "widen the spread, or use a sun"))
+    if len(refusals) > before or not emission.any():
+        return None
+    visible = light.visible_camera and (instancer is None or instancer.visible_camera)
+    return _READERS[data.type](light.name, data, matrix, emission, visible)
+
+
+def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.ndarray:
+    """(3,) energy * colour * 2^exposure, times the temperature's colour and a plain Emission node's."""
+    emission = np.array(data.color, dtype=np.float64) * data.energy
+    # Exposure, normalise and temperature came to all lights in Blender 4.5; before, there is nothing to read.
+    emission *= 2.0 ** getattr(data, "exposure", 0.0)
+    if getattr(data, "use_temperature", False):
+        emission *= np.array(data.temperature_color, dtype=np.float64)
+    if data.use_nodes and data.node_tree is not None:
+        emission *= _node_emission(data.node_tree, owner, refusals)
+    if np.any(emission < 0.0):
+        refusals.append(Refusal(owner, "negative power", "make the power positive"))
+    return emission
+
+
+def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]) -> np.ndarray:
+    """(3,) colour * strength of the one Emission node that a light's tree may hold."""
+    output = tree.get_output_node("CYCLES")
+    if output is None or not output.inputs["Surface"].is_linked:
+        return np.zeros(3)
+    for node in tree.nodes:
+        if node.bl_idname not in _NODES or node.mute:
+            refusals.append(Refusal(owner, f"its node '{node.name}'", "leave one plain Emission node"))
+            return np.zeros(3)
+    emission = output.inputs["Surface"].links[0].from_node
+    for name in ("Color", "Strength"):
+        if emission.inputs[name].is_linked:
+            refusals.append(Refusal(owner, f"the link to its Emission node's {name}", "remove the link"))
+    color = np.array(emission.inputs["Color"].default_value[:3], dtype=np.float64)
+    return color * emission.inputs["Strength"].default_value
+
+
+def _point(name: str, data: bpy.types.PointLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light:
+    radius = data.shadow_soft_size
+    position = _vector(matrix[:, 3])
+    if radius == 0.0:
+        return PointLight(name, position, _vector(_ball_emission(data, emission)))
+    return SphereLight(name, position, radius, _vector(_ball_emission(data, emission)), visible)
+
+
+def _spot(name: str, data: bpy.types.SpotLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light:
+    inverse = np.linalg.inv(matrix[:, :3])
+    inverse /= np.linalg.norm(inverse[2])
+    x_axis, y_axis, z_axis = (_vector(row) for row in inverse * [[1.0], [1.0], [-1.0]])
+    cone = Cone(z_axis, x_axis, y_axis, math.cos(data.spot_size / 2.0), data.spot_blend)
+    emitted = _vector(_ball_emission(data, emission))
+    return SpotLight(name, _vector(matrix[:, 3]), data.shadow_soft_size, emitted, cone, visible)
+
+
+def _ball_emission(data: bpy.types.Light, emission: np.ndarray) -> np.ndarray:
+    """Radiance of a sphere, or intensity of a point: the flux of an isotropic emitter over 4 pi^2 r^2, or 4 pi."""
+    if not getattr(data, "normalize", True):
+        return emission / math.pi
+    radius = data.shadow_soft_size
+    return emission / (4.0 * math.pi * (math.pi * radius**2 if radius > 0.0 else 1.0))
+
+
+def _sun(name: str, data: bpy.types.SunLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light | None:
+    length = np.linalg.norm(matrix[:, 2])
+    if length == 0.0:
+        return None
+    half_angle = data.angle / 2.0
+    if half_angle > 0.0 and not getattr(data, "normalize", True):
+        emission = emission * (math.pi * math.sin(half_angle) ** 2)
+    return SunLight(name, _vector(matrix[:, 2] / length), half_angle, _vector(emission), visible)
+
+
+def _area(
+    name: str, data: bpy.types.AreaLight, matrix: np.ndarray, emission: np.ndarray, visible: bool
+) -> Light | None:
+    size_v = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+    edge_u, edge_v = matrix[:, 0] * data.size, matrix[:, 1] * size_v
+    ellipse = data.shape in ("DISK", "ELLIPSE")
+    area = float(np.linalg.norm(edge_u) * np.linalg.norm(edge_v)) * (math.pi / 4.0 if ellipse else 1.0)
+    if area == 0.0:
+        return None
+    radiance = emission / (math.pi * (area if getattr(data, "normalize", True) else 1.0))
+    return AreaLight(
+        name=name,
+        center=_vector(matrix[:, 3]),
+        edge_u=_vector(edge_u),
+        edge_v=_vector(edge_v),
+        normal=_vector(-matrix[:, 2] / np.linalg.norm(matrix[:, 2])),
+        shape="ELLIPSE" if ellipse else "RECTANGLE",
+        radiance=_vector(radiance),
+        spread=data.spread,
+        visible_camera=visible,
+    )
+
+
+def _vector(values: np.ndarray) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+_READERS = {"POINT": _point, "SPOT": _spot, "SUN": _sun, "AREA": _area}

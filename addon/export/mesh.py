@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One mesh datablock, read once into arrays, in its object's space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...lib.errors import SceneError
+
+
+@dataclass(frozen=True)
+class LocalMesh:
+    """A mesh before it is placed: v vertices, t triangles, in object space.
+
+    positions (3, v) float32; triangles (3, t) int32; slot (t,) int32, the material slot as stored; smooth (t,) bool;
+    corner_normals (3 corners, 3, t) float32, or None when no face is smooth; uvs: map name -> (3 corners, 2, t) float32;
+    generated (3, v) float32, or None when nobody asks.
+    """
+
+    positions: np.ndarray
+    triangles: np.ndarray
+    slot: np.ndarray
+    smooth: np.ndarray
+    corner_normals: np.ndarray | None
+    uvs: dict[str, np.ndarray]
+    generated: np.ndarray | None
+
+
+def read_mesh(mesh: bpy.types.Mesh, name: str, uv_maps: Iterable[str], generated: bool) -> LocalMesh:
+    """Read an evaluated mesh; `name` is the object's, for errors.
+
+    `uv_maps` are the maps wanted ('' is the active render map); one that the mesh lacks is zero, as in Cycles.
+    Raises SceneError when a vertex is not finite.
+    """
+    corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
+    positions = _transposed(_read(mesh.vertices, "co", np.float32, 3))
+    if not np.isfinite(positions).all():
+        count = int((~np.isfinite(positions).all(axis=0)).sum())
+        raise SceneError(
+            f"{name}: {count} vertices are not finite numbers; repair the mesh or the modifier that made it"
+        )
+    vertex = _read(mesh.loops, "vertex_index", np.int32)
+    polygon = _read(mesh.loop_triangle_polygons, "value", np.int32)
+    smooth = _smooth(mesh, polygon)
+    return LocalMesh(
+        positions=positions,
+        triangles=np.ascontiguousarray(vertex[corners].T),
+        slot=_slots(mesh, polygon),
+        smooth=smooth,
+        corner_normals=_corner_normals(mesh, corners, vertex) if smooth.any() else None,
+        uvs={uv_map: _uvs(mesh, uv_map, corners) for uv_map in uv_maps},
+        generated=_generated(mesh) if generated else None,
+    )
+
+
+def _read(collection: bpy.types.bpy_prop_collection, attribute: str, dtype: type, width: int = 1) -> np.ndarray:
+    """(n,) or (n, width) array of an attribute of every item."""
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(attribute, values)
+    return values if width == 1 else values.reshape(-1, width)
+
+
+def _transposed(rows: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(rows.T)
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str, domain: str, kind: str) -> np.ndarray | None:
+    """(n,) the values of an attribute; None where the mesh has none of that name, domain and kind."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None or attribute.domain != domain or attribute.data_type != kind:
+        return None
+    return _read(attribute.data, "value", {"INT": np.int32, "BOOLEAN": np.bool_}[kind])
+
+
+def _slots(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
+    """(t,) material slots as stored; slot 0 where the mesh stores none."""
+    slots = _attribute(mesh, "material_index", "FACE", "INT")
+    return np.zeros(polygon.size, np.int32) if slots is None else slots[polygon]
+
+
+def _smooth(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
+    """(t,) whether a face is shaded smooth; as in Cycles, sharp edges count only where no face says whether it is sharp."""
+    sharp = _attribute(mesh, "sharp_face", "FACE", "BOOLEAN")
+    return np.full(polygon.size, mesh.normals_domain != "FACE") if sharp is None else ~sharp[polygon]
+
+
+def _corner_normals(mesh: bpy.types.Mesh, corners: np.ndarray, vertex: np.ndarray) -> np.ndarray:
+    """(3, 3, t) normals of the triangles' corners, those that Cycles reads."""
+    if _splits_normals(mesh):
+        normals = _read(mesh.corner_normals, "vector", np.float32, 3)
+        index = corners
+    else:
+        normals = _read(mesh.vertex_normals, "vector", np.float32, 3)
+        index = vertex[corners]
+    return np.stack([_transposed(normals[index[:, k]]) for k in range(3)])
+
+
+def _splits_normals(mesh: bpy.types.Mesh) -> bool:
+    """Whether Cycles reads a normal for each corner. Before Blender 5.2, sharp faces alone did not make it do so."""
+    if mesh.normals_domain != "CORNER":
+        return False
+    if bpy.app.version >= (5, 2, 0) or mesh.has_custom_normals:
+        return True
+    sharp = _attribute(mesh, "sharp_edge", "EDGE", "BOOLEAN")
+    return sharp is not None and bool(sharp.any())
+
+
+def _uvs(mesh: bpy.types.Mesh, uv_map: str, corners: np.ndarray) -> np.ndarray:
+    """(3, 2, t) texture coordinates of the triangles' corners."""
+    layer = mesh.uv_layers.get(uv_map) if uv_map else next((one for one in mesh.uv_layers if one.active_render), None)
+    if layer is None:
+        return np.zeros((3, 2, corners.shape[0]), np.float32)
+    values = _read(layer.uv, "vector", np.float32, 2)
+    return np.stack([_transposed(values[corners[:, k]]) for k in range(3)])
+
+
+def _generated(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(3, v) generated coordinates: undeformed positions within the texture space, which maps to 0..1."""
+    location = np.array(mesh.texspace_location, np.float32)[:, None]
+    size = np.array(mesh.texspace_size, np.float32)[:, None]
+    undeformed = _transposed(_read(mesh.vertices, "undeformed_co", np.float32, 3))
+    half = np.divide(0.5, size, out=np.zeros_like(size), where=size != 0.0)
+    return (undeformed - location) * half + np.float32(0.5)

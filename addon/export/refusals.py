@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of the scene's settings, objects and lights is not simulated, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+from ...lib.errors import Refusal
+
+# Object types that Cycles renders and the reference does not.
+_TYPES = {
+    "CURVES": "hair curves",
+    "POINTCLOUD": "a point cloud",
+    "VOLUME": "a volume",
+    "GREASEPENCIL": "grease pencil",
+    "GPENCIL": "grease pencil",
+}
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+
+
+def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals: list[Refusal]) -> None:
+    """Append what of the evaluated scene's and view layer's settings is not simulated."""
+    render = scene.render
+    settings = {
+        "motion blur": render.use_motion_blur and layer.use_motion_blur,
+        "Simplify": render.use_simplify,
+        "stereoscopy": render.use_multiview,
+        "Freestyle": render.use_freestyle and layer.use_freestyle,
+        "a transparent film": render.film_transparent,
+    }
+    owner = f"scene '{scene.name}'"
+    refusals.extend(Refusal(owner, what, "switch it off") for what, on in settings.items() if on)
+    filters = {"its environment": layer.use_sky, "its surfaces": layer.use_solid}
+    owner = f"view layer '{layer.name}'"
+    refusals.extend(Refusal(owner, f"leaving out {what}", "include it again") for what, on in filters.items() if not on)
+
+
+def refuse_object(
+    instance: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]
+) -> None:
+    """Append what of an object, mesh or not, or of its instancer is not simulated."""
+    thing = instance.object
+    owner = f"object '{thing.name}'"
+    if instance.show_particles and _has_strands(thing):
+        refusals.append(Refusal(owner, "particle hair", "convert it to a mesh, or do not render it"))
+    if not instance.show_self:
+        return
+    kind = _unsupported_kind(thing)
+    if kind:
+        refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it"))
+    elif isinstance(thing.data, bpy.types.Mesh):
+        refusals.extend(Refusal(owner, what, remedy) for what, remedy in _object_flags(instance, depsgraph))
+
+
+def is_invisible(instance: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether no ray at all sees the object, so that Cycles leaves it out."""
+    both = (instance.object, instance.parent or instance.object)
+    return not any(all(getattr(one, f"visible_{ray}") for one in both) for ray in _RAYS)
+
+
+def refuse_light_rays(
+    light: bpy.types.Object, instancer: bpy.types.Object | None, bounces: int, refusals: list[Refusal]
+) -> None:
+    """Append which rays and bounces a light's switches would withhold it from, and its kinds of light not simulated."""
+    data = light.data
+    cycles = data.cycles
+    both = (light, instancer or light)
+    hidden = [ray for ray in _RAYS[1:4] if not all(getattr(one, f"visible_{ray}") for one in both)]
+    switches = {
+        "shadows switched off": not data.use_shadow,
+        "a light portal": data.type == "AREA" and cycles.is_portal,
+        "shadow caustics": cycles.is_caustics_light,
+        "multiple importance sampling switched off": not cycles.use_multiple_importance_sampling,
+        f"its limit of {cycles.max_bounces} bounces": cycles.max_bounces < bounces,
+        f"ray visibility without {', '.join(hidden)}": hidden,
+        "light linking": _is_linked(light),
+    }
+    owner = f"light '{light.name}'"
+    refusals.extend(Refusal(owner, what, "set it back to its default") for what, on in switches.items() if on)
+
+
+def _object_flags(
+    instance: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph
+) -> Iterator[tuple[str, str]]:
+    """What is special about a mesh object, and the remedy."""
+    thing, parent = instance.object, instance.parent or instance.object
+    layer, both = depsgraph.view_layer_eval, (thing, parent)
+    hidden = [ray for ray in _RAYS if not all(getattr(one, f"visible_{ray}") for one in both)]
+    if hidden:
+        yield f"ray visibility without {', '.join(hidden)}", "switch all rays on, or do not render it"
+    if thing.is_holdout or parent.holdout_get(view_layer=layer):
+        yield "a holdout", "switch it off"
+    if parent.indirect_only_get(view_layer=layer):
+        yield "a collection that is indirect only", "switch it off"
+    if any(one.is_shadow_catcher for one in both):
+        yield "a shadow catcher", "switch it off"
+    if _is_linked(thing):
+        yield "light linking", "remove the linked collections"
+    if _is_adaptive(thing, depsgraph.scene_eval):
+        yield "adaptive subdivision", "switch it off"
+
+
+def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether Cycles dices the object itself: a switch of the modifier, before Blender 5.0 an experimental one of the object."""
+    surfaces = [one for one in thing.modifiers if one.type == "SUBSURF" and one.show_render]
+    if hasattr(bpy.types.SubsurfModifier, "use_adaptive_subdivision"):
+        return any(one.use_adaptive_subdivision for one in surfaces)
+    return bool(surfaces) and thing.cycles.use_adaptive_subdivision and scene.cycles.feature_set == "EXPERIMENTAL"
+
+
+def _unsupported_kind(thing: bpy.types.Object) -> str | None:
+    """What kind of thing it is, when Cycles or Blender would show it and the reference would not."""
+    if thing.type in _TYPES:
+        return _TYPES[thing.type]
+    for modifier in thing.modifiers:
+        if modifier.type == "FLUID" and modifier.show_render and modifier.fluid_type == "DOMAIN":
+            settings = modifier.domain_settings
+            if settings is not None and settings.domain_type == "GAS":
+                return "smoke"
+    return None
+
+
+def _has_strands(thing: bpy.types.Object) -> bool:
+    settings = [
+        modifier.particle_system.settings
+        for modifier in thing.modifiers
+        if modifier.type == "PARTICLE_SYSTEM" and modifier.show_render
+    ]
+    return any(one.type == "HAIR" and one.render_type == "PATH" for one in settings)
+
+
+def _is_linked(thing: bpy.types.Object) -> bool:
+    linking = thing.light_linking
+    return linking.receiver_collection is not None or linking.blocker_collection is not None

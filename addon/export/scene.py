@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole export: one walk over what the render's depsgraph holds."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...lib.errors import EtalonError, Refusal, Refused
+from ...lib.scene.checks import validate
+from ...lib.scene.lights import Light
+from ...lib.scene.materials import Material
+from ...lib.scene.mesh import Mesh
+from ...lib.scene.scene import Scene, Transport
+from ...lib.textures.requirements import requirements
+from .camera import read_camera
+from .images import ImageTable
+from .lights import read_light
+from .materials import DEFAULT_MATERIAL, read_material, read_world
+from .matrices import affine
+from .mesh import LocalMesh, read_mesh
+from .placements import Placements
+from .refusals import is_invisible, refuse_object, refuse_settings
+
+
+def export_scene(
+    depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None = None, max_bounces: int | None = None
+) -> Scene:
+    """The scene that `depsgraph` holds, seen through `camera` (the scene's active one).
+
+    The depsgraph must be one that Blender made for a render (`render_depsgraph.with_render_depsgraph`): the viewport's has other
+    modifier levels and other visibility. `max_bounces` is the scene's unless given.
+    Raises Refused with all that is not simulated, or EtalonError for bad input.
+    """
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    if depsgraph.mode != "RENDER":
+        raise EtalonError(f"{scene.name}: was evaluated for the viewport; export it from with_render_depsgraph")
+    camera = scene.camera if camera is None else camera.evaluated_get(depsgraph)
+    if camera is None:
+        raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
+    bounces = scene.cycles.max_bounces if max_bounces is None else max_bounces
+    refusals: list[Refusal] = []
+    refuse_settings(scene, layer, refusals)
+    images = ImageTable()
+    view = read_camera(camera, scene.render, refusals)
+    world = read_world(layer.world_override or scene.world, images, refusals)
+    materials = MaterialTable(layer.material_override, images, refusals)
+    lights = _read_things(depsgraph, bounces, materials, refusals)
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
+    mesh = _read_meshes(depsgraph, materials)
+    if mesh.triangle_count == 0:
+        raise EtalonError(f"{scene.name}: the scene has no faces to render; add an object with a surface")
+    result = Scene(
+        name=scene.name,
+        mesh=mesh,
+        materials=materials.materials,
+        lights=lights,
+        world=world,
+        camera=view,
+        transport=Transport(bounces, max(Transport().transparent_max_bounces, scene.cycles.transparent_max_bounces)),
+        images=images.images,
+    )
+    validate(result)
+    return result
+
+
+class MaterialTable:
+    """Collects the materials of the objects' slots, each once, and gives each an index."""
+
+    def __init__(self, override: bpy.types.Material | None, images: ImageTable, refusals: list[Refusal]) -> None:
+        self._override = override
+        self._images = images
+        self._refusals = refusals
+        self._indices: dict[str | None, int] = {}
+        self._materials: list[Material] = []
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """All materials so far, in the order of their indices."""
+        return tuple(self._materials)
+
+    def of_slots(self, thing: bpy.types.Object) -> np.ndarray:
+        """(slots,) indices for the object's material slots; without slots, one for Blender's default material."""
+        slots = [slot.material for slot in thing.material_slots] or [None]
+        return np.array([self._index(self._override or material) for material in slots], np.int32)
+
+    def _index(self, material: bpy.types.Material | None) -> int:
+        key = None if material is None else material.name_full
+        if key not in self._indices:
+            self._indices[key] = len(self._materials)
+            read = DEFAULT_MATERIAL if material is None else read_material(material, self._images, self._refusals)
+            self._materials.append(read)
+        return self._indices[key]
+
+
+def _read_things(
+    depsgraph: bpy.types.Depsgraph, bounces: int, materials: MaterialTable, refusals: list[Refusal]
+) -> tuple[Light, ...]:
+    """The lights; on the way, every object's refusals and materials."""
+    lights: list[Light] = []
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        if instance.show_self and thing.type == "LIGHT":
+            light = read_light(thing, instance.parent, affine(instance.matrix_world), bounces, refusals)
+            if light is not None:
+                lights.append(light)
+            continue
+        if is_invisible(instance):
+            continue
+        refuse_object(instance, depsgraph, refusals)
+        if instance.show_self and isinstance(thing.data, bpy.types.Mesh):
+            materials.of_slots(thing)
+    return tuple(lights)
+
+
+def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Mesh:
+    """Every instance of every mesh; each mesh is read once, with what the materials ask of it."""
+    needed = requirements(materials.materials)
+    placements = Placements()
+    read: dict[int, LocalMesh] = {}
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        mesh = thing.data
+        if not instance.show_self or not isinstance(mesh, bpy.types.Mesh) or is_invisible(instance):
+            continue
+        # Addresses of evaluated meshes hold for as long as the depsgraph does.
+        key = mesh.as_pointer()
+        if key not in read:
+            read[key] = read_mesh(mesh, thing.name, needed.uv_maps, needed.generated)
+        if read[key].triangles.shape[1]:
+            placements.add(thing.name, read[key], affine(instance.matrix_world), materials.of_slots(thing))
+    return placements.join(needed.uv_maps, needed.generated)
