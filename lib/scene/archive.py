@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import tempfile
@@ -55,8 +54,7 @@ def save(scene: Scene, path: Path | str) -> None:
         ) from error
     finally:
         if beside is not None:
-            with contextlib.suppress(OSError):
-            beside.unlink()
+            beside.unlink(missing_ok=True)
 
 
 def load(path: Path | str) -> Scene:
