@@ -30,15 +30,19 @@ class Emitters:
 
     def lights_met(self, paths: Paths, hits: Hits) -> None:
         """Light objects in front of the nearest face; they are transparent, so all of them count."""
+        kernel = self._kernel
         origin = paths.origin if paths.scatter_origin is None else paths.scatter_origin
-        for k, light in enumerate(self._kernel.lights):
-            if light.delta or light in (self._kernel.environment, self._kernel.emissive):
+        for k, light in enumerate(kernel.lights):
+            if light.delta or light in (kernel.environment, kernel.emissive):
+                continue
+            hidden = not light.visible_camera
+            if hidden and paths.at_camera:
                 continue
             distance, radiance = light.intersect(paths.origin, paths.direction)
             met = distance < hits.distance
-            met |= np.isinf(distance) & np.isinf(hits.distance) & radiance.any(axis=0)
-            if not light.visible_camera:
-                met &= ~_from_camera(paths)
+            met |= np.isinf(hits.distance) & np.isinf(distance) & radiance.any(axis=0)
+            if hidden and paths.scatterings is not None:
+                met &= paths.scatterings > 0
             index = np.flatnonzero(met)
             if index.size == 0:
                 continue
@@ -78,10 +82,3 @@ class Emitters:
             density = kernel.emissive.pdf_of_hit(points.triangle, reach, np.abs(dot(points.ng, points.wo)))
             arriving *= self._weight(pdf, kernel.lights.index(kernel.emissive), density)
         self._sums.add(paths.pixel[start:stop], arriving)
-
-
-def _from_camera(paths: Paths) -> np.ndarray:
-    """Rays that no surface has scattered yet; a camera ray's density is infinite and it has counted no scattering."""
-    if paths.scatterings is not None:
-        return paths.scatterings == 0
-    return np.full(paths.size, paths.at_camera)

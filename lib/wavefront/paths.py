@@ -14,8 +14,8 @@ class Paths:
 
     pixel, sample: indices within the tile, intp. origin, direction, throughput (3, n). pdf (n,): the density with which the direction was
     sampled, inf for camera rays and delta lobes. The next four are kept only where surfaces can be transparent, else
-    None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. `at_camera` says that
-    these are the camera rays themselves.
+    None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. `at_camera`
+    says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray

@@ -24,6 +24,7 @@ from .visibility import transmittance
 PIXEL, LENS, FIRST_STEP = 0, 1, 2
 BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
 DIMENSIONS_PER_STEP = 4
+ROULETTE_AFTER = 2
 
 
 class Tracer:
@@ -137,7 +138,10 @@ class Tracer:
         self._clock.lap("shade")
         if light is not None:
             self._add_direct(paths, points, offset, light.sample, shaded.direct)
-        return self._advance(paths, points, offset, shaded)
+        following = self._advance(paths, points, offset, shaded)
+        if self._kernel.options.russian_roulette and step >= ROULETTE_AFTER:
+            return _play_roulette(following, self._pair(dimension + FATE, following)[1])
+        return following
 
     def _add_direct(
         self, paths: Paths, points: SurfacePoints, offset: np.ndarray, sample: LightSample, direct: np.ndarray
@@ -174,6 +178,15 @@ class Tracer:
             following.scatterings = paths.scatterings[index] + 1
         self._clock.lap("advance")
         return following
+
+
+def _play_roulette(paths: Paths, uniform: np.ndarray) -> Paths:
+    """Paths survive with probability min(1, largest throughput) and carry its inverse: the mean stays (pbrt-v4, 13.2.1)."""
+    survival = np.minimum(paths.throughput.max(axis=0), 1.0)
+    index = np.flatnonzero(uniform < survival)
+    going = paths.take(index)
+    going.throughput /= survival[index]
+    return going
 
 
 def _leave(points: SurfacePoints, offset: np.ndarray, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
