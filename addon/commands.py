@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..lib.compare import CompareOptions
 from ..lib.effects.plan import Plan, make_plan
-from ..lib.errors import EtalonError
+from ..lib.errors import Cancelled, EtalonError
 from ..lib.film.exr import write_film
 from ..lib.film.film import Film
 from ..lib.report.words import sentences
@@ -68,10 +68,10 @@ def render(arguments: Namespace) -> int:
             def spent(fraction: float, done: int = replicate) -> None:
                 progress((done + fraction) / arguments.replicates)
 
-            rendering = renderer.render(replicate, arguments.samples, spent, interrupted)
-            if interrupted():
+            try:
+                film = film.add(renderer.render(replicate, arguments.samples, spent, interrupted))
+            except Cancelled:
                 break
-            film = film.add(rendering)
         if not film.moments.n:
             raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
         write_film(path, film)
@@ -85,15 +85,13 @@ def scenes(arguments: Namespace) -> int:
 
     if arguments.save is None:
         width = max(map(len, SCENES))
-        for name, description in SCENES.items():
-            print(f"{name:{width}}  {description}")
+        for name, module in SCENES.items():
+            print(f"{name:{width}}  {module.__doc__.splitlines()[0]}")
         return 0
-    name, target = arguments.save[0], Path(arguments.save[1])
-    if name not in SCENES:
-        raise EtalonError(f"{name}: no reference scene of that name; `etalon scenes` lists them")
-    with file_beside(target) as path, quiet():
-        save(name, path)
-    print(f"{name} saved as {target}")
+    name, path = arguments.save
+    with quiet():
+        save(name, Path(path))
+    print(f"{name} saved as {path}")
     return 0
 
 
@@ -101,6 +99,8 @@ def plan(arguments: Namespace) -> int:
     """Print which effects the scene calls for, each with the fact that decided it."""
     scene = _exported(arguments)
     decided = make_plan(scene)
+    if arguments.save is not None:
+        archive.save(scene, arguments.save)
     if arguments.json:
         print(json.dumps({"scene": scene.name, **asdict(decided)}, indent=2))
     else:

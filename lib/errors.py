@@ -10,6 +10,10 @@ class EtalonError(Exception):
     """Bad input or an environment that cannot serve; its text is the whole message to the user."""
 
 
+class Cancelled(EtalonError):
+    """The caller asked to stop; nothing of the unfinished replicate is kept."""
+
+
 class SceneError(EtalonError):
     """Scene arrays that break their own rules (shape, range, finiteness)."""
 

@@ -11,6 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from ..effects.plan import Plan, make_plan
+from ..errors import Cancelled
 from ..film.rendering import Rendering
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
@@ -18,10 +19,6 @@ from .kernel import Kernel
 from .options import Options
 from .sums import PixelSums, StageClock
 from .trace import Tracer
-
-
-class Cancelled(Exception):
-    """The caller asked to stop; nothing of the replicate is kept."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +98,7 @@ class ReferenceRenderer:
                         done += 1
                     progress(done / len(work))
                     if cancelled():
-                        raise Cancelled
+                        raise Cancelled("cancelled")
             finally:
                 for future in pending:
                     future.cancel()
