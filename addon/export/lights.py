@@ -49,7 +49,7 @@ def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.
     emission *= 2.0 ** getattr(data, "exposure", 0.0)
     if getattr(data, "use_temperature", False):
         emission *= np.array(data.temperature_color, dtype=np.float64)
-    if data.use_nodes and data.node_tree is not None:
+    if data.node_tree is not None and (bpy.app.version >= (5, 0, 0) or data.use_nodes):
         emission *= _node_emission(data.node_tree, owner, refusals)
     if np.any(emission < 0.0):
         refusals.append(Refusal(owner, "negative power", "make the power positive"))
