@@ -99,6 +99,7 @@ def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
     if image.source not in _SOURCES or image.type not in _TYPES:
         kind = image.source if image.source not in _SOURCES else image.type
         return f"{kind.lower().replace('_', ' ')}", "use a single still image"
+    _require_loaded(image)  # the colour space is known only then
     if image.colorspace_settings.name not in _ENCODINGS:
         return f"colour space {image.colorspace_settings.name}", f"convert it to {' or '.join(_ENCODINGS)}"
     if image.is_dirty and image.source == "FILE" and image.packed_file is None:
@@ -106,13 +107,17 @@ def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
     return None
 
 
-def _load(image: bpy.types.Image) -> np.ndarray:
-    """Texels (height, width, 4) float32, row 0 at the bottom, as Blender holds them."""
+def _require_loaded(image: bpy.types.Image) -> None:
     width, height = image.size
     if not width or not height:
         path = bpy.path.abspath(image.filepath, library=image.library)
         fault = "cannot be read" if os.path.isfile(path) else "is not there"
         raise EtalonError(f"image '{image.name}': file '{path}' {fault}; restore it, or choose another image")
+
+
+def _load(image: bpy.types.Image) -> np.ndarray:
+    """Texels (height, width, 4) float32, row 0 at the bottom, as Blender holds them."""
+    width, height = image.size
     channels = image.channels
     flat = np.empty(width * height * channels, np.float32)
     image.pixels.foreach_get(flat)

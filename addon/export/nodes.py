@@ -84,7 +84,8 @@ class TreeReader:
                 return Source(socket, scope, False, tuple(passed))
             output, node = link.from_socket, link.from_node
             if node.mute or node.bl_idname == "NodeReroute":
-                passed.append(output.type)
+                if bpy.app.version < (5, 0, 0):  # since then what passes a muted node is not converted on the way
+                    passed.append(output.type)
                 inner = next((i.from_socket for i in node.internal_links if i.to_socket == output), None)
                 if inner is None or valid_link(inner) is None:
                     self.refuse(node, scope, ", which passes nothing on,", "delete it")
