@@ -164,6 +164,7 @@ def _others(commands: argparse._SubParsersAction) -> None:
     plan = commands.add_parser("plan", help="say which effects a scene calls for, and why, without rendering")
     _add_scene(plan, "a reference scene or a .blend file")
     plan.add_argument("--json", action="store_true", help="print JSON")
+    plan.add_argument("--save", type=Path, metavar="FILE.npz", help="save what the reference sees, for etalon render")
     batch = commands.add_parser(
         "batch",
         help="compare scenes over property values, resumably",

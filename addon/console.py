@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 
 from tqdm import tqdm
 
@@ -27,16 +27,14 @@ def quiet() -> Iterator[None]:
     sys.stdout.flush()
     _flush_c_stdout()
     kept = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    try:
-        yield
-    finally:
-        sys.stdout.flush()
-        _flush_c_stdout()
-        os.dup2(kept, 1)
-        os.close(kept)
-        os.close(nowhere)
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        os.dup2(nowhere.fileno(), 1)
+        try:
+            yield
+        finally:
+            _flush_c_stdout()
+            os.dup2(kept, 1)
+            os.close(kept)
 
 
 @contextmanager

@@ -28,8 +28,6 @@ from .second_blender import SecondBlender
 Progress = Callable[[float], None]
 Cancelled = Callable[[], bool]
 
-COVERAGE_SAMPLES = 16
-
 
 @dataclass(frozen=True)
 class Choices:
@@ -40,8 +38,9 @@ class Choices:
 
 
 def export(scene: bpy.types.Scene) -> Scene:
-    """The scene as its render would see it; raises Refused or EtalonError."""
-    return with_render_depsgraph(scene, export_scene)
+    """The scene as Cycles would render it in its neutral state; raises Refused or EtalonError."""
+    with neutral(scene):
+        return with_render_depsgraph(scene, export_scene)
 
 
 def judge(
@@ -59,7 +58,7 @@ def judge(
     """
     with folder_beside(folder) as beside:
         reference = ReferenceRenderer(scene, choices.reference)
-        covered = coverage(scene, COVERAGE_SAMPLES)
+        covered = coverage(reference.kernel)
         comparison = compare(scene, reference, candidate, covered, choices.verdict, progress, cancelled)
         write_report(comparison, beside, repeat)
     return comparison
@@ -74,8 +73,8 @@ def compare_here(
     cancelled: Cancelled,
 ) -> Comparison:
     """Compare with Cycles in this very process; its settings come back when it is done."""
-    exported = export(scene)
-    with neutral(scene):
+    with neutral(scene, threads=choices.reference.threads):
+        exported = export(scene)
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
         return judge(exported, candidate, choices, folder, repeat, progress, cancelled)
 

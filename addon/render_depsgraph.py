@@ -33,10 +33,13 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
                 errors.append(error)
 
     render = scene.render
-    kept = {name: getattr(render, name) for name in ("engine", "use_compositing", "use_sequencer")}
+    kept = {
+        name: getattr(render, name) for name in ("engine", "use_compositing", "use_sequencer", "use_persistent_data")
+    }
     bpy.utils.register_class(Exporter)
     try:
-        render.use_compositing = render.use_sequencer = False
+        # Persistent data would keep the engine, and it is gone in a moment.
+        render.use_compositing = render.use_sequencer = render.use_persistent_data = False
         render.engine = Exporter.bl_idname
         bpy.ops.render.render(scene=scene.name)
     finally:
