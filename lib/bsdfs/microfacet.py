@@ -12,6 +12,7 @@ import numpy as np
 
 from ..microfacets import masking
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
+from ..vectors import dot
 
 
 def _part(value: np.ndarray, index: np.ndarray) -> np.ndarray:
@@ -54,7 +55,7 @@ class MicrofacetReflection:
         if self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
             return d / ((1.0 + self._lambda_o) * (4.0 * self._cos_o))
         if self._strategy == "d_cos":  # the documents' pdf(m) = D cos, times the Jacobian they leave out
-            return d * m[2] / (4.0 * np.abs(_dot(self._wo, m)))
+            return d * m[2] / (4.0 * np.abs(dot(self._wo, m)))
         if self._strategy == "cosine":
             return np.maximum(wi[2], 0.0) * (1.0 / np.pi)
         return np.full(wi.shape[1], 0.5 / np.pi)
@@ -62,7 +63,7 @@ class MicrofacetReflection:
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F |cos| and density, (n,); zero below the surface."""
         m = wi + self._wo
-        length = np.sqrt(_dot(m, m))
+        length = np.sqrt(dot(m, m))
         m /= np.where(length > 0.0, length, 1.0)
         d = self._distribution.density(m, *self._alpha)
         lit = (wi[2] > 0.0) & self._above
@@ -82,7 +83,7 @@ class MicrofacetReflection:
             m = self._distribution.sample_visible(wo, *alpha, u1, u2)
         else:
             m = self._distribution.sample_d_cos(*alpha, u1, u2)
-        cos_om = _dot(wo, m)
+        cos_om = dot(wo, m)
         wi = m * (2.0 * cos_om)
         wi -= wo
         lit = (wi[2] > 0.0) & self._above & (cos_om > 0.0)
@@ -99,10 +100,3 @@ class MicrofacetReflection:
         alpha_x, alpha_y = (_part(a, index) for a in self._alpha)
         wo = np.take(self._wo, index, axis=1)
         return MicrofacetReflection(wo, alpha_x, alpha_y, self._distribution, self._masking, self._strategy)
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    product = a[0] * b[0]
-    product += a[1] * b[1]
-    product += a[2] * b[2]
-    return product

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .directions import FLOOR, dot
+from ..vectors import dot
+from .directions import FLOOR
 
 
 def pdf_d_cos(m: np.ndarray, d: np.ndarray) -> np.ndarray:

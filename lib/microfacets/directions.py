@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all microfacet kernels ask of directions: a dot product, tangents, the sine on a stretched surface."""
+"""What all microfacet kernels ask of directions: tangents, the sine on a stretched surface."""
 
 from __future__ import annotations
 
@@ -7,14 +7,6 @@ import numpy as np
 
 FLOOR = 1e-70
 """Stands for a cosine of zero or less where one divides: its fourth power still has a reciprocal."""
-
-
-def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Dot product of (3, n) and (3, n), (n,)."""
-    product = a[0] * b[0]
-    product += a[1] * b[1]
-    product += a[2] * b[2]
-    return product
 
 
 def normal_from_tangents(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .directions import FLOOR, dot
+from ..vectors import dot
+from .directions import FLOOR
 
 HIDDEN = 1e100
 """Smith's Lambda of a direction below the horizon: 1 / (1 + Lambda) is nothing, and no product with it overflows."""
