@@ -60,7 +60,8 @@ class Raycaster:
         far = None if reach is None else (reach * self._scale).astype(np.float32)
         out = self._scene.run(self._origins(origin), directions, dists=far, output=True)
         triangle = out["primID"]
-        distance = out["tfar"] / self._scale
+        distance = out["tfar"].astype(np.float64)  # a miss is float32's largest, which the scale would take past it
+        distance /= self._scale
         distance[triangle < 0] = np.inf
         return Hits(triangle, distance, out["u"], out["v"])
 
