@@ -50,7 +50,8 @@ class EnvironmentSampler:
         mean, self.nonfinite = self._probe()
         total = float((mean * solid).sum())
         self.power = np.pi * scene_radius**2 * total
-        self._table = Distribution2D((mean + FLOOR * total / (4.0 * np.pi)) * solid)
+        floor = FLOOR * total / (4.0 * np.pi) if total > 0.0 else 1.0
+        self._table = Distribution2D((mean + floor) * solid)
         self._density = (self._table.probability / solid).ravel()
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
