@@ -9,7 +9,8 @@ import numpy as np
 def checker(vector: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """True where the first colour shows, at `vector` (3, n) times `scale`: cells with an odd sum of coordinates.
 
-    Blender nudges the point by a millionth, so that surfaces on whole coordinates fall to one side; so does this.
+    Blender nudges the point by a millionth, so that a whole coordinate falls to the side of the origin; so does this.
     """
-    cells = np.floor((vector * scale + 1e-6) * 0.999999)
-    return cells.sum(axis=0) % 2 == 1
+    x, y, z = np.floor((vector * scale + 1e-6) * 0.999999)
+    half = 0.5 * (x + y + z)
+    return half != np.floor(half)

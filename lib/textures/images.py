@@ -50,6 +50,11 @@ class _Axis:
             self.taps.append((_wrap_index(index.astype(np.int64), size, extension), weight))
 
 
+def _gather(texels: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Rows `index` (n,) of `texels` (m, 4), turned to (4, n) float64; `mode` only spares NumPy a check."""
+    return texels.take(index, axis=0, mode="clip").T.astype(np.float64, order="C")
+
+
 class ImageSet:
     """The images of a scene, ready to be sampled.
 
@@ -76,14 +81,12 @@ class ImageSet:
         height, width = self._images[index].pixels.shape[:2]
         across = _Axis(u, width, interpolation, extension)
         up = _Axis(v, height, interpolation, extension)
-        total: np.ndarray | None = None
+        rgba = np.zeros((4, np.size(u)))
         for row, row_weight in up.taps:
             for column, column_weight in across.taps:
-                part = texels.take(row * width + column, axis=0).astype(np.float64)
-                part *= (row_weight * column_weight)[:, None]
-                total = part if total is None else np.add(total, part, out=total)
-        assert total is not None
-        rgba = np.ascontiguousarray(total.T)
+                part = _gather(texels, row * width + column)
+                part *= row_weight * column_weight
+                rgba += part
         if association == "WEIGHTED":
             rgba[:3] /= np.where(rgba[3] == 0, 1.0, rgba[3])
         if self._images[index].encoding == "SRGB" and not self._decode_first:

@@ -26,13 +26,13 @@ def color_ramp(ramp: ColorRamp, factor: np.ndarray) -> np.ndarray:
 
 def _rgba(ramp: ColorRamp, x: np.ndarray) -> np.ndarray:
     positions = np.array(ramp.positions)
-    stops = np.array(ramp.colors).T
+    stops = np.array(ramp.colors)
     count = positions.size
     right = np.searchsorted(positions, x, side="right")  # the first stop beyond x
     left = np.maximum(right - 1, 0)
     interpolation = ramp.interpolation if ramp.mode == "RGB" else "LINEAR"
     if count == 1 or interpolation == "CONSTANT":
-        return stops[:, left]
+        return _rows(stops, left)
 
     after = np.minimum(right, count - 1)
     if interpolation in ("CARDINAL", "B_SPLINE"):
@@ -42,14 +42,14 @@ def _rgba(ramp: ColorRamp, x: np.ndarray) -> np.ndarray:
         t = np.where(end > start, (x - start) / np.where(end > start, end - start, 1.0), 0.0)
         neighbours = (np.maximum(right - 2, 0), left, after, np.minimum(right + 1, count - 1))
         weights = _spline_weights(np.clip(t, 0.0, 1.0), interpolation)
-        return np.clip(sum(w * stops[:, i] for w, i in zip(weights, neighbours, strict=True)), 0.0, 1.0)
+        return np.clip(sum(w * _rows(stops, i) for w, i in zip(weights, neighbours, strict=True)), 0.0, 1.0)
 
     span = positions[after] - positions[left]
     t = np.where(span > 0, (x - positions[left]) / np.where(span > 0, span, 1.0), 0.0)
     if interpolation == "EASE":
         t = t * t * (3 - 2 * t)
     if ramp.mode == "RGB":
-        return (1 - t) * stops[:, left] + t * stops[:, after]
+        return (1 - t) * _rows(stops, left) + t * _rows(stops, after)
     return _hue_ramp(ramp, stops, left, after, t)
 
 
@@ -69,14 +69,18 @@ def _spline_weights(t: np.ndarray, interpolation: str) -> tuple[np.ndarray, ...]
 
 def _hue_ramp(ramp: ColorRamp, stops: np.ndarray, left: np.ndarray, right: np.ndarray, t: np.ndarray) -> np.ndarray:
     to_hue, from_hue = (rgb_to_hsv, hsv_to_rgb) if ramp.mode == "HSV" else (rgb_to_hsl, hsl_to_rgb)
-    hues = to_hue(stops[:3])
-    a, b = hues[:, left], hues[:, right]
+    hues = np.concatenate([to_hue(stops[:, :3].T), stops[None, :, 3]]).T
+    a, b = _rows(hues, left), _rows(hues, right)
     mixed = (1 - t) * a + t * b
     mixed[0] = a[0] + t * _hue_step(b[0] - a[0], ramp.hue)
-    alpha = (1 - t) * stops[3, left] + t * stops[3, right]
     # Outside the stops there is no interpolation, so the stop's own colour comes back untouched by the round trip.
-    color = np.where(left == right, stops[:3, left], from_hue(mixed))
-    return np.concatenate([color, alpha[None]])
+    color = np.where(left == right, _rows(stops, left)[:3], from_hue(mixed[:3]))
+    return np.concatenate([color, mixed[3:]])
+
+
+def _rows(table: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Rows `index` (n,) of `table` (m, 4), turned to (4, n)."""
+    return np.ascontiguousarray(table.take(index, axis=0, mode="clip").T)
 
 
 def _hue_step(difference: np.ndarray, direction: str) -> np.ndarray:

@@ -302,7 +302,7 @@ def test_a_file_that_is_not_there_or_damaged_is_named(tmp_path, damaged):
     if not damaged:
         path.unlink()
     with pytest.raises(
-        EtalonError, match=r"image 'rug.png'.*rug.png' (is not there|cannot be read); restore it"
+        EtalonError, match=r"image 'rug.png.*rug.png' (is not there|cannot be read); restore it"
     ) as caught:
         lobes(textured(image=image))
     assert ("cannot be read" in str(caught.value)) == damaged
