@@ -21,7 +21,7 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
     """The evaluated object `camera` for the raster that `render` describes; None where it is refused.
 
     With a render border the raster is the border's region alone, cropped or not, so that no pixel outside is simulated.
-    Raises EtalonError when the object is no camera or the border is empty.
+    Raises EtalonError when the object is no camera.
     """
     if camera.type != "CAMERA":
         raise EtalonError(f"{camera.name}: the scene looks through an object that is no camera; choose a camera object")
@@ -37,7 +37,7 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
     matrix[:, :3] /= np.linalg.norm(matrix[:, :3], axis=0)
     full_width = render.resolution_x * render.resolution_percentage // 100
     full_height = render.resolution_y * render.resolution_percentage // 100
-    left, bottom, width, height = _region(camera.name, render, full_width, full_height)
+    left, bottom, width, height = _region(render, full_width, full_height)
     return Camera(
         kind=_KINDS[data.type],
         width=width,
@@ -50,18 +50,14 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
     )
 
 
-def _region(name: str, render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
-    """Left, bottom, width and height of the rendered region, in pixels."""
-    if width < 1 or height < 1:
-        raise EtalonError(f"{name}: the image has no pixels; raise the resolution or its percentage")
+def _region(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
+    """Left, bottom, width and height of the rendered region, in pixels; Blender renders none without a pixel."""
     if not render.use_border:
         return 0, 0, width, height
     # Blender multiplies in single precision and cuts off.
     edges = np.array([render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y], np.float32)
-    left, right, bottom, top = (edges * np.array([width, width, height, height], np.float32)).astype(int)
-    if right <= left or top <= bottom:
-        raise EtalonError(f"{name}: the render border encloses no pixel; enlarge it or switch it off")
-    return int(left), int(bottom), int(right - left), int(top - bottom)
+    left, right, bottom, top = (edges * np.array([width, width, height, height], np.float32)).astype(int).tolist()
+    return left, bottom, right - left, top - bottom
 
 
 def _plane_from_raster(

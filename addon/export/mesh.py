@@ -38,8 +38,10 @@ def read_mesh(mesh: bpy.types.Mesh, name: str, uv_maps: Iterable[str], generated
     """
     corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
     positions = _transposed(_read(mesh.vertices, "co", np.float32, 3))
-    if not np.isfinite(positions).all():
-        count = int((~np.isfinite(positions).all(axis=0)).sum())
+    # Blender stores an infinity that it is given as the largest number it has.
+    finite = np.abs(positions) < np.finfo(np.float32).max
+    if not finite.all():
+        count = int((~finite.all(axis=0)).sum())
         raise SceneError(
             f"{name}: {count} vertices are not finite numbers; repair the mesh or the modifier that made it"
         )

@@ -84,7 +84,7 @@ class Placements:
         first_vertex = first_triangle = 0
         for group in groups:
             for instances in _batches(group):
-                _fill(mesh, group.local, instances, first_vertex, first_triangle)
+                _fill(mesh, group, instances, first_vertex, first_triangle)
                 first_vertex += group.local.positions.shape[1] * len(instances)
                 first_triangle += group.local.triangles.shape[1] * len(instances)
         return _without_degenerate(mesh)
@@ -105,8 +105,9 @@ def _batches(group: _Group) -> Iterator[list[_Instance]]:
         yield group.instances[first : first + step]
 
 
-def _fill(mesh: Mesh, local: LocalMesh, instances: list[_Instance], first_vertex: int, first_triangle: int) -> None:
-    """Write `instances` of `local` into the joined arrays, from the given vertex and triangle on."""
+def _fill(mesh: Mesh, group: _Group, instances: list[_Instance], first_vertex: int, first_triangle: int) -> None:
+    """Write `instances` of `group` into the joined arrays, from the given vertex and triangle on."""
+    local = group.local
     k, v, t = len(instances), local.positions.shape[1], local.triangles.shape[1]
     at_vertices = slice(first_vertex, first_vertex + k * v)
     at_triangles = slice(first_triangle, first_triangle + k * t)
@@ -128,15 +129,20 @@ def _fill(mesh: Mesh, local: LocalMesh, instances: list[_Instance], first_vertex
         mesh.object_index[part] = one.index
     mesh.smooth[at_triangles] = np.tile(local.smooth, k)
     if mesh.corner_normals.size:
-        _fill_normals(mesh, local, linear, mirrored, at_triangles)
+        _fill_normals(mesh, group, linear, mirrored, at_triangles)
     for name, values in mesh.uvs.items():
         values[:, :, at_triangles] = _mirrored_corners(local.uvs[name][:, :, None, :], mirrored).reshape(3, 2, -1)
     if mesh.generated.size:
         mesh.generated[:, at_vertices] = np.tile(local.generated, (1, k))
 
 
-def _fill_normals(mesh: Mesh, local: LocalMesh, linear: np.ndarray, mirrored: np.ndarray, at: slice) -> None:
-    """Corner normals by the cofactor matrix, det(M) M^-T, which exists for flattened objects, too."""
+def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.ndarray, at: slice) -> None:
+    """Corner normals by the cofactor matrix, det(M) M^-T, which exists for flattened objects, too.
+
+    Cycles mixes an instance's normals in object space, but turns those of a mesh with one user into unit vectors of the world
+    first: so the latter are normalised, and the former keep the lengths that their transform gives them.
+    """
+    local = group.local
     if local.corner_normals is None:
         mesh.corner_normals[:, :, at] = _face_normals(mesh, at)
         return
@@ -150,7 +156,8 @@ def _fill_normals(mesh: Mesh, local: LocalMesh, linear: np.ndarray, mirrored: np
             normals[mirrored] = np.matmul(cofactor[mirrored], local.corner_normals[3 - corner])
         length = np.sqrt(np.einsum("kct,kct->kt", normals, normals))[:, None, :]
         bad = ~(length > 0.0)
-        np.divide(normals, length, out=normals, where=~bad)
+        if len(group.instances) == 1:
+            np.divide(normals, length, out=normals, where=~bad)
         flat = normals.transpose(1, 0, 2).reshape(3, -1)
         if bad.any():
             flat = np.where(bad.reshape(-1), _face_normals(mesh, at), flat)

@@ -105,7 +105,7 @@ def _object_flags(
 def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     """Whether Cycles dices the object itself: a switch of the modifier, before Blender 5.0 an experimental one of the object."""
     surfaces = [one for one in thing.modifiers if one.type == "SUBSURF" and one.show_render]
-    if hasattr(bpy.types.SubsurfModifier, "use_adaptive_subdivision"):
+    if bpy.app.version >= (5, 0, 0):
         return any(one.use_adaptive_subdivision for one in surfaces)
     return bool(surfaces) and thing.cycles.use_adaptive_subdivision and scene.cycles.feature_set == "EXPERIMENTAL"
 

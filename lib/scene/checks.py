@@ -72,8 +72,8 @@ def _check_mesh(mesh: Mesh, materials: int) -> None:
     has_normals = bool(mesh.smooth.any()) or mesh.corner_normals.shape[-1] > 0
     _check_array("mesh", "corner_normals", mesh.corner_normals, (3, 3, t if has_normals else 0), "f")
     length = np.einsum("kct,kct->kt", mesh.corner_normals, mesh.corner_normals)
-    bad = (np.abs(length - 1.0) > _UNIT).any(axis=0)
-    _demand(not bad.any(), _owner(mesh, bad), "a corner normal is not of unit length")
+    bad = (length == 0.0).any(axis=0)
+    _demand(not bad.any(), _owner(mesh, bad), "a corner normal has no length")
 
 
 def _name_bad_vertices(mesh: Mesh) -> None:

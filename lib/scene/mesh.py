@@ -21,7 +21,8 @@ class Mesh:
     """Triangles, counter-clockwise about the geometric normal.
 
     vertices (3, v) float64, metres; triangles (3, t) int32, indices of corners; material_index and object_index (t,) int32;
-    smooth (t,) bool; corner_normals (3 corners, 3, t) float32 unit vectors in world space, or (3, 3, 0) when no face is smooth;
+    smooth (t,) bool; corner_normals (3 corners, 3, t) float32 in world space, to be mixed as they are and then normalised (not all
+    are of unit length), or (3, 3, 0) when no face is smooth;
     uvs: map name -> (3 corners, 2, t) float32, the maps that materials use ('' is the active render map); generated (3, v) float32, or (3, 0)
     when no material asks for it.
     """

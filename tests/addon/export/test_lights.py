@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exported lights against the irradiance that Cycles measures on a white Lambertian square below them."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from etalon.lib.errors import Refused
+from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
+from mathutils import Euler, Matrix
+
+COLOR = (0.9, 0.5, 0.25)
+GRID = 600
+
+
+def above(studio, kind, matrix=None, **properties):
+    """A light 3 m above the square, facing down."""
+    data = bpy.data.lights.new("lamp", kind)
+    data.energy, data.color = 40.0, COLOR
+    if hasattr(data, "use_soft_falloff"):
+        data.use_soft_falloff = False
+    for name, value in properties.items():
+        setattr(data, name, value)
+    return studio.add("lamp", data, Matrix.Translation((0.0, 0.0, 3.0)) if matrix is None else matrix)
+
+
+def measured(studio, samples):
+    """(3,) irradiance at the origin, by Cycles."""
+    studio.look_down(0.01)
+    studio.scene.render.resolution_x = studio.scene.render.resolution_y = 16
+    studio.scene.cycles.max_bounces = 0
+    material = bpy.data.materials.new("white")
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    diffuse, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
+    tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
+    bpy.data.objects["quad"].data.materials.append(material)
+    return math.pi * studio.cycles(samples).mean(axis=(0, 1))
+
+
+def area_irradiance(light):
+    """(3,) at the origin, normal +z, by midpoint quadrature over the light."""
+    u, v = np.meshgrid(*2 * [(np.arange(GRID) + 0.5) / GRID - 0.5])
+    inside = (u**2 + v**2 <= 0.25) if light.shape == "ELLIPSE" else np.ones_like(u, bool)
+    edges = np.array([light.edge_u, light.edge_v])
+    to = np.array(light.center)[:, None, None] + np.einsum("ei,ehw->ihw", edges, np.stack([u, v]))
+    distance = np.linalg.norm(to, axis=0)
+    cos_light = -np.einsum("ihw,i->hw", to, light.normal) / distance
+    with np.errstate(divide="ignore"):
+        tangent = np.sqrt(np.maximum(0.0, 1.0 - cos_light**2)) / np.maximum(cos_light, 1e-9)
+    fall = 1.0
+    if light.spread < math.pi - 1e-6:
+        half = math.tan(light.spread / 2)
+        fall = np.maximum(half - tangent, 0.0) / (half - light.spread / 2)
+    integrand = inside * np.maximum(cos_light, 0.0) * fall * to[2] / distance**3
+    cell = np.linalg.norm(np.cross(*edges)) / GRID**2
+    return np.array(light.radiance) * integrand.sum() * cell
+
+
+def spot_irradiance(light):
+    """(3,) at the origin from a spot without a radius."""
+    cone = light.cone
+    to = -np.array(light.position)
+    local = np.array([cone.x_axis, cone.y_axis, cone.axis]) @ (to / np.linalg.norm(to))
+    t = (local[2] / np.linalg.norm(local) - cone.cos_half_angle) / ((1 - cone.cos_half_angle) * cone.blend)
+    t = min(max(t, 0.0), 1.0)
+    return np.array(light.emission) * (t * t * (3 - 2 * t)) * light.position[2] / np.linalg.norm(to) ** 3
+
+
+def irradiance(light):
+    """(3,) at the origin, normal +z, in closed form or by quadrature."""
+    if isinstance(light, PointLight):
+        return np.array(light.intensity) * light.position[2] / np.linalg.norm(light.position) ** 3
+    if isinstance(light, SphereLight):
+        return (
+            math.pi
+            * np.array(light.radiance)
+            * light.radius**2
+            * light.position[2]
+            / np.linalg.norm(light.position) ** 3
+        )
+    if isinstance(light, SunLight):
+        return np.array(light.irradiance) * light.direction[2]
+    return spot_irradiance(light) if isinstance(light, SpotLight) else area_irradiance(light)
+
+
+ASIDE = Matrix.Translation((0.7, -0.4, 3.0))
+TURNED = ASIDE @ Euler((0.2, 0.1, 0.6)).to_matrix().to_4x4()
+STRETCHED = TURNED @ Matrix.Diagonal((1.7, 0.6, 1.2, 1.0))
+CASES = {
+    "point": ("POINT", ASIDE, {"shadow_soft_size": 0.0}),
+    "sphere": ("POINT", STRETCHED, {"shadow_soft_size": 0.5}),
+    "spot": ("SPOT", STRETCHED, {"shadow_soft_size": 0.0, "spot_size": 1.2, "spot_blend": 0.9}),
+    "sun": ("SUN", TURNED, {"angle": 0.0}),
+    "wide sun": ("SUN", TURNED, {"angle": 0.6}),
+    "square": ("AREA", TURNED, {"shape": "SQUARE", "size": 0.8}),
+    "rectangle": ("AREA", STRETCHED, {"shape": "RECTANGLE", "size": 0.8, "size_y": 1.4}),
+    "disk": ("AREA", TURNED, {"shape": "DISK", "size": 1.1}),
+    "ellipse": ("AREA", STRETCHED, {"shape": "ELLIPSE", "size": 0.8, "size_y": 1.4}),
+    "spread": ("AREA", TURNED, {"shape": "SQUARE", "size": 1.2, "spread": 1.1}),
+    "mirrored": ("AREA", TURNED @ Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0)), {"shape": "SQUARE", "size": 0.8}),
+}
+NEW = {
+    "exposure": ("POINT", ASIDE, {"shadow_soft_size": 0.0, "exposure": 1.5}),
+    "temperature": ("POINT", ASIDE, {"shadow_soft_size": 0.0, "use_temperature": True, "temperature": 3200.0}),
+    "point not normalised": ("POINT", ASIDE, {"shadow_soft_size": 0.0, "normalize": False}),
+    "sphere not normalised": ("POINT", ASIDE, {"shadow_soft_size": 0.5, "normalize": False}),
+    "sun not normalised": ("SUN", TURNED, {"angle": 0.6, "normalize": False}),
+    "ellipse not normalised": ("AREA", STRETCHED, {"shape": "ELLIPSE", "size": 0.8, "size_y": 1.4, "normalize": False}),
+}
+
+
+def compare(studio, case):
+    kind, matrix, properties = case
+    studio.quad()
+    above(studio, kind, matrix, **properties)
+    (light,) = studio.export().lights
+    noiseless = properties.get("shadow_soft_size") == 0.0 or properties.get("angle") == 0.0
+    # 256 pixels times the samples: their noise was measured to be under a tenth of the tolerance.
+    cycles = measured(studio, 1 if noiseless else 128)
+    assert np.all(cycles > 0.0)
+    assert irradiance(light) == pytest.approx(cycles, rel=2e-5 if noiseless else 3e-3)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_watts_become_the_irradiance_that_cycles_measures(studio, name):
+    compare(studio, CASES[name])
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 5, 0), reason="lights have these properties from Blender 4.5 on")
+@pytest.mark.parametrize("name", NEW)
+def test_exposure_temperature_and_normalise(studio, name):
+    compare(studio, NEW[name])
+
+
+def test_an_emission_node_multiplies(studio):
+    studio.quad()
+    lamp = above(studio, "POINT", shadow_soft_size=0.0)
+    if bpy.app.version < (5, 0, 0):
+        lamp.data.use_nodes = True
+    (emission,) = (n for n in lamp.data.node_tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    emission.inputs["Color"].default_value = (0.5, 1.0, 0.25, 1.0)
+    emission.inputs["Strength"].default_value = 3.0
+    (light,) = studio.export().lights
+    assert irradiance(light) == pytest.approx(measured(studio, 1), rel=2e-5)
+    link = lamp.data.node_tree.nodes.new("ShaderNodeLightFalloff")
+    lamp.data.node_tree.links.new(link.outputs["Linear"], emission.inputs["Strength"])
+    with pytest.raises(Refused, match="light 'lamp': its node 'Light Falloff' is not simulated"):
+        studio.export()
+
+
+def test_an_instanced_light_shines_from_its_instance(studio):
+    studio.quad()
+    lamp = above(studio, "POINT", shadow_soft_size=0.0)
+    inner = bpy.data.collections.new("inner")
+    inner.objects.link(lamp)
+    studio.scene.collection.objects.unlink(lamp)
+    empty = studio.add("empty", None, Matrix.Translation((1.0, 2.0, 0.5)))
+    empty.instance_type, empty.instance_collection = "COLLECTION", inner
+    (light,) = studio.export().lights
+    assert light.position == pytest.approx((1.0, 2.0, 3.5))
+
+
+def test_lights_that_give_no_light_are_left_out(studio):
+    studio.quad()
+    above(studio, "POINT", energy=0.0)
+    above(studio, "AREA", shape="RECTANGLE", size=0.0, size_y=1.0)
+    above(studio, "SUN", color=(0.0, 0.0, 0.0))
+    hidden = above(studio, "POINT")
+    hidden.hide_render = True
+    assert studio.export().lights == ()
+
+
+def test_visibility_to_the_camera(studio):
+    studio.quad()
+    lamp = above(studio, "AREA", size=0.5)
+    lamp.visible_camera = False
+    assert not studio.export().lights[0].visible_camera
+    lamp.visible_camera = True
+    assert studio.export().lights[0].visible_camera
+    assert isinstance(studio.export().lights[0], AreaLight)
+
+
+REFUSED = {
+    "shadows switched off": lambda lamp: setattr(lamp.data, "use_shadow", False),
+    "a light portal": lambda lamp: setattr(lamp.data.cycles, "is_portal", True),
+    "shadow caustics": lambda lamp: setattr(lamp.data.cycles, "is_caustics_light", True),
+    "multiple importance sampling switched off": lambda lamp: setattr(
+        lamp.data.cycles, "use_multiple_importance_sampling", False
+    ),
+    "its limit of 3 bounces": lambda lamp: setattr(lamp.data.cycles, "max_bounces", 3),
+    "ray visibility without glossy": lambda lamp: setattr(lamp, "visible_glossy", False),
+    "a spread of 0": lambda lamp: setattr(lamp.data, "spread", 0.0),
+    "negative power": lambda lamp: setattr(lamp.data, "energy", -1.0),
+    "light linking": lambda lamp: setattr(lamp.light_linking, "receiver_collection", bpy.data.collections.new("some")),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_is_not_simulated_is_refused_by_name(studio, what):
+    studio.quad()
+    REFUSED[what](above(studio, "AREA", size=0.5))
+    with pytest.raises(Refused, match=f"light 'lamp': {what} is not simulated; "):
+        studio.export()
+
+
+def test_a_sheared_light_is_refused(studio):
+    studio.quad()
+    lamp = above(studio, "AREA", TURNED, size=0.5)
+    lamp.parent = studio.add("parent", None, Matrix.Diagonal((1.0, 3.0, 1.0, 1.0)))
+    with pytest.raises(Refused, match="light 'lamp': a sheared matrix"):
+        studio.export()
