@@ -28,7 +28,7 @@ class EmissiveMesh:
         edges = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
         self._normal, self._plane_of = planes[:3, triangles], np.full(mesh.triangle_count, -1, np.intp)
         self._plane_of[triangles] = np.arange(triangles.size)
-        self._offset = planes[4, triangles]
+        self._offset = float(planes[4].max())
         normal = cross(*edges)
         flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edges)  # both faces
         self._sampler = EmissiveTriangles(corner, *edges, triangles, flux)
@@ -58,7 +58,8 @@ class EmissiveMesh:
         points = SurfacePoints(
             self._tables, found.triangle, found.b1, found.b2, position, np.take(self._normal, local, axis=1), -found.wi
         )
-        reach = found.distance * (1.0 - 2.0**-20) - 2.0 * np.take(self._offset, local)
+        # Both ends of the shadow ray may stand off their planes by the offset, which an edge-on face stretches.
+        reach = found.distance * (1.0 - 2.0**-20) - 4.0 * self._offset / np.maximum(np.abs(found.facing), 1e-30)
         return LightSample(found.wi, reach, self._radiance(points), found.pdf)
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
