@@ -202,6 +202,7 @@ def image_cases(folder, numbers):
         for space in spaces:
             opaque = stored_image(folder, f"opaque {space}", suffix, space, "STRAIGHT", True, numbers)
             yield f"image {suffix} {space}", image_case(opaque)
+            yield f"image {suffix} {space} unlinked", lambda t, get=opaque: node(t, "TexImage", image=get())
             for mode in ("STRAIGHT" if suffix != "exr" else "PREMUL", "CHANNEL_PACKED", "NONE"):
                 if suffix == "png" and mode == "STRAIGHT":
                     continue  # Cycles rounds the product with alpha to 8 bits
@@ -237,6 +238,9 @@ CASES = {
     },
     "backfacing front": (backfacing, TILTED),
     "backfacing back": (backfacing, BEHIND),
+    "checker unlinked": (lambda t: node(t, "TexChecker", {"Scale": 3.3}), FACING),
+    "uv map": (lambda t: node(t, "UVMap", uv_map="UVMap"), FACING),
+    "position": (lambda t: lifted(t, node(t, "NewGeometry", output="Position")), FACING),
     "luminance": (luminance, FACING),
     "shaders mixed": (shaders_mixed, FACING),
     "shaders half mixed": (half_mixed, FACING),

@@ -57,7 +57,10 @@ def cells(tmp_path_factory):
         shown[name] = picture[:, row : row + CELL, column : column + CELL].reshape(3, -1)
     coordinates = {kind: shown[kind] for kind in COORDINATES}
     coordinates["OBJECT"] = shown["UV"] - np.array([[0.5], [0.5], [0.0]])
-    points = {name: Points(coordinates, side) for name, (_, side) in cases.items()}
+    points = {}
+    for index, (name, (_, stance)) in enumerate(cases.items()):
+        corner = np.array([[index % side], [index // side], [0.0]])
+        points[name] = Points({**coordinates, "POSITION": shown["UV"] + corner}, stance)
     return {
         name: (materials[name], shown[name], predicted(materials[name], points[name]), points[name]) for name in cases
     }
