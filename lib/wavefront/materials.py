@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..bsdfs.compensated import Compensated, multiple_scattering
 from ..bsdfs.lambert import Lambert
 from ..bsdfs.microfacet import MicrofacetReflection
 from ..bsdfs.mixture import Lobe, Mixture
@@ -114,10 +115,15 @@ class PreparedMaterial:
         distribution = beckmann if closure.distribution == "BECKMANN" else ggx
         how = (distribution, self._options.masking, self._options.strategy)
         if isotropic:
-            return MicrofacetReflection(wo, alpha_x, alpha_y, *how)
-        tangent, _ = points.tangent(closure.tangent, self._evaluate(closure.rotation, points))
-        cos, sin = dot(tangent, t), dot(tangent, s)
-        return Rotated(MicrofacetReflection(rotate_in(wo, cos, sin), alpha_x, alpha_y, *how), cos, sin)
+            lobe = MicrofacetReflection(wo, alpha_x, alpha_y, *how)
+        else:
+            tangent, _ = points.tangent(closure.tangent, self._evaluate(closure.rotation, points))
+            cos, sin = dot(tangent, t), dot(tangent, s)
+            lobe = Rotated(MicrofacetReflection(rotate_in(wo, cos, sin), alpha_x, alpha_y, *how), cos, sin)
+        if closure.distribution != "MULTI_GGX":
+            return lobe
+        color = np.clip(self._evaluate(closure.color, points), 0.0, 1.0)
+        return Compensated(lobe, multiple_scattering(wo[2], np.sqrt(alpha_x * alpha_y), color))
 
 
 def anisotropic_alpha(alpha: np.ndarray, anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light that microfacets lose between each other, given back in the shape of the lobe itself (Blender's Multiscatter GGX)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..microfacets.albedo import average_albedo, directional_albedo
+from .mixture import Lobe
+
+
+def multiple_scattering(cos_o: np.ndarray, alpha: float | np.ndarray, color: np.ndarray) -> np.ndarray:
+    """1 + Fms (1 - E) / E with Fms = Fss Eavg / (1 - Fss (1 - Eavg)), (3, n): single scattering times this is all of it.
+
+    Turquin 2019, "Practical multiple scattering compensation for microfacet models", eq. 15 and 16, with the colour of many
+    bounces after Fdez-Aguera 2019. `cos_o` (n,); `alpha` () or (n,), sqrt(alpha_x alpha_y); `color` (3, 1) or (3, n) in
+    [0, 1], Fss. White gives 1 / E: no light is lost. It is not reciprocal: wi has no part in it.
+    """
+    lost = 1.0 / directional_albedo(np.clip(cos_o, 0.0, 1.0), alpha)
+    lost -= 1.0
+    average = average_albedo(alpha)
+    factor = color * average / (1.0 - color * (1.0 - average)) * lost
+    factor += 1.0
+    return factor
+
+
+class Compensated:
+    """`lobe` with its value and weight multiplied by `factor`, (3, n); its directions and their density stay as they are."""
+
+    def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
+        self._lobe, self._factor = lobe, factor
+        self.delta = lobe.delta
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Coloured value (3, n) and density (n,)."""
+        value, pdf = self._lobe.evaluate(wi)
+        return self._factor * value, pdf
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, coloured weight (3, n), density."""
+        wi, weight, pdf = self._lobe.sample(u1, u2)
+        return wi, self._factor * weight, pdf
+
+    def part(self, index: np.ndarray) -> Compensated:
+        """The same lobe at fewer points."""
+        return Compensated(self._lobe.part(index), np.take(self._factor, index, axis=1))
