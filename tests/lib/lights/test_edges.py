@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from etalon.lib.lights.build import light_sampler, light_samplers
+from etalon.lib.lights.spread import Spread
 from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
 
 WHITE = (1.0, 1.0, 1.0)
@@ -133,3 +134,23 @@ def test_sphere_from_very_far_is_still_met(rng):
     sample = sampler.sample(origin, *rng.random((2, 1000)))
     distance, _ = sampler.intersect(origin, sample.wi)
     assert np.count_nonzero(np.isfinite(distance)) >= 999
+
+
+def test_inside_a_sphere_the_cone_does_not_dim(rng):
+    """As in Cycles (measured); just outside it does."""
+    (sampler,) = light_samplers((ODD["sphere spot of 180 degrees"],), 1.0)
+    for height, lit in ((1.2, True), (1.31, False)):  # above the light, behind the half space that the cone fills
+        points = np.ascontiguousarray(np.broadcast_to([[0.0], [0.0], [height]], (3, 200)))
+        sample = sampler.sample(points, *rng.random((2, 200)))
+        seen = sampler.intersect(points, sample.wi)[1]
+        assert np.all(sample.radiance == 1.0) == lit
+        assert np.all(seen == 1.0) == lit
+
+
+@pytest.mark.parametrize("spread", [1e-8, 1e-3, 0.0599999, 0.0600001, 0.2, 1.0, 3.0, math.pi - 1e-6])
+def test_scale_of_the_spread(spread):
+    """At angle 0: tan h / (tan h - h), by 50 digits; 1e-12 just above the switch from the series."""
+    with mpmath.workdps(50):
+        h = mpmath.mpf(spread) / 2
+        exact = float(mpmath.tan(h) / (mpmath.tan(h) - h))
+    assert Spread(spread)(np.zeros(1))[0] == pytest.approx(exact, rel=1e-12 if spread < 3.0 else 1e-9)

@@ -112,11 +112,20 @@ def test_irradiance_of_a_gradient(rng, assert_mean):
         assert_mean(irradiance(sampler, rng, count=1024), np.pi * 5.0 / 3.0)
 
 
-def test_a_spot_that_the_probes_miss_is_still_found(rng, assert_mean):
-    """A bright cap between the probes: the floor keeps the estimate unbiased."""
-    edge = np.cos(0.02)
-    sampler = EnvironmentSampler(lambda w: np.broadcast_to(np.where(w[2] > edge, 100.0, 1.0), w.shape), (4, 2))
-    assert_mean(irradiance(sampler, rng, 64, 8192), np.pi + 99.0 * np.pi * np.sin(0.02) ** 2)
+def test_light_that_the_probes_miss_is_still_found(rng, assert_mean):
+    """A cap between the probes of cells that look black: the floor keeps the estimate unbiased."""
+    sampler = EnvironmentSampler(
+        lambda w: np.broadcast_to(((w[2] > 0.8) | (w[2] < 0.0)).astype(float), w.shape), (4, 2)
+    )
+    assert_mean(irradiance(sampler, rng, 64, 8192), np.pi * (1.0 - 0.8**2))
+
+
+def test_a_cell_is_filled_evenly(rng):
+    """One cell for the whole sphere: z = 1 - 2 u1, and u2 goes once round."""
+    u1, u2 = rng.random((2, 1000))
+    x, y, z = EnvironmentSampler(np.ones_like, (1, 1)).sample(np.zeros((3, 1000)), u1, u2).wi
+    np.testing.assert_allclose(z, 1.0 - 2.0 * u1, atol=1e-14)
+    np.testing.assert_allclose(0.5 - np.arctan2(y, x) / (2.0 * np.pi), u2, atol=1e-12)
 
 
 def test_nan_texels_are_counted_and_passed_on(rng):
