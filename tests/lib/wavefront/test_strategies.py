@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""However it is sampled, it is the same image: strategies, direct light, samplers, and their product."""
+
+import numpy as np
+import pytest
+from etalon.lib.scene.expressions import ZERO, Constant, Coordinates, Math, ValueToColor, VectorToValue
+from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight, SunLight
+from etalon.lib.scene.materials import Diffuse, Glossy
+from etalon.lib.scene.world import World
+from etalon.tests.replicates import assert_same, blocks, replicates
+from etalon.tests.scenes import color, cube, emission, floor, glossy, icosphere, material, perspective, quad, scene
+
+AREA = AreaLight(
+    "area", (1.5, -0.5, 2.5), (1.5, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0), "RECTANGLE", (6.0, 5.0, 4.0), np.pi
+)
+ELLIPSE = AreaLight(
+    "ellipse", (-1.5, 0.5, 2.5), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0), "ELLIPSE", (4.0, 8.0, 4.0), 1.5
+)
+SPHERE = SphereLight("sphere", (-1.2, -1.2, 1.5), 0.4, (5.0, 5.0, 9.0))
+POINT = PointLight("point", (0.0, 2.0, 2.0), (2.0, 1.0, 0.5))
+SUN = SunLight("sun", (0.6, 0.0, 0.8), 0.1, (1.0, 1.0, 1.0))
+# A sky that is brighter towards +x +y +z: the mean component of the direction, made positive.
+SKY = World(ValueToColor(Math("ADD", VectorToValue(Coordinates("GENERATED")), Constant(0.7), ZERO)), (64, 32))
+CAMERA = perspective(10, 10, 0.5, (0.01, -3.0, 3.5), (0.0, 3.0, -3.1))
+
+
+def stage(lights=(), world=0.0, alpha=0.3, bounces=2, lamp=False, distribution="GGX"):
+    """A sphere on a floor, a mixed material on one and a glossy one on the other, and if wanted a glowing patch."""
+    ball = icosphere(0.9, 2)
+    ball = type(ball)(ball.vertices + np.array([[0.0], [0.0], [1.0]]), ball.triangles, 0)
+    parts = [ball, floor(4.0, material=1)]
+    mixed = material(
+        Diffuse(color(0.3, 0.2, 0.1)), Glossy(distribution, color(0.5, 0.4, 0.4), Constant(float(np.sqrt(alpha))))
+    )
+    materials = [glossy(alpha, 0.8, 0.6, 0.7, distribution=distribution), mixed]
+    if lamp:
+        parts.append(quad((-2.0, 1.5, 0.3), (1.0, 0.3, 0.0), (0.0, 0.3, 1.0), 2))
+        materials.append(emission(5.0, 7.0, 4.0))
+    return scene(parts, materials, CAMERA, lights, world, bounces)
+
+
+def image(the_scene, seed, offset, samples=64, count=10, **options):
+    return blocks(replicates(the_scene, count, samples, seed=seed + offset, **options), 5)
+
+
+@pytest.mark.parametrize("strategy", ["d_cos", "cosine", "uniform"])
+@pytest.mark.parametrize("distribution", ["GGX", "BECKMANN"])
+def test_strategies_agree(strategy, distribution, seed):
+    """An area light, a bright sky, glossy and mixed surfaces, two bounces."""
+    the_scene = stage([AREA], 0.5, distribution=distribution)
+    assert_same(image(the_scene, seed, 0), image(the_scene, seed, 1, strategy=strategy), 0.02)
+
+
+LIGHTINGS = {
+    "area": {"lights": [AREA]},
+    "ellipse_with_spread": {"lights": [ELLIPSE]},
+    "sphere": {"lights": [SPHERE]},
+    "sky": {"world": SKY},
+    "lamp": {"lamp": True},
+    "all": {"lights": [AREA, ELLIPSE, SPHERE, POINT, SUN], "world": SKY, "lamp": True},
+}
+
+
+@pytest.mark.parametrize("direct", ["lights", "bsdf"])
+@pytest.mark.parametrize("lighting", LIGHTINGS)
+def test_direct_light_agrees(direct, lighting, seed):
+    """Every kind of light by light sampling alone and by BSDF sampling alone, against both together."""
+    the_scene = stage(**LIGHTINGS[lighting])
+    both = image(the_scene, seed, 0)
+    noise = 0.05 if direct == "bsdf" else 0.03
+    assert_same(both, image(the_scene, seed, 1, samples=256 if direct == "bsdf" else 64, direct=direct), noise)
+
+
+def test_samplers_agree(seed):
+    the_scene = stage([AREA, SPHERE], 0.3)
+    assert_same(image(the_scene, seed, 0), image(the_scene, seed, 1, sampler="random", count=20), 0.02)
+
+
+def test_a_number_of_samples_that_is_no_power_of_two(seed):
+    the_scene = stage([AREA, SPHERE], 0.3)
+    assert_same(image(the_scene, seed, 0), image(the_scene, seed, 1, samples=37, count=16), 0.02)
+
+
+def test_direct_light_inside_a_box(seed):
+    """All light is indirect but for what the lamp shows: the strategies agree after many scatterings too."""
+    box = scene(
+        [cube(1.0, material=0), quad((-0.4, -0.4, 0.9), (0.0, 0.8, 0.0), (0.8, 0.0, 0.0), 1)],
+        [material(Diffuse(color(0.7, 0.5, 0.3))), emission(3.0)],
+        perspective(10, 10, 0.8, (0.03, -0.9, 0.1), (0.1, 1.0, -0.2)),
+        bounces=3,
+    )
+    both = image(box, seed, 0)
+    assert_same(both, image(box, seed, 1, direct="lights"), 0.03)
+    assert_same(both, image(box, seed, 2, direct="bsdf", samples=128), 0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alpha", [0.01, 0.1, 1.0])
+@pytest.mark.parametrize("masking", ["correlated", "separable", "torrance_sparrow"])
+@pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
+@pytest.mark.parametrize("strategy", ["visible", "d_cos", "cosine"])
+def test_every_product_of_options(alpha, masking, direct, strategy, seed):
+    if alpha < 0.1 and (strategy == "cosine" or direct == "lights"):
+        return  # that narrow a lobe is not found by a hemisphere, nor by a light
+    the_scene = stage(**LIGHTINGS["all"], alpha=alpha)
+    first = image(the_scene, seed, 0, samples=256, masking=masking)
+    second = image(the_scene, seed, 1, samples=1024, masking=masking, direct=direct, strategy=strategy)
+    assert_same(first, second, 0.05)
