@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import tempfile
 import zipfile
 import zlib
@@ -28,7 +29,7 @@ _CLASSES = {
     if isinstance(kind, type) and is_dataclass(kind)
 }
 _DAMAGE = (ValueError, TypeError, KeyError, IndexError, AttributeError, EOFError, RecursionError, MemoryError)
-_DAMAGE += (zipfile.BadZipFile, zlib.error, NotImplementedError)
+_DAMAGE += (zipfile.BadZipFile, zlib.error, struct.error, NotImplementedError, OverflowError)
 
 
 def save(scene: Scene, path: Path | str) -> None:
@@ -61,7 +62,7 @@ def load(path: Path | str) -> Scene:
     """Read and validate what `save` wrote; raises EtalonError when it is missing, damaged or of another version."""
     path = Path(path)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             document = json.loads(file["scene"].tobytes())
             if document["version"] != _VERSION:
                 raise EtalonError(

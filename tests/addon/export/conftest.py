@@ -20,13 +20,18 @@ class Studio:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         self.scene = bpy.context.scene
         self.layer = bpy.context.view_layer
+        self.plain = self.probe_material("ShaderNodeNewGeometry", "Position")
+        self.plain.name = "plain"
+        self.plain.node_tree.nodes.clear()
         self.camera = self.add("camera", bpy.data.cameras.new("camera"))
         self.scene.camera = self.camera
         self.scene.render.resolution_x, self.scene.render.resolution_y = 48, 32
         self._folder = folder
 
     def add(self, name, data, matrix=None):
-        """A linked object."""
+        """A linked object; what has no material yet is a plain one's."""
+        if hasattr(data, "materials") and not data.materials:
+            data.materials.append(self.plain)
         thing = bpy.data.objects.new(name, data)
         self.scene.collection.objects.link(thing)
         if matrix is not None:

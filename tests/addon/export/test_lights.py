@@ -38,7 +38,7 @@ def measured(studio, samples):
     diffuse, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
     tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
-    bpy.data.objects["quad"].data.materials.append(material)
+    bpy.data.objects["quad"].data.materials[0] = material
     return math.pi * studio.cycles(samples).mean(axis=(0, 1))
 
 

@@ -173,8 +173,8 @@ def test_a_flattened_object_keeps_its_normal(studio):
     assert mesh.corner_normals[:, 2] == pytest.approx(1.0)
 
 
-def line_of_instances():
-    """A geometry node tree: a line of points, an icosphere on each."""
+def line_of_instances(material):
+    """A geometry node tree: a line of points, an icosphere of `material` on each."""
     tree = bpy.data.node_groups.new("line", "GeometryNodeTree")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     line, ball = tree.nodes.new("GeometryNodeMeshLine"), tree.nodes.new("GeometryNodeMeshIcoSphere")
@@ -183,14 +183,18 @@ def line_of_instances():
     line.inputs["Offset"].default_value = (0.9, 0.3, 0.2)
     ball.inputs["Radius"].default_value = 0.4
     tree.links.new(line.outputs[0], place.inputs["Points"])
-    tree.links.new(ball.outputs[0], place.inputs["Instance"])
+    paint = tree.nodes.new("GeometryNodeSetMaterial")
+    paint.inputs["Material"].default_value = material
+    tree.links.new(ball.outputs[0], paint.inputs["Geometry"])
+    tree.links.new(paint.outputs[0], place.inputs["Instance"])
     place.inputs["Scale"].default_value = (1.0, -0.7, 0.8)
     tree.links.new(place.outputs[0], out.inputs[0])
     return tree
 
 
-def everything(studio):
+def everything(studio, material):
     """One object of each kind that renders as a mesh, and modifiers that differ between viewport and render."""
+    studio.plain = material
     ball = studio.add("ball", studio.mesh("ball", CUBE, OUTWARD), Matrix.Translation((-3, 3, 0)))
     levels = ball.modifiers.new("levels", "SUBSURF")
     levels.levels, levels.render_levels = 0, 3
@@ -224,7 +228,7 @@ def everything(studio):
     group.instance_type, group.instance_collection = "COLLECTION", inner
     line = studio.quad("line")
     line.location = (-0.5, -3, 0)
-    line.modifiers.new("nodes", "NODES").node_group = line_of_instances()
+    line.modifiers.new("nodes", "NODES").node_group = line_of_instances(material)
     vertices = studio.quad("vertices", half=0.6)
     vertices.location, vertices.rotation_euler = (3.5, -3, 0), (0.3, 0.2, 0.1)
     studio.add("leaf", studio.mesh("leaf", [(0, 0, 0), (0.5, 0, 0.2), (0, 0.5, 0.1)], [(0, 1, 2)])).parent = vertices
@@ -243,7 +247,7 @@ def everything(studio):
 
 
 def test_every_kind_of_object_is_where_cycles_has_it(studio, rays, hits):
-    everything(studio)
+    everything(studio, studio.plain)
     studio.look_down(12.0)
     scene = same_as_cycles(
         studio, rays, hits, position, "ShaderNodeNewGeometry", "Position", 2e-3, size=32, offset=10.0
@@ -268,13 +272,9 @@ def glowing(studio, node, output):
 
 
 def test_generated_coordinates_of_a_modified_mesh(studio, rays, hits):
-    everything(studio)
+    everything(studio, glowing(studio, "ShaderNodeTexCoord", "Generated"))
     bend = bpy.data.objects["ball"].modifiers.new("bend", "SIMPLE_DEFORM")
     bend.deform_method, bend.factor = "TAPER", 0.7
-    material = glowing(studio, "ShaderNodeTexCoord", "Generated")
-    for thing in studio.scene.objects:
-        if thing.type in ("MESH", "CURVE", "FONT", "META"):
-            thing.data.materials.append(material)
     studio.look_down(12.0)
 
     def generated(mesh, index, weights, points):
@@ -285,16 +285,15 @@ def test_generated_coordinates_of_a_modified_mesh(studio, rays, hits):
 
 @pytest.mark.parametrize("uv_map", ["", "second"])
 def test_uv_maps_of_a_mirrored_mesh(studio, rays, hits, rng, uv_map):
+    material = glowing(studio, "ShaderNodeUVMap", "UV")
+    next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeUVMap").uv_map = uv_map
+    studio.plain = material
     thing = folded(studio, Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0)))
     for name in ("first", "second", "third"):
         layer = thing.data.uv_layers.new(name=name)
         layer.uv.foreach_set("vector", rng.uniform(0.0, 1.0, 24).astype(np.float32))
     thing.data.uv_layers["third"].active_render = True
-    material = glowing(studio, "ShaderNodeUVMap", "UV")
-    next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeUVMap").uv_map = uv_map
-    thing.data.materials.append(material)
-    bare = studio.quad("bare", half=0.2, z=3.0)
-    bare.data.materials.append(material)
+    studio.quad("bare", half=0.2, z=3.0)
     studio.look_down(2.47)
 
     def uv(mesh, index, weights, points):

@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole export: materials on their faces, the settings that count, and what is refused by name."""
+
+import re
+
+import bpy
+import numpy as np
+import pytest
+from etalon.addon.export import export_scene
+from etalon.lib.errors import EtalonError, Refused
+from etalon.lib.scene import expressions as ex
+from etalon.lib.scene.archive import load, save
+from etalon.lib.scene.materials import Diffuse, Emission
+
+COLORS = {"red": (1.0, 0.25, 0.125), "green": (0.125, 1.0, 0.25), "blue": (0.25, 0.125, 1.0), "grey": (0.5, 0.5, 0.5)}
+
+
+def glow(studio, name):
+    """A material that glows in its own colour."""
+    material = studio.probe_material("ShaderNodeNewGeometry", "Position")
+    material.name = name
+    tree = material.node_tree
+    find = {n.bl_idname: n for n in tree.nodes}
+    tree.nodes.remove(find["ShaderNodeVectorMath"])
+    tree.nodes.remove(find["ShaderNodeNewGeometry"])
+    find["ShaderNodeEmission"].inputs["Color"].default_value = (*COLORS[name], 1.0)
+    return material
+
+
+def set_material(material):
+    """A geometry node tree that gives everything a material."""
+    tree = bpy.data.node_groups.new("set", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    source, change = tree.nodes.new("NodeGroupInput"), tree.nodes.new("GeometryNodeSetMaterial")
+    out = tree.nodes.new("NodeGroupOutput")
+    change.inputs["Material"].default_value = material
+    tree.links.new(source.outputs[0], change.inputs["Geometry"])
+    tree.links.new(change.outputs[0], out.inputs[0])
+    return tree
+
+
+def strip(studio, name, y, *materials, slots=(0, 1, 2)):
+    """Three squares side by side that ask for the given slots."""
+    xs = (-1.5, -0.5, 0.5, 1.5)
+    vertices = [(x, y + h, 0.0) for x in xs for h in (-0.4, 0.4)]
+    mesh = studio.mesh(name, vertices, [(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1) for i in range(3)])
+    for material in materials:
+        mesh.materials.append(material)
+    mesh.polygons.foreach_set("material_index", list(slots))
+    return studio.add(name, mesh)
+
+
+def test_each_face_has_the_material_that_cycles_gives_it(studio, rays, hits):
+    red, green, blue, grey = (glow(studio, name) for name in COLORS)
+    strip(studio, "data", 1.5, red, green, blue)
+    strip(studio, "clamped", 0.5, red, green, slots=(1, 7, 0))
+    linked = strip(studio, "object", -0.5, red, green, blue)
+    linked.material_slots[1].link = "OBJECT"
+    linked.material_slots[1].material = grey
+    strip(studio, "set", -1.5, red, green).modifiers.new("set", "NODES").node_group = set_material(blue)
+    studio.look_down(4.1)
+    scene = studio.export()
+    index, _, _ = hits(scene.mesh, *rays(scene.camera))
+    met = index >= 0
+    lobes = [material.lobes for material in scene.materials]
+    assert all(isinstance(one.closure, Emission) for (one,) in lobes)
+    colors = np.array([one.closure.color.value for (one,) in lobes])
+    shown = studio.cycles()
+    assert np.abs(colors[scene.mesh.material_index[index[met]]] - shown[met]).max() < 1e-6
+    assert {material.name for material in scene.materials} == set(COLORS)
+
+
+def bare(studio):
+    strip(studio, "none", 0.5).data.materials.clear()
+    strip(studio, "empty", -0.5, None, studio.plain, slots=(0, 0, 0))
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from Blender 5.0 on Cycles' default is a Principled BSDF")
+def test_without_a_material_faces_are_the_grey_that_cycles_shows(studio):
+    bare(studio)
+    sun = studio.add("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.angle, sun.data.energy = 0.0, 1.0
+    studio.look_down(0.5)
+    for y in (0.5, -0.5):
+        studio.camera.location.y = y
+        scene = studio.export()
+        (lobe,) = scene.materials[0].lobes
+        assert isinstance(lobe.closure, Diffuse)
+        assert studio.cycles() == pytest.approx(lobe.closure.color.value[0] / np.pi, rel=1e-6)
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="before Blender 5.0 Cycles' default is a grey diffuse surface")
+def test_a_face_without_a_material_is_refused(studio):
+    bare(studio)
+    strip(studio, "unused", 1.5, studio.plain, None, slots=(0, 0, 0))
+    with pytest.raises(Refused) as caught:
+        studio.export()
+    assert sorted(r.owner for r in caught.value.refusals) == ["object 'empty'", "object 'none'"]
+    assert "a face without a material, to Cycles a Principled BSDF, is not simulated" in str(caught.value)
+
+
+def test_overrides_of_the_view_layer(studio):
+    strip(studio, "strip", 0.0, glow(studio, "red"), glow(studio, "green"))
+    studio.layer.material_override = glow(studio, "blue")
+    scene = studio.export()
+    assert [material.name for material in scene.materials] == ["blue"]
+    assert scene.world.radiance == ex.BLACK
+    if hasattr(studio.layer, "world_override"):
+        studio.layer.world_override = bpy.data.worlds.new("override")
+        assert studio.export().world.radiance != ex.BLACK
+
+
+def test_transport_is_the_scenes_unless_given(studio):
+    studio.quad()
+    studio.scene.cycles.max_bounces = 7
+    assert studio.export().transport.max_bounces == 7
+    assert studio.export(max_bounces=3).transport.max_bounces == 3
+    studio.scene.cycles.transparent_max_bounces = 100
+    assert studio.export().transport.transparent_max_bounces == 100
+
+
+def test_the_export_survives_its_archive(studio, tmp_path):
+    strip(studio, "strip", 0.0, glow(studio, "red"), glow(studio, "green"))
+    studio.add("lamp", bpy.data.lights.new("lamp", "AREA"))
+    scene = studio.export()
+    save(scene, tmp_path / "scene.npz")
+    again = load(tmp_path / "scene.npz")
+    assert (again.materials, again.lights, again.world) == (scene.materials, scene.lights, scene.world)
+    assert np.array_equal(again.mesh.vertices, scene.mesh.vertices)
+
+
+def test_the_viewports_depsgraph_is_not_taken(studio):
+    studio.quad()
+    with pytest.raises(EtalonError, match="was evaluated for the viewport"):
+        export_scene(bpy.context.evaluated_depsgraph_get())
+
+
+def test_no_faces_is_bad_input(studio):
+    studio.add("lamp", bpy.data.lights.new("lamp", "POINT"))
+    with pytest.raises(EtalonError, match="Scene: the scene has no faces to render; "):
+        studio.export()
+
+
+def curves(studio):
+    studio.add("thing", bpy.data.hair_curves.new("thing"))
+
+
+def point_cloud(studio):
+    studio.add("thing", bpy.data.pointclouds.new("thing"))
+
+
+def volume(studio):
+    studio.add("thing", bpy.data.volumes.new("thing"))
+
+
+def grease_pencil(studio):
+    pencils = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils)
+    studio.add("thing", pencils.new("thing"))
+
+
+def particles(kind, render):
+    def make(studio):
+        thing = studio.quad("thing")
+        settings = thing.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
+        settings.type, settings.render_type, settings.count = kind, render, 3
+
+    return make
+
+
+def smoke(studio):
+    modifier = studio.quad("thing").modifiers.new("fluid", "FLUID")
+    modifier.fluid_type = "DOMAIN"
+    modifier.domain_settings.domain_type = "GAS"
+
+
+def flag(**values):
+    def make(studio):
+        thing = studio.quad("thing")
+        for name, value in values.items():
+            setattr(thing, name, value)
+
+    return make
+
+
+def linking(studio):
+    studio.quad("thing").light_linking.blocker_collection = bpy.data.collections.new("some")
+
+
+def adaptive(studio):
+    thing = studio.quad("thing")
+    modifier = thing.modifiers.new("levels", "SUBSURF")
+    if bpy.app.version >= (5, 0, 0):
+        modifier.use_adaptive_subdivision = True
+    else:
+        studio.scene.cycles.feature_set = "EXPERIMENTAL"
+        thing.cycles.use_adaptive_subdivision = True
+
+
+def in_collection(name):
+    def make(studio):
+        inner = bpy.data.collections.new("inner")
+        studio.scene.collection.children.link(inner)
+        thing = studio.quad("thing")
+        studio.scene.collection.objects.unlink(thing)
+        inner.objects.link(thing)
+        setattr(studio.layer.layer_collection.children["inner"], name, True)
+
+    return make
+
+
+def instance_of_a_hidden_parent(studio):
+    inner = bpy.data.collections.new("inner")
+    inner.objects.link(bpy.data.objects.new("thing", studio.quad().data))
+    empty = studio.add("empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", inner
+    empty.visible_glossy = False
+
+
+OBJECTS = {
+    "hair curves": curves,
+    "a point cloud": point_cloud,
+    "a volume": volume,
+    "grease pencil": grease_pencil,
+    "particle hair": particles("HAIR", "PATH"),
+    "smoke": smoke,
+    "ray visibility without camera, shadow": flag(visible_camera=False, visible_shadow=False),
+    "ray visibility without glossy": instance_of_a_hidden_parent,
+    "a holdout": flag(is_holdout=True),
+    "a shadow catcher": flag(is_shadow_catcher=True),
+    "light linking": linking,
+    "adaptive subdivision": adaptive,
+    "a collection that is indirect only": in_collection("indirect_only"),
+}
+
+
+@pytest.mark.parametrize("what", OBJECTS)
+def test_objects_that_are_not_simulated_are_refused_by_name(studio, what):
+    studio.quad("other")
+    OBJECTS[what](studio)
+    with pytest.raises(Refused, match=f"^object 'thing': {re.escape(what)} is not simulated; "):
+        studio.export()
+
+
+def test_a_holdout_collection_is_refused(studio):
+    in_collection("holdout")(studio)
+    with pytest.raises(Refused, match="object 'thing': a holdout"):
+        studio.export()
+
+
+def switch(owner, name, value=True):
+    return lambda studio: setattr({"render": studio.scene.render, "layer": studio.layer}[owner], name, value)
+
+
+SETTINGS = {
+    "scene 'Scene': motion blur": switch("render", "use_motion_blur"),
+    "scene 'Scene': Simplify": switch("render", "use_simplify"),
+    "scene 'Scene': stereoscopy": switch("render", "use_multiview"),
+    "scene 'Scene': a transparent film": switch("render", "film_transparent"),
+    "view layer 'ViewLayer': leaving out its environment": switch("layer", "use_sky", False),
+    "view layer 'ViewLayer': leaving out its surfaces": switch("layer", "use_solid", False),
+}
+
+
+@pytest.mark.parametrize("what", SETTINGS)
+def test_settings_that_are_not_simulated_are_refused_by_name(studio, what):
+    studio.quad()
+    SETTINGS[what](studio)
+    with pytest.raises(Refused, match=f"^{re.escape(what)} is not simulated; "):
+        studio.export()
+
+
+def test_all_refusals_come_at_once_and_each_once(studio):
+    for i in range(3):
+        studio.add(f"hair {i}", bpy.data.hair_curves.new("hair"))
+    studio.scene.render.use_motion_blur = True
+    studio.add("lamp", bpy.data.lights.new("lamp", "POINT")).data.use_shadow = False
+    with pytest.raises(Refused) as caught:
+        studio.export()
+    owners = [refusal.owner for refusal in caught.value.refusals]
+    assert sorted(owners) == ["light 'lamp'", "object 'hair 0'", "object 'hair 1'", "object 'hair 2'", "scene 'Scene'"]
+
+
+def test_what_cycles_leaves_out_is_no_reason_to_refuse(studio):
+    studio.quad()
+    flag(**{f"visible_{ray}": False for ray in ("camera", "diffuse", "glossy", "transmission", "shadow")})(studio)
+    hidden = studio.quad("hidden")
+    hidden.is_holdout, hidden.hide_render = True, True
+    for kind in ("ARMATURE", "LATTICE"):
+        studio.add(kind, getattr(bpy.data, {"ARMATURE": "armatures", "LATTICE": "lattices"}[kind]).new(kind))
+    scene = studio.export()
+    assert [thing.name for thing in scene.mesh.objects] == ["quad"]
+
+
+def test_a_particle_system_that_shows_objects_is_exported(studio, rays, hits):
+    leaf = studio.quad("leaf", half=0.1)
+    leaf.location.x = 50.0
+    thing = studio.quad("thing")
+    settings = thing.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
+    settings.type, settings.render_type, settings.count = "HAIR", "OBJECT", 5
+    settings.instance_object = leaf
+    names = [one.name for one in studio.export().mesh.objects]
+    assert names.count("leaf") == 6
