@@ -1,2 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One file per kind of light: sample a direction towards it, meet it with a ray, and the density of doing so."""
+"""One file per kind of light: sample a direction towards it, meet it with a ray, and the density of doing so.
+
+light.py what all offer, build.py from the scene's lights to samplers, selection.py the choice among them; point.py, sphere.py, spot.py, sun.py;
+area.py what flat lights share (spread.py, beam.py where the spread is zero), rectangle.py (spherical_rectangle.py its solid angle),
+ellipse.py; environment.py the world, triangles.py emissive meshes; cone.py directions in a cone.
+"""
