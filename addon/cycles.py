@@ -107,7 +107,9 @@ class CyclesRenderer:
         try:
             changes.set(self.scene.cycles, "seed", (_hash(self.seed) + replicate + chunk * REPLICATES) % (1 << 31))
             changes.set(self.scene.cycles, "sample_offset", CHUNK + (replicate * part) % CHUNK + within)
-            changes.set(self.scene.cycles, "sample_subset_length", count)
+            # Blender before 4.4 has no subset: there, `samples` counts those after the offset.
+            length = "sample_subset_length" if hasattr(self.scene.cycles, "sample_subset_length") else "samples"
+            changes.set(self.scene.cycles, length, count)
             changes.set(self.scene.render, "filepath", str(path))
             # Without the tag, persistent data renders the settings of the time before.
             self.scene.update_tag()
