@@ -62,7 +62,7 @@ class EnvironmentSampler:
         z -= down
         along += column
         along *= -1.0 / self._columns
-        along += 1.0  # circle() has its zero angle at one half: u = 1/2 - angle / 2 pi, the other way round
+        along += 0.5  # u = 1/2 - angle / 2 pi
         x, y = circle(along)
         sine = np.sqrt(np.maximum(1.0 - z * z, 0.0))
         x *= sine

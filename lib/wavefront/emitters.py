@@ -31,25 +31,28 @@ class Emitters:
     def lights_met(self, paths: Paths, hits: Hits) -> None:
         """Light objects in front of the nearest face; they are transparent, so all of them count."""
         kernel = self._kernel
-        origin = paths.origin if paths.scatter_origin is None else paths.scatter_origin
+        # A ray that passed transparent faces is still the ray that left the last scattering.
+        straight = paths.scatter_origin is None
+        origin = paths.origin if straight else paths.scatter_origin
+        end = hits.distance if straight else hits.distance + paths.travelled
         for k, light in enumerate(kernel.lights):
             if light.delta or light in (kernel.environment, kernel.emissive):
                 continue
             hidden = not light.visible_camera
             if hidden and paths.at_camera:
                 continue
-            distance, radiance = light.intersect(paths.origin, paths.direction)
-            met = distance < hits.distance
-            met |= np.isinf(hits.distance) & np.isinf(distance) & radiance.any(axis=0)
-            if hidden and paths.scatterings is not None:
-                met &= paths.scatterings > 0
+            distance, radiance = light.intersect(origin, paths.direction)
+            met = distance < end
+            met |= np.isinf(end) & np.isinf(distance) & radiance.any(axis=0)
+            if not straight:
+                met &= distance > paths.travelled
+                if hidden:
+                    met &= paths.scatterings > 0
             index = np.flatnonzero(met)
             if index.size == 0:
                 continue
-            direction, reach = np.take(paths.direction, index, axis=1), distance[index]
-            if paths.travelled is not None:
-                reach = reach + paths.travelled[index]
-            density = light.pdf(np.take(origin, index, axis=1), direction, reach)
+            direction = np.take(paths.direction, index, axis=1)
+            density = light.pdf(np.take(origin, index, axis=1), direction, distance[index])
             arriving = np.take(radiance, index, axis=1) * np.take(paths.throughput, index, axis=1)
             arriving *= self._weight(paths.pdf[index], k, density)
             self._sums.add(paths.pixel[index], arriving)
