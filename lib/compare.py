@@ -269,9 +269,10 @@ def _measure(renderer: Renderer, share: float, meter: _Meter) -> tuple[Cost, flo
             return None
         begin = begin or meter.elapsed
         seconds.append(meter.elapsed - before)
-        if meter.elapsed - begin + 4 * seconds[-1] > share or samples[-1] >= PILOT_SAMPLES:
+        enough = meter.elapsed - begin + seconds[-1] > share or samples[-1] >= PILOT_SAMPLES
+        if enough and len(samples) > 1:  # one timing cannot tell what a call costs from what a sample costs
             break
-        samples.append(4 * samples[-1])
+        samples.append(8 * samples[-1])
     again = meter.pilot(renderer, PILOT + len(seconds), samples[-1])
     if again is None:
         return None
