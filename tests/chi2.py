@@ -131,6 +131,7 @@ def chi_square(
     chart: Chart,
     bins: tuple[int, int] = (16, 24),
     least_expected: float = 5.0,
+    tolerance: float = 1e-6,
 ) -> Result:
     """Compare `samples`, (3, n) directions, with `density`, a function of (3, k) directions per steradian.
 
@@ -141,7 +142,7 @@ def chi_square(
     p, q = chart.coordinates(samples)
     known = np.isfinite(p) & np.isfinite(q)
     observed, _, _ = np.histogram2d(p[known], q[known], bins=bins, range=((0.0, 1.0), (0.0, 1.0)))
-    expected = count * integrals(density, chart, bins)
+    expected = count * integrals(density, chart, bins, tolerance)
     if expected.sum() > count * (1.0 + 1e-4):
         return Result(float("inf"), expected.size, 0.0)
     observed = np.append(observed.ravel(), count - observed.sum())

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reflectances that microfacet lobes carry: called with the cosine at the microfacet they give (n,) or, coloured, (3, n).
+
+Parameters are () or (n,); colours (3, 1) or (3, n). `part(index)` gives the same at fewer points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Protocol, Self
+
+import numpy as np
+
+from ..microfacets import fresnel
+
+
+class Fresnel(Protocol):
+    """What a lobe asks of its reflectance."""
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance at the cosine (n,) in [0, 1] between light and microfacet."""
+
+    def part(self, index: np.ndarray) -> Fresnel:
+        """The same at fewer points."""
+
+
+def part_of(value: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """`value` at the points `index`; what is the same at all points stays as it is."""
+    return value if np.ndim(value) == 0 or value.shape[-1] == 1 else np.take(value, index, axis=-1)
+
+
+class _PerPoint:
+    """Taking parts, for dataclasses whose fields are arrays."""
+
+    def part(self, index: np.ndarray) -> Self:
+        """The same at fewer points."""
+        return type(self)(**{f.name: part_of(getattr(self, f.name), index) for f in fields(self)})
+
+
+@dataclass(frozen=True)
+class Dielectric(_PerPoint):
+    """Exact unpolarised reflectance; `eta` is the index of the far side over the near side's."""
+
+    eta: np.ndarray
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance, (n,)."""
+        return fresnel.dielectric(cos, self.eta)
+
+
+@dataclass(frozen=True)
+class Conductor(_PerPoint):
+    """Exact unpolarised reflectance of a metal of complex index eta + i k, colour by colour."""
+
+    eta: np.ndarray
+    k: np.ndarray
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance, (3, n)."""
+        return fresnel.conductor(cos, self.eta, self.k)
+
+    @property
+    def average(self) -> np.ndarray:
+        """Cosine-weighted mean reflectance as Blender takes it: that of the F82 curve through the same F(1) and F(1/7)."""
+        one = np.ones(1)
+        f0, edge = self(one), self(one / 7.0)
+        return F82(f0, edge / fresnel.schlick(one / 7.0, f0)).average
+
+
+@dataclass(frozen=True)
+class F82(_PerPoint):
+    """Schlick's curve from `f0`, bent so that `tint` times its value is met at the cosine 1/7.
+
+    F0 + (1 - F0) (1 - c)^5 - b c (1 - c)^6, clipped to [0, 1]; Kutz, Hasan and Edmondson 2021, "Novel aspects of the Adobe
+    Standard Material", eq. 2.
+    """
+
+    f0: np.ndarray
+    tint: np.ndarray
+
+    @property
+    def _b(self) -> np.ndarray:
+        seventh = np.full(1, 1.0 / 7.0)
+        return fresnel.schlick(seventh, self.f0) * (1.0 - self.tint) * (7.0 / (6.0 / 7.0) ** 6)
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance, (3, n)."""
+        m = 1.0 - cos
+        m2 = m * m
+        m5 = m2 * m2 * m
+        return np.clip(self.f0 + (1.0 - self.f0) * m5 - self._b * (cos * (m5 * m)), 0.0, 1.0)
+
+    @property
+    def average(self) -> np.ndarray:
+        """Integral of 2 c F(c) over c: F0 + (1 - F0) / 21 - b / 126, the clipping left out."""
+        return np.clip(self.f0 + (1.0 - self.f0) / 21.0 - self._b / 126.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class TintedDielectric(_PerPoint):
+    """The exact dielectric's curve stretched to begin at the colour `f0` and to end at 1 (Blender's Principled BSDF)."""
+
+    eta: np.ndarray
+    f0: np.ndarray
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance, (3, n)."""
+        plain = reflectance_at_normal(self.eta)
+        s = (fresnel.dielectric(cos, self.eta) - plain) / np.maximum(1.0 - plain, 1e-12)
+        return self.f0 + (1.0 - self.f0) * np.clip(s, 0.0, 1.0)
+
+
+def reflectance_at_normal(eta: np.ndarray) -> np.ndarray:
+    """((eta - 1) / (eta + 1))^2."""
+    return np.square((eta - 1.0) / (eta + 1.0))

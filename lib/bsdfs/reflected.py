@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A reflecting lobe that carries a Fresnel reflectance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..vectors import dot
+from .fresnels import Fresnel
+from .mixture import Lobe
+
+
+class Reflected:
+    """`lobe`, which reflects everything, times the reflectance at the half vector of wi and `wo`, (3, n)."""
+
+    def __init__(self, lobe: Lobe, wo: np.ndarray, reflectance: Fresnel) -> None:
+        self._lobe, self._wo, self._reflectance = lobe, wo, reflectance
+        self.delta = lobe.delta
+
+    def _factor(self, wi: np.ndarray) -> np.ndarray:
+        """The reflectance at the half vector, whose cosine is sqrt((1 + wi.wo) / 2)."""
+        cos = dot(wi, self._wo)
+        cos += 1.0
+        cos *= 0.5
+        np.clip(cos, 0.0, 1.0, out=cos)
+        return self._reflectance(np.sqrt(cos, out=cos))
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Value (n,) or (3, n) and density (n,)."""
+        value, pdf = self._lobe.evaluate(wi)
+        return value * self._factor(wi), pdf
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, weight (n,) or (3, n), density."""
+        wi, weight, pdf = self._lobe.sample(u1, u2)
+        return wi, weight * self._factor(wi), pdf
+
+    def part(self, index: np.ndarray) -> Reflected:
+        """The same lobe at fewer points."""
+        return Reflected(self._lobe.part(index), np.take(self._wo, index, axis=1), self._reflectance.part(index))
