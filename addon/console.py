@@ -40,7 +40,10 @@ def quiet() -> Iterator[None]:
 @contextmanager
 def bar(description: str) -> Iterator[Callable[[float], None]]:
     """A progress bar on standard error; yields the function that takes the fraction done, 0 to 1."""
-    with tqdm(total=1.0, desc=description, bar_format=_BAR, file=sys.stderr, leave=False) as shown:
+    interval = 0.1 if sys.stderr.isatty() else 10.0
+    with tqdm(
+        total=1.0, desc=description, bar_format=_BAR, file=sys.stderr, leave=False, mininterval=interval
+    ) as shown:
 
         def progress(fraction: float) -> None:
             shown.update(min(max(fraction, shown.n), 1.0) - shown.n)
@@ -63,4 +66,5 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     try:
         yield lambda: pressed
     finally:
-        signal.signal(signal.SIGINT, before)
+        # None stands for a handler that was not set from Python, such as Blender's own.
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
