@@ -87,7 +87,7 @@ def _direct(
     elif kernel.options.direct == "lights":
         factor = np.ones_like(density)
     else:
-        factor = np.where(light.delta, 1.0, 0.0)
+        factor = np.where(light.delta, 1.0, np.zeros_like(density))
     factor /= density
     if not kernel.tables.all_flat:
         factor *= dot(points.ng, sample.wi) > 0.0
