@@ -17,9 +17,14 @@ class Spread:
     def __init__(self, spread: float) -> None:
         h = 0.5 * spread
         self.tan_half = math.tan(h)
-        # tan h - h cancels; its series is exact to 1e-13 where the difference no longer is.
-        series = h**3 / 3.0 * (1.0 + h**2 * (2.0 / 5.0 + h**2 * (17.0 / 105.0 + h**2 * 62.0 / 945.0)))
-        self._scale = 1.0 / (series if h < 0.03 else self.tan_half - h)
+        # tan h - h cancels; of sin h - h cos h = h^3 / 3 (1 - h^2 / 10 + h^4 / 280 - ...) the series does not.
+        series = term = 1.0
+        k = 2
+        while abs(term) > 1e-17:
+            term *= -h * h / (k * (k + 3))
+            series += term
+            k += 2
+        self._scale = 3.0 * math.cos(h) / (h**3 * series)
 
     def __call__(self, tan_theta: np.ndarray) -> np.ndarray:
         """Factor (n,) for the tangent of the angle to the light's normal."""

@@ -9,6 +9,7 @@ beside it stands the coarser table that Cycles reads, up to 0.7 % away from it.
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -52,8 +53,16 @@ def average_albedo_cycles(alpha: float | np.ndarray) -> np.ndarray:
     return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, _CYCLES_NODES), _cycles_average())
 
 
-def integrate_albedo(cos_o: np.ndarray, alpha: np.ndarray, radii: int = 24, turns: int = 16) -> np.ndarray:
+def integrate_albedo(
+    cos_o: np.ndarray,
+    alpha: np.ndarray,
+    radii: int = 24,
+    turns: int = 16,
+    reflectance: Callable[[np.ndarray], np.ndarray] = np.ones_like,
+) -> np.ndarray:
     """E by quadrature to 2e-7, (n,); `cos_o` and `alpha` (n,) in (0, 1]; `radii` x 2 `turns` points each.
+
+    The integrand carries `reflectance` at the cosine between light and microfacet.
 
     Over the tangents alpha x (cos phi, sin phi) of the microfacets, dm = alpha^2 x dx dphi cos^3, each turn out to the radius at
     which the reflected direction meets the horizon, where the integrand ends at zero. Points crowd towards that end (the tail
@@ -78,11 +87,13 @@ def integrate_albedo(cos_o: np.ndarray, alpha: np.ndarray, radii: int = 24, turn
     dx = weight * horizon / (alpha + horizon) / (1.0 - y) ** 2
     tangent = alpha * x
     facing = forward * tangent + mu  # wo.m / m.z
-    cos_i = np.maximum(2.0 * facing / (1.0 + tangent * tangent) - mu, 1e-150)
+    secant2 = 1.0 + tangent * tangent
+    cos_i = np.maximum(2.0 * facing / secant2 - mu, 1e-150)
     lambda_o, lambda_i = (
         0.5 * (np.sqrt(1.0 + alpha * alpha * np.maximum(1.0 - c * c, 0.0) / (c * c)) - 1.0) for c in (mu, cos_i)
     )
     ring = facing / mu * x * dx / (np.pi * (1.0 + x * x) ** 2 * (1.0 + lambda_o + lambda_i))
+    ring *= reflectance(np.clip(facing / np.sqrt(secant2), 0.0, 1.0))
     return 2.0 * (ring.sum(axis=2) * weight_turn).sum(axis=1)
 
 

@@ -18,6 +18,9 @@ from .visible_slope import visible_tangent
 
 _SQRT_PI = float(np.sqrt(np.pi))
 _RATIONAL_END = 0.39**-0.5
+# 1 - 1.259 a + 0.396 a^2 = 0.396 ((a - middle)^2 - gap): as printed it cancels where it all but vanishes, at a near 1.6.
+_RATIONAL_MIDDLE = 1.5896464646464648
+_RATIONAL_GAP = 0.0017233573104785227
 
 
 def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
@@ -73,10 +76,10 @@ def smith_lambda_rational(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: f
     """
     a = _slope_ratio(w, alpha_x, alpha_y)
     np.minimum(a, _RATIONAL_END, out=a)
-    value = 0.396 * a
-    value -= 1.259
-    value *= a
-    value += 1.0
+    value = a - _RATIONAL_MIDDLE
+    value *= value
+    value -= _RATIONAL_GAP
+    value *= 0.396
     value /= a * (3.535 + 2.181 * a)
     flat = a >= _RATIONAL_END
     value[flat] = 0.0

@@ -16,30 +16,46 @@ def dielectric(cos_i: np.ndarray, eta: float | np.ndarray) -> np.ndarray:
     """Exact Fresnel reflectance of a dielectric, in [0, 1]; `eta` > 0 is the index beyond over the index on the light's side.
 
     Born and Wolf, sec. 1.5.2, eq. 21, with the differences multiplied out: with g = sqrt(eta^2 - 1 + c^2),
-    (c - g) / (c + g) = (1 - eta^2) / (c + g)^2, which does not cancel where eta is near 1. Beyond the critical angle both
-    ratios exceed 1 with g = 0, so that the bound 1 is the total reflection.
+    (c - g) / (c + g) = (1 - eta^2) / (c + g)^2, which does not cancel where eta is near 1. Above one half F is one less what
+    passes, 2 c g (1 / (c + g)^2 + eta^2 / (eta^2 c + g)^2): beyond the critical angle, where g = 0, nothing does.
     """
     eta = np.asarray(eta, np.float64)
-    contrast = (eta - 1.0) * (eta + 1.0)
-    eta2 = eta * eta
+    return _interface(cos_i, eta * eta, (eta - 1.0) * (eta + 1.0))
+
+
+def _interface(cos_i: np.ndarray, eta2: np.ndarray, contrast: np.ndarray) -> np.ndarray:
+    """The same by eta^2 and `contrast` = eta^2 - 1, which keeps its digits where the index is all but 1."""
     c = np.maximum(cos_i, _GRAZING)
     c2 = c * c
-    g = np.maximum(contrast + c2, 0.0)
+    sine2 = (1.0 - c) * (1.0 + c)
+    # Of the two differences that are g^2 the one between the smaller numbers.
+    g = np.where(eta2 < 0.5, eta2 - sine2, contrast + c2)
+    np.maximum(g, 0.0, out=g)
     g = np.sqrt(g, out=g)
-    s = contrast / np.square(c + g)
+    s = c + g
+    s *= s
+    np.divide(1.0, s, out=s)
     p = eta2 * c
     p += g
     p *= p
-    c2 = c2 * (eta2 + 1.0)
-    c2 -= 1.0
+    np.divide(1.0, p, out=p)
+    passed = eta2 * p
+    passed += s
+    g *= c
+    passed *= g
+    passed *= -2.0
+    passed += 1.0
+    s *= contrast
+    # c^2 (eta^2 + 1) - 1, which cancels at normal incidence where eta is small.
+    c2 = c2 * eta2
+    c2 -= sine2
     c2 *= contrast
-    np.divide(c2, p, out=p)
+    p *= c2
     s *= s
     p *= p
-    f = np.minimum(s, 1.0)
-    f += np.minimum(p, 1.0)
-    f *= 0.5
-    return f
+    s += p
+    s *= 0.5
+    return np.where(s > 0.5, passed, s)
 
 
 def conductor(cos_i: np.ndarray, eta: float | np.ndarray, k: float | np.ndarray) -> np.ndarray:
@@ -93,4 +109,5 @@ def cook_torrance(cos_i: np.ndarray, f0: float | np.ndarray) -> np.ndarray:
     Cook and Torrance 1982 use it for metals too, colour by colour: an approximation that leaves k out.
     """
     root = np.sqrt(np.asarray(f0, np.float64))
-    return dielectric(cos_i, (1.0 + root) / np.maximum(1.0 - root, 2.0**-53))
+    below = np.maximum(1.0 - root, 2.0**-53)
+    return _interface(cos_i, np.square((1.0 + root) / below), 4.0 * root / np.square(below))

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much light a rough dielectric leaves: what a glossy layer reflects, and what a glass interface reflects and refracts.
+
+Directional albedos of GGX with height-correlated masking, by quadrature, tabulated for one index at a time.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+from scipy.special import roots_legendre
+
+from . import ggx
+from .albedo import integrate_albedo
+from .fresnel import dielectric
+
+_NODES = (33, 65)  # coarse nodes along roughness and along the root of the cosine
+_CELLS = 256
+_LEAST = 1e-8  # stands for a cosine or an alpha of zero
+_SQUARE = 64  # points along each uniform in the quadrature over visible normals
+
+
+def layer_reflectance(
+    cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool
+) -> np.ndarray:
+    """Albedo (3, n) of a layer of index `eta` whose reflectance at normal incidence is multiplied by `tint`, (3, 1) or (3, n).
+
+    `compensated` for multiple scattering as the lobe itself is (Blender's Multiscatter GGX).
+    """
+    if eta == 1.0:
+        return np.zeros((3, cos_o.size))
+    f0 = np.clip(((eta - 1.0) / (eta + 1.0)) ** 2 * tint, 0.0, 1.0)
+    from_normal, to_grazing = layer_albedo(cos_o, alpha, eta)
+    albedo = f0 * from_normal
+    albedo += from_normal * 0.0 + to_grazing
+    return albedo
+
+
+def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
+    """The integrals of D G / (4 mu) over wi with weights 1 - s and s, s = (F - F0) / (1 - F0), (n,) each.
+
+    A layer whose reflectance runs from f0 to 1 along the dielectric's curve has the albedo f0 times the first plus the
+    second. `cos_o` (n,) and `alpha`, () or (n,), in [0, 1]; `eta` > 0.
+    """
+    from_normal, to_grazing = _layer_tables(float(eta))
+    return _read(from_normal, cos_o, alpha), _read(to_grazing, cos_o, alpha)
+
+
+def glass_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:
+    """What a white interface of index `eta` reflects and refracts together after one scattering, (n,)."""
+    return _read(_glass_table(float(eta))[0], cos_o, alpha)
+
+
+def average_glass_albedo(alpha: np.ndarray, eta: float) -> np.ndarray:
+    """Integral of 2 mu times `glass_albedo` over mu, shaped as `alpha`."""
+    return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, _CELLS + 1), _glass_table(float(eta))[1])
+
+
+def _read(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """The table over roughness sqrt(alpha) and the root of the cosine, bilinear."""
+    column = np.sqrt(np.clip(cos_o, 0.0, 1.0)) * _CELLS
+    row = np.broadcast_to(np.sqrt(alpha), column.shape) * _CELLS
+    i = np.minimum(row.astype(np.intp), _CELLS - 1)
+    j = np.minimum(column.astype(np.intp), _CELLS - 1)
+    across, along = row - i, column - j
+    first = i * (_CELLS + 1) + j
+    flat = table.ravel()
+    low = flat.take(first) * (1.0 - along) + flat.take(first + 1) * along
+    first += _CELLS + 1
+    high = flat.take(first) * (1.0 - along) + flat.take(first + 1) * along
+    return low * (1.0 - across) + high * across
+
+
+def _tabulated(integral: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """`integral` of cosine and alpha at coarse nodes, and a cubic spline through them on the fine grid."""
+    roughness, root = (np.linspace(0.0, 1.0, count) for count in _NODES)
+    mu, alpha = np.maximum(root * root, _LEAST), np.maximum(roughness * roughness, _LEAST)
+    values = np.stack([integral(mu, np.full_like(mu, a)) for a in alpha])
+    fine = np.linspace(0.0, 1.0, _CELLS + 1)
+    table = np.clip(RectBivariateSpline(roughness, root, values)(fine, fine), 0.0, 1.0)
+    table.flags.writeable = False
+    return table
+
+
+@functools.lru_cache(maxsize=64)
+def _layer_tables(eta: float) -> tuple[np.ndarray, np.ndarray]:
+    """Both integrals of `layer_albedo` on the grid."""
+    normal = ((eta - 1.0) / (eta + 1.0)) ** 2
+
+    def share(cos: np.ndarray) -> np.ndarray:
+        return np.clip((dielectric(cos, eta) - normal) / max(1.0 - normal, 1e-12), 0.0, 1.0)
+
+    grazing = _tabulated(lambda mu, alpha: integrate_albedo(mu, alpha, reflectance=share))
+    from_normal = _tabulated(lambda mu, alpha: integrate_albedo(mu, alpha, reflectance=lambda cos: 1.0 - share(cos)))
+    return from_normal, grazing
+
+
+@functools.lru_cache(maxsize=64)
+def _glass_table(eta: float) -> tuple[np.ndarray, np.ndarray]:
+    """`glass_albedo` on the grid, and its average over the cosine at each roughness of the grid."""
+    table = _tabulated(lambda mu, alpha: integrate_glass(mu, alpha, eta))
+    x, weight = roots_legendre(64)
+    root = 0.5 + 0.5 * x
+    weight = 2.0 * weight * root * root * root
+    average = [(weight * _read(table, root * root, r * r)).sum() for r in np.linspace(0.0, 1.0, _CELLS + 1)]
+    return table, np.array(average)
+
+
+def integrate_glass(cos_o: np.ndarray, alpha: np.ndarray, eta: float, points: int = _SQUARE) -> np.ndarray:
+    """The albedo of a white interface by quadrature over visible normals, (n,), to 1e-4; `cos_o` and `alpha` (n,) in (0, 1].
+
+    Under the density of visible normals each facet counts G2 / G1(o), split by Fresnel, where its ray leaves to the right side.
+    """
+    x, weight = roots_legendre(points)
+    u1, u2 = (grid.ravel() for grid in np.meshgrid(0.25 + 0.25 * x, 0.5 + 0.5 * x, indexing="ij"))
+    weight = 0.25 * np.outer(weight, weight).ravel()  # u1 runs over half a turn, the other half is its mirror image
+    count, many = cos_o.size, u1.size
+    mu, rough = np.repeat(cos_o, many), np.repeat(alpha, many)
+    wo = np.stack([np.sqrt((1.0 - mu) * (1.0 + mu)), np.zeros_like(mu), mu])
+    m = ggx.sample_visible(wo, rough, rough, np.tile(u1, count), np.tile(u2, count))
+    cos_om = np.clip(wo[0] * m[0] + mu * m[2], 0.0, 1.0)
+    lambda_o = ggx.smith_lambda(wo, rough, rough)
+    sin2 = (1.0 - cos_om * cos_om) / (eta * eta)
+    reflectance = dielectric(cos_om, eta)
+    mirrored = 2.0 * cos_om * m[2] - mu
+    refracted = mu / eta - (cos_om / eta - np.sqrt(np.maximum(1.0 - sin2, 0.0))) * m[2]
+    total = reflectance * _seen(mirrored, rough, lambda_o)
+    total += (1.0 - reflectance) * np.where(sin2 < 1.0, _seen(refracted, rough, lambda_o), 0.0)
+    return (total.reshape(count, many) * weight).sum(axis=1)
+
+
+def _seen(cos: np.ndarray, alpha: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
+    """G2 / G1(o) for a direction at `cos` from the normal on its own side, 0 on the wrong one."""
+    above = cos > 0.0
+    cos = np.clip(cos, 1e-9, 1.0)
+    w = np.stack([np.sqrt((1.0 - cos) * (1.0 + cos)), np.zeros_like(cos), cos])
+    return np.where(above, (1.0 + lambda_o) / (1.0 + lambda_o + ggx.smith_lambda(w, alpha, alpha)), 0.0)

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One line of the atlas."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Case:
+    """What was asked of one equation or scene, and what came out.
+
+    `worst` is the largest error found, in `unit`, at `where`; `bound` what it may be; `excuse` says why a wider bound than the
+    family's own was agreed. `printed` and `cycles` are the same error for the float32 forms, in float32's own ulps, None where there
+    is no such form; inf means that something was not a number at all.
+    """
+
+    family: str
+    name: str
+    worst: float
+    bound: float
+    unit: str
+    where: str
+    printed: float | None = None
+    cycles: float | None = None
+    excuse: str = ""
+    points: int = 0
+
+    @property
+    def passed(self) -> bool:
+        """Whether the reference keeps its bound; an error that is not a number never does."""
+        return math.isfinite(self.worst) and self.worst <= self.bound

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The catalogue of closed forms: distributions, masking, Fresnel, densities, solid angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import ModuleType
+
+import numpy as np
+
+from ..lights.spherical_rectangle import SphericalRectangle
+from ..lights.spread import Spread
+from ..lights.sphere import SphereSampler
+from ..lights.sun import SunSampler
+from ..microfacets import beckmann, densities, fresnel, ggx, masking
+from ..sampling.mis import power_heuristic
+from ..scene.lights import SphereLight, SunLight
+from . import cycles_single, domain, exact, single
+from .measure import Function, Single
+
+BOUND = 8.0
+FAMILY = "closed form"
+_WHITE = (1.0, 1.0, 1.0)
+_VECTOR = ("x", "y", "z")
+_ALPHAS = ("alpha_x", "alpha_y")
+
+Draw = Callable[[np.random.Generator, int], np.ndarray]
+
+
+def _normals(rng: np.random.Generator, count: int) -> np.ndarray:
+    alpha = domain.alphas(rng, count)
+    return np.concatenate([domain.lobe_normals(rng, alpha), alpha])
+
+
+def _views(rng: np.random.Generator, count: int) -> np.ndarray:
+    return np.concatenate([domain.directions(rng, count), domain.alphas(rng, count)])
+
+
+def _slopes(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Views of which a third sees the surface where Beckmann's exponential still counts, a from 0.03 to 30."""
+    views = _views(rng, count)
+    x, y, z, alpha_x, alpha_y = views
+    wanted = 10.0 ** rng.uniform(-1.5, 1.5, count) * np.sqrt((alpha_x * x) ** 2 + (alpha_y * y) ** 2)
+    sine = np.sqrt(x * x + y * y)
+    chosen = (rng.random(count) < 1.0 / 3.0) & (sine > 0.0)
+    length = np.hypot(sine, wanted)
+    views[:3] = np.where(chosen, np.stack([x, y, wanted]) / np.where(chosen, length, 1.0), views[:3])
+    return views
+
+
+def _pairs(rng: np.random.Generator, count: int) -> np.ndarray:
+    """wi, wo and the half vector between them."""
+    wi, wo = domain.directions(rng, count), domain.directions(rng, count)
+    m = wi + wo
+    return np.concatenate([wi, wo, m / np.sqrt((m * m).sum(axis=0))])
+
+
+def _lambdas(rng: np.random.Generator, count: int) -> np.ndarray:
+    return 10.0 ** rng.uniform(-20.0, 14.0, (2, count))
+
+
+def _dielectrics(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Cosines and indices, some of them next to the critical angle."""
+    cosine, eta = domain.cosines(rng, count), domain.indices(rng, count)
+    critical = np.sqrt(np.maximum((1.0 - eta) * (1.0 + eta), 0.0)) * (
+        1.0 + 10.0 ** rng.uniform(-15.0, -1.0, (1, count))
+    )
+    near = (rng.random((1, count)) < 0.2) & (critical > 0.0) & (critical < 1.0)
+    return np.concatenate([np.where(near, critical, cosine), eta])
+
+
+def _metals(rng: np.random.Generator, count: int) -> np.ndarray:
+    k = 10.0 ** rng.uniform(-8.0, 1.0, (1, count))
+    return np.concatenate([domain.cosines(rng, count), domain.indices(rng, count), k])
+
+
+def _f0(rng: np.random.Generator, count: int) -> np.ndarray:
+    near_one = 1.0 - 10.0 ** rng.uniform(-8.0, 0.0, (1, count))
+    f0 = np.where(rng.random((1, count)) < 0.3, near_one, 10.0 ** rng.uniform(-16.0, 0.0, (1, count)))
+    return np.concatenate([domain.cosines(rng, count), f0])
+
+
+def _visible(rng: np.random.Generator, count: int) -> np.ndarray:
+    """A normal, a viewer that sees it from the front, D and Lambda."""
+    m, wo = domain.directions(rng, count), domain.directions(rng, count)
+    wo[:2] *= np.where((wo * m).sum(axis=0) < 0.0, -1.0, 1.0)
+    d, lambda_o = 10.0 ** rng.uniform(-12.0, 11.0, (1, count)), 10.0 ** rng.uniform(-20.0, 14.0, (1, count))
+    return np.concatenate([m, wo, d, lambda_o])
+
+
+def _facing(rng: np.random.Generator, count: int) -> np.ndarray:
+    return np.concatenate([domain.directions(rng, count), domain.directions(rng, count)])
+
+
+def _heuristic(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Densities from a sky's to far beyond a mirror's."""
+    return 10.0 ** rng.uniform(-20.0, 60.0, (2, count))
+
+
+def _rectangles(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Bounds about the foot of the point, and its height: from a wall to a speck, from overhead to edge on."""
+    size, offset = 10.0 ** rng.uniform(-6.0, 2.0, (2, count)), 10.0 ** rng.uniform(-3.0, 4.0, (2, count))
+    offset *= rng.choice([-1.0, 0.0, 1.0], (2, count))
+    low = offset - size * rng.random((2, count))
+    high = low + size
+    return np.stack([low[0], high[0], low[1], high[1], 10.0 ** rng.uniform(-6.0, 4.0, count)])
+
+
+def _spheres(rng: np.random.Generator, count: int) -> np.ndarray:
+    """A centre and a radius: from just outside (or inside) to 1e9 radii away."""
+    axis = rng.normal(size=(3, count))
+    axis /= np.sqrt((axis * axis).sum(axis=0))
+    radius = 10.0 ** rng.uniform(-4.0, 2.0, count)
+    ratio = np.where(
+        rng.random(count) < 0.5, 1.0 + 10.0 ** rng.uniform(-14.0, 0.0, count), 10.0 ** rng.uniform(-1.0, 9.0, count)
+    )
+    return np.concatenate([axis * (radius * ratio), radius[None]])
+
+
+def _half_angles(rng: np.random.Generator, count: int) -> np.ndarray:
+    return np.where(
+        rng.random((1, count)) < 0.5, 10.0 ** rng.uniform(-9.0, 0.0, (1, count)), rng.uniform(1e-3, 1.57, (1, count))
+    )
+
+
+def _spreads(rng: np.random.Generator, count: int) -> np.ndarray:
+    near_straight = math.pi - 10.0 ** rng.uniform(-9.0, 0.0, (1, count))
+    return np.where(rng.random((1, count)) < 0.3, near_straight, 10.0 ** rng.uniform(-6.0, 0.4, (1, count)))
+
+
+def _rectangle(a: np.ndarray) -> np.ndarray:
+    return SphericalRectangle(*a).solid_angle
+
+
+def _sphere(a: np.ndarray) -> np.ndarray:
+    """The sampler's own density, one light a point."""
+    origin, up, hit = np.zeros((3, 1)), np.array([[0.0], [0.0], [1.0]]), np.ones(1)
+    lights = (SphereSampler(SphereLight("sphere", tuple(column[:3]), column[3], _WHITE)) for column in a.T)
+    return np.concatenate([light.pdf(origin, up, hit) for light in lights])
+
+
+def _sun(a: np.ndarray) -> np.ndarray:
+    up = np.array([[0.0], [0.0], [1.0]])
+    lights = (SunSampler(SunLight("sun", (0.0, 0.0, 1.0), angle, _WHITE)) for angle in a[0])
+    return np.concatenate([light.pdf(up, up, np.ones(1)) for light in lights])
+
+
+def _spread(a: np.ndarray) -> np.ndarray:
+    return np.concatenate([Spread(angle)(np.zeros(1)) for angle in a[0]])
+
+
+def _of_direction(kernel: Callable[..., np.ndarray]) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda a: kernel(a[:3], a[3], a[4])
+
+
+def _distribution(title: str, module: ModuleType, name: str) -> list[Function]:
+    entries = []
+    for what, symbol, draw in (("density", "D", _normals), ("lambda", "Lambda", _slopes)):
+        kernel = getattr(module, "density" if what == "density" else "smith_lambda")
+        entries.append(
+            _entry(
+                f"{title} {symbol}",
+                (*_VECTOR, *_ALPHAS),
+                draw,
+                _of_direction(kernel),
+                f"{name}_{what}",
+                cycles_too=True,
+            )
+        )
+    return entries
+
+
+def _entry(
+    title: str,
+    names: tuple[str, ...],
+    draw: Draw,
+    kernel: Callable[[np.ndarray], np.ndarray],
+    form: str,
+    cycles_too: bool = False,
+    cycles: str = "",
+) -> Function:
+    """A function whose truth and float32 forms go by one name in their modules."""
+    written = getattr(cycles_single, form) if cycles_too else getattr(single, cycles) if cycles else None
+    return Function(
+        FAMILY,
+        title,
+        names,
+        draw,
+        kernel,
+        getattr(exact, form),
+        BOUND,
+        Single(getattr(single, form)),
+        Single(written) if written else None,
+    )
+
+
+def closed_forms() -> list[Function]:
+    """All of them."""
+    three = tuple(f"{w}.{c}" for w in ("wi", "wo", "m") for c in _VECTOR)
+    return [
+        *_distribution("GGX", ggx, "ggx"),
+        *_distribution("Beckmann", beckmann, "beckmann"),
+        Function(
+            FAMILY,
+            "Beckmann Lambda, rational",
+            (*_VECTOR, *_ALPHAS),
+            _slopes,
+            _of_direction(beckmann.smith_lambda_rational),
+            exact.beckmann_lambda_rational,
+            BOUND,
+            cycles=Single(cycles_single.beckmann_lambda),
+        ),
+        _entry(
+            "masking, Torrance-Sparrow",
+            three,
+            _pairs,
+            lambda a: masking.torrance_sparrow(a[:3], a[3:6], a[6:]),
+            "torrance_sparrow",
+        ),
+        _entry("masking, separable", ("Lambda_i", "Lambda_o"), _lambdas, lambda a: masking.separable(*a), "separable"),
+        _entry(
+            "masking, height-correlated",
+            ("Lambda_i", "Lambda_o"),
+            _lambdas,
+            lambda a: masking.height_correlated(*a),
+            "height_correlated",
+            cycles="height_correlated",
+        ),
+        _entry(
+            "Fresnel, dielectric", ("cos", "eta"), _dielectrics, lambda a: fresnel.dielectric(*a), "dielectric", True
+        ),
+        _entry("Fresnel, conductor", ("cos", "eta", "k"), _metals, lambda a: fresnel.conductor(*a), "conductor", True),
+        _entry("Fresnel, Schlick", ("cos", "f0"), _f0, lambda a: fresnel.schlick(*a), "schlick", cycles="schlick"),
+        _entry("Fresnel, Cook-Torrance", ("cos", "f0"), _f0, lambda a: fresnel.cook_torrance(*a), "cook_torrance"),
+        _entry(
+            "density of a visible normal",
+            (*three[6:], *three[3:6], "D", "Lambda_o"),
+            _visible,
+            lambda a: densities.pdf_visible(a[:3], a[3:6], a[6], a[7]),
+            "pdf_visible",
+            cycles="pdf_visible",
+        ),
+        _entry(
+            "Jacobian of reflection",
+            three[3:],
+            _facing,
+            lambda a: densities.reflection_jacobian(a[:3], a[3:]),
+            "reflection_jacobian",
+        ),
+        _entry(
+            "power heuristic",
+            ("p", "q"),
+            _heuristic,
+            lambda a: power_heuristic(*a),
+            "power_heuristic",
+            cycles="power_heuristic",
+        ),
+        _entry(
+            "solid angle, rectangle", ("x0", "x1", "y0", "y1", "height"), _rectangles, _rectangle, "rectangle", True
+        ),
+        _entry("density, sphere light", (*_VECTOR, "radius"), _spheres, _sphere, "sphere_density", True),
+        _entry("density, sun", ("half angle",), _half_angles, _sun, "sun_density", True),
+        _entry("spread of an area light", ("spread",), _spreads, _spread, "spread", True),
+    ]

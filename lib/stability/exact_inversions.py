@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The truth of the inversions: from uniforms to directions, in mpmath's arithmetic; see exact.py."""
+
+from __future__ import annotations
+
+from mpmath import mp, mpf
+
+from .exact import Values, rectangle
+
+
+def _circle(u: mpf) -> tuple[mpf, mpf]:
+    return mp.cospi(2 * u), mp.sinpi(2 * u)
+
+
+def _normal(x: mpf, y: mpf) -> Values:
+    z = 1 / mp.sqrt(1 + x * x + y * y)
+    return x * z, y * z, z
+
+
+def ggx_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
+    """theta = atan(alpha sqrt(u2 / (1 - u2))), phi = 2 pi u1, stretched."""
+    c, s = _circle(u1)
+    tangent = mp.sqrt(u2 / (1 - u2))
+    return _normal(ax * tangent * c, ay * tangent * s)
+
+
+def beckmann_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
+    """theta = atan(sqrt(-alpha^2 log(1 - u2))), phi = 2 pi u1, stretched."""
+    c, s = _circle(u1)
+    tangent = mp.sqrt(-mp.log(1 - u2))
+    return _normal(ax * tangent * c, ay * tangent * s)
+
+
+def ggx_visible(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
+    """Dupuy and Benyoub 2023."""
+    x, y = x * ax, y * ay
+    length = mp.sqrt(x * x + y * y + z * z)
+    x, y, z = x / length, y / length, z / length
+    cap = 1 - u2 * (1 + z)
+    sine = mp.sqrt(max(1 - cap * cap, mpf(0)))
+    c, s = _circle(u1)
+    h = ((x + sine * c) * ax, (y + sine * s) * ay, z + cap)
+    length = mp.sqrt(mp.fdot(h, h))
+    return h[0] / length, h[1] / length, h[2] / length
+
+
+def visible_tangent(cot: mpf, u: mpf) -> mpf:
+    """The x above which lies 1 - u of Beckmann's visible slopes at roughness 1, seen under `cot` = cos / sin.
+
+    Newton's method on their distribution, convex to the right of its root's side, from the right.
+    """
+    root = mp.sqrt(mp.pi)
+
+    def above(x: mpf) -> mpf:
+        return cot * root * mp.erfc(x) + mp.exp(-x * x)
+
+    target = (1 - u) * above(-cot)
+    x = _start(cot, u)
+    for _ in range(200):
+        step = (above(x) - target) / (2 * (cot + x) * mp.exp(-x * x))
+        x = max(x + step, (x - cot) / 2)  # never past -cot, where the density ends
+        if abs(step) <= abs(x) * mpf(10) ** (6 - mp.dps):
+            return x
+    raise ArithmeticError(f"Newton's method has not settled at cot {cot}, u {u}")
+
+
+def _start(cot: mpf, u: mpf) -> mpf:
+    """Some x near the root, from the two ends of the views: grazing and normal incidence."""
+    grazing = mp.sqrt(-mp.log(1 - u)) - cot
+    if u < mpf("0.5"):
+        # Mass below near -cot: (x + cot)^2 / 2 of the density's own slope there.
+        whole = cot * mp.sqrt(mp.pi) * mp.erfc(-cot) + mp.exp(-cot * cot)
+        rise = mp.sqrt(u * whole / mp.exp(-(min(cot, mpf(6)) ** 2)))
+        tail = -mp.sqrt(max(-mp.log(2 * u), mpf(0)))
+        return max(-cot + min(rise, mpf(1)), tail)
+    return max(grazing, mp.sqrt(max(-mp.log(2 * (1 - u)), mpf(0))))
+
+
+def beckmann_visible(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
+    """Heitz and d'Eon 2014; at normal incidence the azimuth is 0."""
+    x, y = x * ax, y * ay
+    sine = mp.sqrt(x * x + y * y)
+    x, y = (x / sine, y / sine) if sine else (mpf(1), mpf(0))
+    along = visible_tangent(z / max(sine, mpf(10) ** -150), u1)
+    across = mp.erfinv(2 * u2 - 1)
+    return _normal(ax * (x * along - y * across), ay * (y * along + x * across))
+
+
+def cosine_hemisphere(u1: mpf, u2: mpf) -> Values:
+    """phi = 2 pi u1, theta = acos(sqrt(1 - u2))."""
+    c, s = _circle(u1)
+    return mp.sqrt(u2) * c, mp.sqrt(u2) * s, mp.sqrt(1 - u2)
+
+
+def uniform_hemisphere(u1: mpf, u2: mpf) -> Values:
+    """phi = 2 pi u1, cos(theta) = 1 - u2."""
+    c, s = _circle(u1)
+    sine = mp.sqrt(1 - (1 - u2) ** 2)
+    return sine * c, sine * s, 1 - u2
+
+
+def uniform_cone(x: mpf, y: mpf, z: mpf, one_minus_cos: mpf, u1: mpf, u2: mpf) -> Values:
+    """A direction about the axis (x, y, z), uniform in the cone, in the frame of Duff et al. 2017."""
+    cosine = 1 - u2 * one_minus_cos
+    sine = mp.sqrt(1 - cosine**2)
+    c, s = (sine * v for v in _circle(u1))
+    sign = 1 if z >= 0 else -1
+    a = -1 / (sign + z)
+    b = x * y * a
+    first = (1 + sign * x * x * a, sign * b, -sign * x)
+    second = (b, sign + y * y * a, -y)
+    return tuple(c * p + s * q + cosine * n for p, q, n in zip(first, second, (x, y, z), strict=True))
+
+
+def rectangle_place(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u1: mpf, u2: mpf) -> Values:
+    """Urena et al. 2013, section 4; where the middle lies at a negative x or y, of the mirrored rectangle, mirrored back."""
+    flip_x, flip_y = x0 + x1 < 0, y0 + y1 < 0
+    if flip_x:
+        x0, x1 = -x1, -x0
+    if flip_y:
+        y0, y1 = -y1, -y0
+    x = _cut(x0, x1, y0, y1, height, u1)
+    d2 = x * x + height * height
+    h0, h1 = y0 / mp.sqrt(d2 + y0 * y0), y1 / mp.sqrt(d2 + y1 * y1)
+    h = h0 + u2 * (h1 - h0)
+    y = h * mp.sqrt(d2 / (1 - h * h))
+    return -x if flip_x else x, -y if flip_y else y
+
+
+def _cut(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u: mpf) -> mpf:
+    """The x that leaves the part u of the rectangle's solid angle below it, by Newton's method."""
+
+    def below(x: mpf) -> mpf:
+        return rectangle(x0, x, y0, y1, height)[0]
+
+    with mp.extradps(20):
+        target = u * below(x1)
+        x = x0 + u * (x1 - x0)
+        low, high = x0, x1
+        for _ in range(300):
+            excess = below(x) - target
+            low, high = (low, x) if excess > 0 else (x, high)
+            d2 = x * x + height * height
+            slope = height / d2 * (y1 / mp.sqrt(d2 + y1 * y1) - y0 / mp.sqrt(d2 + y0 * y0))
+            following = x - excess / slope
+            if not low <= following <= high:
+                following = (low + high) / 2
+            if abs(following - x) <= (abs(x) + (x1 - x0) * u * mpf(10) ** -20) * mpf(10) ** (8 - mp.dps):
+                return following
+            x = following
+    raise ArithmeticError("Newton's method has not settled")
