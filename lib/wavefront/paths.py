@@ -43,10 +43,9 @@ class Paths:
 
     @staticmethod
     def joined(first: Paths, second: Paths) -> Paths:
-        """Both sets of paths, one after the other."""
+        """Both sets of paths, one after the other; camera rays only if both are."""
         if first.size == 0:
             return second
         pairs = {k: (a, getattr(second, k)) for k, a in vars(first).items()}
-        return Paths(
-            **{k: np.concatenate(ab, axis=-1) if isinstance(ab[0], np.ndarray) else ab[0] for k, ab in pairs.items()}
-        )
+        both = {k: np.concatenate(ab, axis=-1) for k, ab in pairs.items() if isinstance(ab[0], np.ndarray)}
+        return Paths(**both, at_camera=first.at_camera and second.at_camera)
