@@ -30,7 +30,7 @@ class Options:
     direct: str = "mis"
     masking: str = "correlated"
     sampler: str = "sobol"
-    russian_roulette: bool = False
+    russian_roulette: bool = True
     seed: int = 0
     threads: int = 2
     tile_paths: int = 16384

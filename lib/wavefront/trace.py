@@ -181,8 +181,11 @@ class Tracer:
 
 
 def _play_roulette(paths: Paths, uniform: np.ndarray) -> Paths:
-    """Paths survive with probability min(1, largest throughput) and carry its inverse: the mean stays (pbrt-v4, 13.2.1)."""
-    survival = np.minimum(paths.throughput.max(axis=0), 1.0)
+    """Paths survive with probability min(1, sqrt(largest throughput)) and carry its inverse, so that the mean stays.
+
+    The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
+    """
+    survival = np.minimum(np.sqrt(paths.throughput.max(axis=0)), 1.0)
     index = np.flatnonzero(uniform < survival)
     going = paths.take(index)
     going.throughput /= survival[index]
