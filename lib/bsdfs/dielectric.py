@@ -12,7 +12,8 @@ from ..microfacets import masking
 from ..microfacets.directions import FLOOR
 from ..microfacets.fresnel import dielectric
 from ..vectors import dot
-from .fresnels import Fresnel, part_of
+from .fresnels import Dielectric, Fresnel, part_of
+from .specular import refract
 
 _SPLIT = 2.0**16
 
@@ -38,6 +39,12 @@ class Interface:
         mean = np.abs(reflected).mean(axis=0)
         total = mean + np.abs(refracted).mean(axis=0)
         return reflected, refracted, np.broadcast_to(mean / np.where(total > 0.0, total, 1.0), cos.shape)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing is tinted and the reflectance, if any, is the exact dielectric's."""
+        exact = self.fresnel is None or isinstance(self.fresnel, Dielectric)
+        return exact and bool(np.all(self.reflection == 1.0) and np.all(self.transmission == 1.0))
 
     def part(self, index: np.ndarray) -> Interface:
         """The same at fewer points."""
@@ -126,6 +133,35 @@ class RoughDielectric:
             self._distribution,
             self._interface.part(index),
         )
+
+
+class SmoothInterface:
+    """A smooth interface that tints: the mirror's direction or Snell's, by the shares of `interface`."""
+
+    delta = True
+
+    def __init__(self, wo: np.ndarray, eta: np.ndarray, interface: Interface) -> None:
+        self._wo, self._eta, self._interface = wo, eta, interface
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Nothing: both directions are deltas."""
+        zero = np.zeros(wi.shape[1])
+        return zero, zero
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """One of the two directions, coloured weight (3, n)."""
+        wo = self._wo
+        refracted, _ = refract(wo, self._eta)
+        toward, beyond, chance = self._interface.shares(np.clip(wo[2], 0.0, 1.0), self._eta)
+        through = u1 >= chance
+        share = np.where(through, 1.0 - chance, chance)
+        weight = np.where(through, beyond, toward) * np.where(wo[2] > 0.0, 1.0 / np.maximum(share, FLOOR), 0.0)
+        mirrored = np.stack([-wo[0], -wo[1], wo[2]])
+        return np.where(through, refracted, mirrored), weight, np.full(wo.shape[1], np.inf)
+
+    def part(self, index: np.ndarray) -> SmoothInterface:
+        """The same lobe at fewer points."""
+        return SmoothInterface(np.take(self._wo, index, axis=1), part_of(self._eta, index), self._interface.part(index))
 
 
 def _refraction_factor(cos_om: np.ndarray, cos_im: np.ndarray, eta: np.ndarray, length: np.ndarray) -> np.ndarray:

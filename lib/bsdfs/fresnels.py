@@ -12,6 +12,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from ..microfacets import fresnel
+from ..microfacets.layers import average_reflectance
 
 
 class Fresnel(Protocol):
@@ -108,6 +109,18 @@ class TintedDielectric(_PerPoint):
         plain = reflectance_at_normal(self.eta)
         s = (fresnel.dielectric(cos, self.eta) - plain) / np.maximum(1.0 - plain, 1e-12)
         return self.f0 + (1.0 - self.f0) * np.clip(s, 0.0, 1.0)
+
+    @property
+    def average(self) -> np.ndarray:
+        """Integral of 2 c F(c) over c, (3, 1) or (3, n)."""
+        plain = reflectance_at_normal(self.eta)
+        s = (average_reflectance(self.eta) - plain) / np.maximum(1.0 - plain, 1e-12)
+        return self.f0 + (1.0 - self.f0) * s
+
+
+def tinted_dielectric(eta: np.ndarray, tint: np.ndarray) -> TintedDielectric:
+    """The curve whose beginning is multiplied by the colour `tint`."""
+    return TintedDielectric(eta, np.clip(reflectance_at_normal(eta) * tint, 0.0, 1.0))
 
 
 def reflectance_at_normal(eta: np.ndarray) -> np.ndarray:

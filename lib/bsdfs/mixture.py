@@ -9,7 +9,10 @@ import numpy as np
 
 
 class Lobe(Protocol):
-    """What every closure offers; see the folder's docstring."""
+    """What every closure offers; see the folder's docstring.
+
+    A lobe may have an `estimate`, () or (n,): roughly its albedo before its colour, by which it is picked (1 where there is none).
+    """
 
     delta: bool
 
@@ -30,7 +33,8 @@ class Mixture:
         self._lobes, self._colors, self._size = lobes, colors, size
         self.all_delta = all(lobe.delta for lobe in lobes)
         if len(lobes) > 1:
-            weight = np.stack([np.broadcast_to(np.abs(color).mean(axis=0), (size,)) for color in colors])
+            guesses = [np.abs(c).mean(axis=0) * getattr(b, "estimate", 1.0) for b, c in zip(lobes, colors, strict=True)]
+            weight = np.stack([np.broadcast_to(guess, (size,)) for guess in guesses])
             total = weight.sum(axis=0)
             self._share = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
 

@@ -17,6 +17,12 @@ class Reflected:
         self._lobe, self._wo, self._reflectance = lobe, wo, reflectance
         self.delta = lobe.delta
 
+    @property
+    def estimate(self) -> np.ndarray:
+        """The reflectance of a smooth surface, raised a little: rough ones reflect more at their facets."""
+        reflectance = np.atleast_2d(self._reflectance(np.clip(self._wo[2], 0.0, 1.0))).mean(axis=0)
+        return 0.05 + 0.95 * reflectance
+
     def _factor(self, wi: np.ndarray) -> np.ndarray:
         """The reflectance at the half vector, whose cosine is sqrt((1 + wi.wo) / 2)."""
         cos = dot(wi, self._wo)

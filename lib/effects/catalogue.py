@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.expressions import Constant, EnvironmentTexture, Expression, ImageTexture
+from ..scene.expressions import ONE, Constant, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import Closure, Diffuse, Emission, Glass, Glossy, Lobe, Refraction, Transparent
 from ..scene.scene import Scene
@@ -42,7 +42,7 @@ def _is_zero(expression: Expression) -> bool:
 
 def adds_nothing(lobe: Lobe) -> bool:
     """Whether weight, colour or strength of a lobe is the constant zero."""
-    sockets = [lobe.weight, lobe.closure.color]
+    sockets = [lobe.weight, getattr(lobe.closure, "color", ONE)]
     if isinstance(lobe.closure, Emission):
         sockets.append(lobe.closure.strength)
     return any(_is_zero(socket) for socket in sockets)

@@ -23,22 +23,6 @@ _LEAST = 1e-8  # stands for a cosine or an alpha of zero
 _SQUARE = 64  # points along each uniform in the quadrature over visible normals
 
 
-def layer_reflectance(
-    cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool
-) -> np.ndarray:
-    """Albedo (3, n) of a layer of index `eta` whose reflectance at normal incidence is multiplied by `tint`, (3, 1) or (3, n).
-
-    `compensated` for multiple scattering as the lobe itself is (Blender's Multiscatter GGX).
-    """
-    if eta == 1.0:
-        return np.zeros((3, cos_o.size))
-    f0 = np.clip(((eta - 1.0) / (eta + 1.0)) ** 2 * tint, 0.0, 1.0)
-    from_normal, to_grazing = layer_albedo(cos_o, alpha, eta)
-    albedo = f0 * from_normal
-    albedo += from_normal * 0.0 + to_grazing
-    return albedo
-
-
 def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
     """The integrals of D G / (4 mu) over wi with weights 1 - s and s, s = (F - F0) / (1 - F0), (n,) each.
 
@@ -47,6 +31,20 @@ def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.n
     """
     from_normal, to_grazing = _layer_tables(float(eta))
     return _read(from_normal, cos_o, alpha), _read(to_grazing, cos_o, alpha)
+
+
+def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
+    """Integral of 2 mu F(mu) over mu, shaped as `eta` > 0: what an interface reflects of diffuse light.
+
+    Below the critical angle mu^2 = mu_c^2 + x^2, so that the integrand is smooth in x.
+    """
+    eta = np.asarray(eta, np.float64)
+    critical = np.maximum(1.0 - eta * eta, 0.0)
+    x, weight = roots_legendre(24)
+    reach = np.sqrt(1.0 - critical)
+    x = np.multiply.outer(0.5 + 0.5 * x, reach)
+    reflected = dielectric(np.sqrt(critical + x * x), eta) * x
+    return critical + np.tensordot(weight, reflected, 1) * reach
 
 
 def glass_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:

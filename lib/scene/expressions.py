@@ -142,6 +142,30 @@ class LayerWeight(Expression):
 
 
 @dataclass(frozen=True)
+class BeneathLayer(Expression):
+    """What a glossy layer leaves for the layers below it, a value: 1 - `weight` times the largest colour of its albedo at |n.wo|.
+
+    The layer is a `lib.scene.materials.Specular` of the same `ior`, `tint`, `roughness` and `distribution`; the first must be
+    constant. Anisotropy leaves the albedo's estimate as it is.
+    """
+
+    ior: Constant
+    tint: Expression
+    roughness: Expression
+    weight: Expression
+    distribution: str = "GGX"
+
+
+@dataclass(frozen=True)
+class CoatTint(Expression):
+    """What an absorbing coat leaves of light, a colour: 1 mixed by `weight` with tint^(1 / cos), cos that of |n.wo| refracted."""
+
+    ior: Expression
+    tint: Expression
+    weight: Expression
+
+
+@dataclass(frozen=True)
 class Backfacing(Expression):
     """1 where the ray meets the back of the face, else 0 (a value)."""
 

@@ -13,7 +13,16 @@ from .expressions import ONE, WHITE, ZERO, Constant, Expression
 
 
 class Closure:
-    """Base of all closures."""
+    """Base of all closures. A `color` among the fields multiplies all that the closure does."""
+
+
+class Anisotropic(Closure):
+    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`."""
+
+    @property
+    def is_anisotropic(self) -> bool:
+        """Whether the tangent matters: any anisotropy but a constant that counts as none (at most 1e-4, as in Cycles)."""
+        return not (isinstance(self.anisotropy, Constant) and abs(self.anisotropy.value) <= 1e-4)
 
 
 @dataclass(frozen=True)
@@ -38,10 +47,10 @@ class Tangent:
 
 
 @dataclass(frozen=True)
-class Glossy(Closure):
+class Glossy(Anisotropic):
     """Microfacet reflection without Fresnel (Blender's Glossy BSDF).
 
-    `distribution`: 'BECKMANN', 'GGX' or 'MULTI_GGX'. `roughness` is Blender's; alpha = roughness^2. `anisotropy` in
+    `distribution`: 'BECKMANN', 'GGX', 'MULTI_GGX' or 'ASHIKHMIN_SHIRLEY'. `roughness` is Blender's; alpha = roughness^2. `anisotropy` in
     (-1, 1) and `rotation` (in turns) as on the node.
     """
 
@@ -52,10 +61,38 @@ class Glossy(Closure):
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
 
-    @property
-    def is_anisotropic(self) -> bool:
-        """Whether the tangent matters: any anisotropy but a constant that counts as none (at most 1e-4, as in Cycles)."""
-        return not (isinstance(self.anisotropy, Constant) and abs(self.anisotropy.value) <= 1e-4)
+
+@dataclass(frozen=True)
+class Metallic(Anisotropic):
+    """Microfacet reflection from a metal (Blender's Metallic BSDF; `anisotropy` in [0, 1) stretches as there).
+
+    `fresnel` 'F82': `base` is the colour at normal incidence, `edge` tints near grazing. 'CONDUCTOR': index `base` + i `edge`.
+    """
+
+    distribution: str = "GGX"
+    fresnel: str = "F82"
+    base: Expression = WHITE
+    edge: Expression = WHITE
+    roughness: Expression = ZERO
+    anisotropy: Expression = ZERO
+    rotation: Expression = ZERO
+    tangent: Tangent = Tangent()
+
+
+@dataclass(frozen=True)
+class Specular(Anisotropic):
+    """Microfacet reflection from a dielectric of index `ior`, the same on both faces (Blender's Principled BSDF: coat, specular).
+
+    `tint` multiplies the reflectance at normal incidence and fades towards grazing. `anisotropy` as in Metallic.
+    """
+
+    distribution: str = "GGX"
+    ior: Expression = ONE
+    tint: Expression = WHITE
+    roughness: Expression = ZERO
+    anisotropy: Expression = ZERO
+    rotation: Expression = ZERO
+    tangent: Tangent = Tangent()
 
 
 @dataclass(frozen=True)
@@ -75,23 +112,35 @@ class Transparent(Closure):
 
 @dataclass(frozen=True)
 class Glass(Closure):
-    """Smooth dielectric interface: exact Fresnel, Snell; `color` tints reflection and transmission."""
+    """Dielectric interface with exact Fresnel; smooth where `roughness` is 0.
+
+    `distribution`: 'BECKMANN', 'GGX' or 'MULTI_GGX', whose lost light is given back with the colour of many bounces `transmission`.
+    `reflection` and `transmission` tint what is reflected and what is refracted; `tint` multiplies the reflectance at normal
+    incidence and fades towards grazing.
+    """
 
     color: Expression = WHITE
     ior: Expression = ONE
+    roughness: Expression = ZERO
+    distribution: str = "GGX"
+    reflection: Expression = WHITE
+    transmission: Expression = WHITE
+    tint: Expression = WHITE
 
 
 @dataclass(frozen=True)
 class Refraction(Closure):
-    """Smooth refraction alone, no Fresnel (zero under total internal reflection)."""
+    """Refraction alone, no Fresnel (zero under total internal reflection); `distribution`: 'BECKMANN' or 'GGX'."""
 
     color: Expression = WHITE
     ior: Expression = ONE
+    roughness: Expression = ZERO
+    distribution: str = "GGX"
 
 
 @dataclass(frozen=True)
 class Lobe:
-    """One closure and the value that weighs it."""
+    """One closure and the value or colour that weighs it."""
 
     closure: Closure
     weight: Expression = ONE

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ..bsdfs.layered import beneath_layer, coat_tint
 from ..scene import expressions as ex
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
 from .checker import checker
@@ -95,6 +96,11 @@ def _layer_weight(node: ex.LayerWeight, read: Evaluator) -> np.ndarray:
     return layer_weight_facing(blend, context.cos_wo)
 
 
+def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
+    tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
+    return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, read.context.cos_wo)
+
+
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:
     value = np.atleast_1d(read(node.value))
     return np.broadcast_to(value, (3, value.size))
@@ -122,6 +128,8 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ex.ColorRamp: lambda node, read: color_ramp(node, read(node.factor)),
     ex.FresnelFactor: lambda node, read: fresnel_factor(read(node.ior), read.context.cos_wo, read.context.backfacing),
     ex.LayerWeight: _layer_weight,
+    ex.BeneathLayer: _beneath_layer,
+    ex.CoatTint: lambda node, read: coat_tint(read(node.ior), read(node.tint), read(node.weight), read.context.cos_wo),
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.ColorToValue: lambda node, read: _as_value(luminance(read(node.color))),
     ex.VectorToValue: _vector_to_value,

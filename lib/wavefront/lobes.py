@@ -10,7 +10,7 @@ import numpy as np
 
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley
 from ..bsdfs.compensated import Compensated, multiple_scattering
-from ..bsdfs.dielectric import Interface, RoughDielectric
+from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
 from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
 from ..bsdfs.lambert import Lambert
 from ..bsdfs.microfacet import MicrofacetReflection
@@ -99,15 +99,16 @@ def _reflection(
         return _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y)), alpha
     if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT):
         return Mirror(site.wo), np.sqrt(alpha_x * alpha_y)
-    alpha_x, alpha_y = np.maximum(alpha_x, _FLOOR), np.maximum(alpha_y, _FLOOR)  # where a texture reaches zero roughness
+    alpha_x, alpha_y = (
+        np.maximum(alpha_x, _FLOOR),
+        np.maximum(alpha_y, _FLOOR),
+    )  # where a texture reaches zero roughness
     how = (_distribution(closure), site.options.masking, site.options.strategy)
     lobe = _turned(closure, stretch, site, lambda wo: MicrofacetReflection(wo, alpha_x, alpha_y, *how))
     return lobe, np.sqrt(alpha_x * alpha_y)
 
 
-def _turned(
-    closure: Anisotropic, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]
-) -> Lobe:
+def _turned(closure: Anisotropic, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
     """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
     if stretch is None:
         return make(site.wo)
@@ -149,7 +150,9 @@ def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarra
     """A smooth or rough interface."""
     alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
     if np.all(alpha * alpha <= MIRROR_ALPHA_PRODUCT) or np.all(np.abs(eta - 1.0) < _LEAST_CONTRAST):
-        return SmoothDielectric(site.wo, eta, interface)
+        if interface.is_plain:
+            return SmoothDielectric(site.wo, eta, interface.fresnel is not None)
+        return SmoothInterface(site.wo, eta, interface)
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
     return RoughDielectric(site.wo, np.maximum(alpha, _FLOOR), eta, _distribution(closure), interface)
 

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ashikhmin and Shirley's Phong model, as Blender's Glossy BSDF has it: the specular lobe without its Fresnel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..sampling.tables import LARGEST_UNIFORM
+from ..sampling.warps import circle
+from ..vectors import dot
+from .fresnels import part_of
+
+_LEAST_ALPHA = 1e-4
+_LEAST_COS = 1e-30
+
+
+class AshikhminShirley:
+    """f = sqrt((nx + 1)(ny + 1)) / (8 pi) (h.n)^e / (h.o max(i.n, o.n)), e = (nx hx^2 + ny hy^2) / (1 - hz^2).
+
+    Ashikhmin and Shirley 2000, eq. 4, with n = 2 / alpha^2 - 2 (Blender), alpha_x and alpha_y, () or (n,), in [1e-4, 1].
+    Sampled by its half vectors, eq. 6 to 9.
+    """
+
+    delta = False
+
+    def __init__(self, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray) -> None:
+        self._wo, self._alpha = wo, (alpha_x, alpha_y)
+        self._nx, self._ny = (2.0 / np.clip(a, _LEAST_ALPHA, 1.0) ** 2 - 2.0 for a in (alpha_x, alpha_y))
+        self._above = wo[2] > 0.0
+
+    def _lobe(self, wi: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Value f |cos| and density for wi = reflection of wo about m."""
+        wo = self._wo
+        x2, y2 = m[0] * m[0], m[1] * m[1]
+        sine2 = x2 + y2
+        e = np.where(sine2 > 0.0, (self._nx * x2 + self._ny * y2) / np.maximum(sine2, 1e-300), 0.0)
+        # (h.n)^e by log1p of the sine: digits of a cosine near 1 do not suffice where e is large.
+        pdf = np.exp(0.5 * e * np.log1p(-np.minimum(sine2, 1.0 - 1e-16)))
+        pdf *= np.sqrt((self._nx + 1.0) * (self._ny + 1.0)) / (8.0 * np.pi)
+        pdf /= np.maximum(dot(m, wo), _LEAST_COS)
+        lit = (wi[2] > 0.0) & self._above & (m[2] > 0.0)
+        pdf = np.where(lit, pdf, 0.0)
+        return pdf * np.maximum(wi[2], 0.0) / np.maximum(np.maximum(wi[2], wo[2]), _LEAST_COS), pdf
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Value f |cos| and density, (n,)."""
+        m = wi + self._wo
+        length = np.sqrt(dot(m, m))
+        m /= np.where(length > 0.0, length, 1.0)
+        return self._lobe(wi, m)
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, weight, density."""
+        c, s = circle(u1)
+        c = c * np.sqrt(self._ny + 1.0)  # tan(phi) is stretched by sqrt((nx + 1) / (ny + 1))
+        s = s * np.sqrt(self._nx + 1.0)
+        length2 = c * c + s * s
+        exponent = (self._nx * c * c + self._ny * s * s) / length2 + 1.0
+        log_cos = np.log1p(-np.minimum(u2, LARGEST_UNIFORM)) / exponent
+        sine = np.sqrt(-np.expm1(2.0 * log_cos) / length2)
+        m = np.stack([c * sine, s * sine, np.exp(log_cos)])
+        cos_om = dot(self._wo, m)
+        wi = m * (2.0 * cos_om) - self._wo
+        value, pdf = self._lobe(wi, m)
+        good = cos_om > 0.0
+        return wi, np.where(good & (pdf > 0.0), value / np.where(pdf > 0.0, pdf, 1.0), 0.0), np.where(good, pdf, 0.0)
+
+    def part(self, index: np.ndarray) -> AshikhminShirley:
+        """The same lobe at fewer points."""
+        return AshikhminShirley(np.take(self._wo, index, axis=1), *(part_of(a, index) for a in self._alpha))
