@@ -115,7 +115,12 @@ def _add_model(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--direct", choices=DIRECT, default=DIRECT[0], help="sampling of direct light (%(default)s)")
     group.add_argument("--sampler", choices=SAMPLERS, default=SAMPLERS[0], help="random numbers (%(default)s)")
-    group.add_argument("--russian-roulette", action="store_true", help="end faint paths early; the mean stays as it is")
+    group.add_argument(
+        "--russian-roulette",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="end faint paths early; the mean stays as it is",
+    )
     group.add_argument("--seed", type=int, default=0, help="seed of all scramblings and of Cycles (%(default)s)")
     group.add_argument("--threads", type=count, default=os.cpu_count() or 1, metavar="N", help="threads (%(default)s)")
 

@@ -39,8 +39,11 @@ class EmissiveMesh:
         third = np.full(triangles.size, 1.0 / 3.0)
         middle = corner + (edges[0] + edges[1]) / 3.0
         points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
-        estimate = np.maximum(luminance(self._radiance(points)), 0.0)
-        return np.maximum(estimate, 0.05 * max(float(estimate.max(initial=0.0)), 1e-30))
+        estimate = luminance(self._radiance(points))
+        finite = np.isfinite(estimate)
+        brightest = max(float(estimate[finite].max(initial=0.0)), 1e-30)
+        # What is not finite shall be found and counted: it is taken for as bright as the brightest, or 1 W m^-2 sr^-1.
+        return np.where(finite, np.maximum(estimate, 0.05 * brightest), max(brightest, 1.0))
 
     def _radiance(self, points: SurfacePoints) -> np.ndarray:
         radiance = np.zeros((3, points.size))

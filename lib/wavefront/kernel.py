@@ -53,6 +53,7 @@ class Kernel:
         self.light_is_delta = np.array([light.delta for light in self.lights], bool)
         # Light sampling is called for by lights that nothing else finds, and wherever it is one of the strategies.
         self.samples_lights = bool(self.light_is_delta.any()) or (bool(self.lights) and options.direct != "bsdf")
+        self.has_choices = len(self.lights) > 1 or any(m.mixes for m in self.materials)
 
     def _world(self, direction: np.ndarray) -> np.ndarray:
         """The world's radiance from unit directions (3, n)."""

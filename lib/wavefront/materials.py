@@ -36,6 +36,7 @@ class PreparedMaterial:
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
         self.scatters = bool(self._scattering)
+        self.mixes = len(self._scattering) > 1
 
     def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:
         return evaluate(expression, points, self._images)

@@ -128,7 +128,10 @@ class Tracer:
     def _shade(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int) -> Paths:
         """Light sampling and BSDF sampling at all hits; the scattered paths."""
         dimension = FIRST_STEP + DIMENSIONS_PER_STEP * step
-        pick, choice = self._pair(dimension + CHOICES, paths)
+        # A single lobe and a single light leave nothing to pick; a zero serves as well then.
+        pick = choice = np.zeros(paths.size)
+        if self._kernel.has_choices:
+            pick, choice = self._pair(dimension + CHOICES, paths)
         light = None
         if self._kernel.samples_lights:
             light = choose_light(self._kernel, points.position, choice, *self._pair(dimension + LIGHT, paths))
@@ -156,7 +159,9 @@ class Tracer:
         through = transmittance(self._kernel, origin, direction, sample.distance[index])
         self.rays += index.size
         self._clock.lap("shadow rays")
-        self._sums.add(paths.pixel[index], np.take(direct, index, axis=1) * through)
+        lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
+        index = index[lit]
+        self._sums.add(paths.pixel[index], np.take(direct, index, axis=1) * np.take(through, lit, axis=1))
         self._clock.lap("film")
 
     def _advance(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded) -> Paths:
