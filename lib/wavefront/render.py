@@ -125,5 +125,6 @@ class ReferenceRenderer:
         tracer = Tracer(self.kernel, sampler.tile(index), sums, clock)
         pixel = np.repeat(np.arange(index.size), depth)
         sample = np.tile(np.arange(tile.start, tile.stop), index.size)
-        tracer.trace(column, row, pixel, sample)
+        with np.errstate(invalid="ignore"):  # what is not finite is counted by the sums; a warning would say less
+            tracer.trace(column, row, pixel, sample)
         return sums, clock, tracer.rays
