@@ -17,8 +17,8 @@ LEVEL = 1e-4
 
 
 def replicates(scene: Scene, count: int, samples: int, **options) -> np.ndarray:
-    """Images (count, height, width, 3) of `count` replicates; one thread unless told otherwise."""
-    renderer = ReferenceRenderer(scene, Options(**{"threads": 1, **options}))
+    """Images (count, height, width, 3) of `count` replicates; one thread and no roulette unless told otherwise."""
+    renderer = ReferenceRenderer(scene, Options(**{"threads": 1, "russian_roulette": False, **options}))
     images = []
     for replicate in range(count):
         rendering = renderer.render(replicate, samples)
