@@ -33,7 +33,8 @@ class _Panel:
             row.scale_y = 1.6
             row.operator(CompareWithCycles.bl_idname)
         else:
-            layout.progress(factor=session.running.fraction, text=session.running.message)
+            running = session.running
+            layout.progress(factor=running.fraction, text=f"{running.message}: {running.fraction:.0%}")
             layout.operator(CancelComparison.bl_idname)
         characters = max(20, int(context.region.width / context.preferences.system.ui_scale / _PIXELS_PER_CHARACTER))
         for error in session.errors:

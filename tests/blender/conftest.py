@@ -91,8 +91,8 @@ class Window:
         )
         self._text = b""
 
-    def wait_for(self, event, seconds):
-        """The next report of that kind from window.py; fails with what Blender printed if it does not come."""
+    def wait_for(self, *events, seconds):
+        """The next report of one of those kinds from window.py; fails with what Blender printed if none comes."""
         deadline = time.monotonic() + seconds
         seen = []
         while (left := deadline - time.monotonic()) > 0:
@@ -100,14 +100,17 @@ class Window:
             if separator:
                 self._text = rest
                 seen.append(line.decode(errors="replace"))
-                if seen[-1].startswith(MARK) and (report := json.loads(seen[-1][len(MARK) :]))["event"] == event:
+                if seen[-1].startswith(MARK) and (report := json.loads(seen[-1][len(MARK) :]))["event"] in events:
                     return report
             elif select.select([self.process.stdout], [], [], left)[0]:
                 more = os.read(self.process.stdout.fileno(), 65536)
                 if not more:
                     break
                 self._text += more
-        raise AssertionError(f"no '{event}' within {seconds} s; Blender said:\n" + "\n".join(seen[-40:]))
+        state = "still runs" if self.process.poll() is None else f"ended with code {self.process.returncode}"
+        raise AssertionError(
+            f"none of {events} within {seconds} s; Blender {state} and said:\n" + "\n".join(seen[-40:])
+        )
 
     def hand(self, *words):
         """Mouse and keyboard, in xdotool's words."""
@@ -142,3 +145,14 @@ def display(debian):
         os.close(read)
         server.terminate()
         server.wait()
+
+
+@pytest.fixture
+def window(debian, extension, display):
+    """Blender with a reference scene and the panel open; closed when the test ends."""
+    blend = debian.home / "window.blend"
+    done = debian.run("blender", "--background", "--command", "etalon", "scenes", "--save", "lambert_analytic", blend)
+    assert done.returncode == 0, done.stdout
+    opened = Window(debian, display, blend)
+    yield opened
+    opened.close()

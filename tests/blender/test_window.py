@@ -5,24 +5,12 @@ import json
 
 import numpy as np
 import pytest
-from conftest import Window
 from OpenImageIO import ImageBuf
 from scipy import ndimage
 
 pytestmark = pytest.mark.blender
 
 START, RUN, STOP = 60, 240, 30  # bounds on waiting, in seconds; the comparison itself is given 30
-
-
-@pytest.fixture
-def window(debian, extension, display):
-    """Blender with a reference scene and the panel open; closed when the test ends."""
-    blend = debian.home / "window.blend"
-    done = debian.run("blender", "--background", "--command", "etalon", "scenes", "--save", "lambert_analytic", blend)
-    assert done.returncode == 0, done.stdout
-    opened = Window(debian, display, blend)
-    yield opened
-    opened.close()
 
 
 def press_button(window, box, picture):
@@ -38,12 +26,13 @@ def press_button(window, box, picture):
 
 
 def test_the_button_compares_and_leaves_everything_as_it_was(window, debian, tmp_path):
-    before = window.wait_for("ready", START)
+    before = window.wait_for("ready", seconds=START)
     press_button(window, before["box"], tmp_path / "panel.png")
-    window.wait_for("started", START)
-    window.wait_for("halfway", RUN)
+    window.wait_for("started", seconds=START)
+    assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
     window.screenshot(tmp_path / "running.png")
-    ended = window.wait_for("ended", RUN)
+    ended = window.wait_for("ended", seconds=RUN)
+    window.wait_for("shown", seconds=STOP)
     window.screenshot(tmp_path / "ended.png")
     assert ended["errors"] == []
     assert ended["outcome"] in {"EQUIVALENT", "UNDECIDED"}
@@ -54,15 +43,16 @@ def test_the_button_compares_and_leaves_everything_as_it_was(window, debian, tmp
 
 
 def test_esc_cancels_and_the_button_works_again(window, debian, tmp_path):
-    before = window.wait_for("ready", START)
+    before = window.wait_for("ready", seconds=START)
     press_button(window, before["box"], tmp_path / "panel.png")
-    window.wait_for("halfway", RUN)
+    assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
     window.hand("key", "Escape")
-    ended = window.wait_for("ended", STOP)
+    ended = window.wait_for("ended", seconds=STOP)
     assert ended["errors"] == []
     assert ended["stopped"] in {None, "cancelled"}
     assert ended["state"] == before["state"]
+    window.wait_for("shown", seconds=STOP)
     window.screenshot(tmp_path / "cancelled.png")
     assert "second_blender_worker" not in debian.run("sh", "-c", "cat /proc/[0-9]*/cmdline | tr '\\0' ' '").stdout
     press_button(window, before["box"], tmp_path / "panel.png")
-    window.wait_for("started", START)
+    window.wait_for("started", seconds=START)

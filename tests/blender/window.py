@@ -10,6 +10,8 @@ from bl_ext.user_default.etalon.addon.operators import session
 
 # No other button has this colour, so that the test finds the panel's on a picture of the screen, as a user's eye does.
 BUTTON = (1.0, 0.0, 1.0, 1.0)
+# Ticks after the end by which the panel has been drawn again and has loaded its pictures.
+SHOWN = 15
 
 
 def report(event, **facts):
@@ -37,6 +39,7 @@ class Watch:
         self.was_running = False
         self.fractions = set()
         self.last = self.longest = 0.0
+        self.ended_at = -SHOWN
 
     def __call__(self):
         window = bpy.context.window_manager.windows[0]
@@ -79,6 +82,9 @@ class Watch:
                 longest=self.longest,
                 state=user_state(),
             )
+            self.ended_at = self.step
+        if self.step == self.ended_at + SHOWN:
+            report("shown")
         self.was_running, self.last = running, now
 
 

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One tree, two packages: what pip and Blender are told fits the tree, and each other."""
+
+import tomllib
+from pathlib import Path
+
+import etalon
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGED = ("addon", "lib", "reference_scenes")
+
+
+def manifest():
+    """The extension's manifest."""
+    return tomllib.loads((ROOT / "blender_manifest.toml").read_text())
+
+
+def project():
+    """pip's view."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())
+
+
+def test_every_package_is_listed_for_pip():
+    folders = {path.parent for top in PACKAGED for path in (ROOT / top).rglob("*.py")}
+    expected = {"etalon"} | {"etalon." + ".".join(folder.relative_to(ROOT).parts) for folder in folders}
+    assert set(project()["tool"]["setuptools"]["packages"]) == expected
+    assert all((folder / "__init__.py").exists() for folder in folders)
+
+
+def test_every_data_file_is_packed_by_pip():
+    data = project()["tool"]["setuptools"]["package-data"]
+    packed = {
+        path
+        for package, patterns in data.items()
+        for pattern in patterns
+        for path in (ROOT / Path(*package.split(".")[1:])).glob(pattern)
+    }
+    present = {
+        path
+        for top in PACKAGED
+        for path in (ROOT / top).rglob("*")
+        if path.is_file() and path.suffix not in {".py", ".pyc"}
+    }
+    assert packed == present
+
+
+def test_the_manifest_says_what_the_package_says():
+    assert manifest()["version"] == etalon.__version__
+    assert manifest()["license"] == ["SPDX:" + project()["project"]["license"]]
+    assert "wheels" not in manifest(), "wheels are fetched by build_extension.py, never committed"
+
+
+def test_importing_the_root_imports_no_blender():
+    import subprocess
+    import sys
+
+    code = "import sys, etalon; sys.exit('bpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
