@@ -1,2 +1,67 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with a known answer; one file each builds its scene with bpy and states the expectation and its origin."""
+"""Scenes with a known answer; one file each builds its scene with bpy and states the expectation and its origin.
+
+building.py holds what they share, expectation.py how an expectation is written down. Each module has `build()`, which replaces what is
+open in Blender, and `EXPECTATIONS`.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+
+from ..lib.errors import EtalonError
+from . import (
+    cornell_glossy,
+    far_from_origin,
+    furnace,
+    glossy_spheres,
+    grazing_plane,
+    lambert_analytic,
+    sigma_sweep,
+    veach_plates,
+)
+
+SCENES: dict[str, ModuleType] = {
+    module.__name__.rpartition(".")[2]: module
+    for module in (
+        glossy_spheres,
+        sigma_sweep,
+        furnace,
+        grazing_plane,
+        veach_plates,
+        cornell_glossy,
+        lambert_analytic,
+        far_from_origin,
+    )
+}
+
+
+def build(name: str) -> None:
+    """Make the reference scene `name` the one that is open; raises EtalonError for a name that there is not."""
+    if name not in SCENES:
+        raise EtalonError(f"{name}: no reference scene of that name; there are {', '.join(SCENES)}")
+    SCENES[name].build()
+
+
+def save(name: str, path: Path) -> None:
+    """Build the reference scene `name` and save it as a .blend that needs no other file.
+
+    It is written beside its place and renamed. Raises EtalonError for an unknown name or a place that cannot be written.
+    """
+    build(name)
+    for image in bpy.data.images:
+        if image.has_data or image.source == "FILE":
+            image.pack()
+    beside = path.with_name(f".unfinished-{os.getpid()}-{path.stem}.blend")
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(beside.resolve()), copy=True, compress=True, check_existing=False)
+        os.replace(beside, path)
+    except (RuntimeError, OSError) as error:
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+        raise EtalonError(f"{path}: cannot be written ({reason}); make room or name another folder") from error
+    finally:
+        beside.unlink(missing_ok=True)

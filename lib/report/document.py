@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All figures of a comparison as plain data: verdict.json, whose published form is verdict.schema.json beside this file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from ..compare import Comparison, Side
+from .words import forecast_seconds, sentences, worst_channel
+
+FORMAT = "etalon-verdict"
+# Grows when a field changes its meaning or goes; a reader compares it before it reads on.
+VERSION = 1
+
+
+def document(comparison: Comparison, command: str) -> dict[str, Any]:
+    """verdict.json as a dictionary; numbers that are not finite are None."""
+    verdict = comparison.verdict
+    channel = int(worst_channel(verdict.difference[:1])[0])
+    return plain(
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "scene": comparison.scene,
+            "verdict": verdict.outcome,
+            "exit_code": verdict.outcome.exit_code,
+            "sentences": sentences(comparison),
+            "reasons": verdict.reasons,
+            "tolerance": verdict.tolerance,
+            "confidence": verdict.confidence,
+            "floor": verdict.floor,
+            "image": {
+                "channel": "RGB"[channel],
+                "difference": verdict.difference[0, channel],
+                "interval": [verdict.low[0, channel], verdict.high[0, channel]],
+            },
+            "regions": [_region(comparison, k) for k in range(len(comparison.regions))],
+            "forecast": _forecast(comparison),
+            "looks": [asdict(look) for look in verdict.looks],
+            "reference": _side(comparison.reference),
+            "candidate": _side(comparison.candidate),
+            "excluded_pixels": int(comparison.excluded.sum()),
+            "size": {"width": comparison.regions.shape[1], "height": comparison.regions.shape[0]},
+            "options": asdict(comparison.options),
+            "stopped": comparison.stopped,
+            "started": comparison.started,
+            "seconds": comparison.seconds,
+            "pilot_seconds": comparison.pilot_seconds,
+            "versions": comparison.versions,
+            "command": command,
+        }
+    )
+
+
+def plain(value: Any) -> Any:
+    """`value` in JSON's own types: arrays as lists, enumerations as their values, non-finite numbers as None, else text."""
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, dict):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (bool, int, str)) else str(value)
+
+
+def _region(comparison: Comparison, k: int) -> dict[str, Any]:
+    regions, verdict = comparison.regions, comparison.verdict
+    return {
+        "kind": regions.kinds[k],
+        "name": regions.names[k],
+        "box": regions.boxes[k],
+        "pixels": regions.sizes[k],
+        "excluded_pixels": verdict.excluded[k],
+        "outcome": verdict.outcomes[k],
+        "decided_at": verdict.decided_at[k],
+        "reference": verdict.reference[k],
+        "candidate": verdict.candidate[k],
+        "difference": verdict.difference[k],
+        "low": verdict.low[k],
+        "high": verdict.high[k],
+    }
+
+
+def _forecast(comparison: Comparison) -> dict[str, Any] | None:
+    forecast, ends = comparison.verdict.forecast, forecast_seconds(comparison)
+    if forecast is None or ends is None:
+        return None
+    return {**asdict(forecast), "seconds": {"low": ends[0], "median": ends[1], "high": ends[2]}}
+
+
+def _side(side: Side) -> dict[str, Any]:
+    film = side.film
+    return {
+        "name": side.name,
+        "settings": side.settings,
+        "replicates": film.moments.n,
+        "samples_per_replicate": film.samples,
+        "samples_per_pixel": film.samples * film.moments.n,
+        "seconds": film.seconds,
+        "stages": film.stages,
+        "camera_samples": film.camera_samples,
+        "rays": film.rays,
+        "nonfinite_pixels": int((film.nonfinite > 0).sum()),
+        "nonfinite_samples": int(film.nonfinite.sum()),
+    }

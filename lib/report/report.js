@@ -1,0 +1,354 @@
+"use strict";
+const view = JSON.parse(document.getElementById("view").textContent);
+const { width, height, step, floor, tolerance, names } = view;
+const OUTCOMES = ["EQUIVALENT", "DIFFERENT", "UNDECIDED"];
+const MAP_COLORS = { EQUIVALENT: [27, 127, 92], DIFFERENT: [200, 62, 36], UNDECIDED: [214, 176, 50] };
+const element = (id) => document.getElementById(id);
+
+const [reference, candidate] = [0, 1].map((side) => {
+  const text = atob(element("floats-" + side).textContent);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  return new Float32Array(bytes.buffer);
+});
+
+const regions = view.regions.map(([kind, name, outcome, box, pixels, excluded, decided, ref, cand, difference, low, high]) => {
+  let channel = 0;
+  for (let c = 1; c < 3; c++) if (Math.abs(difference[c]) > Math.abs(difference[channel])) channel = c;
+  return {
+    kind, name, outcome, box, pixels, excluded, decided, channel, reference: ref[channel], candidate: cand[channel],
+    difference: difference[channel], size: difference[channel] === null ? -1 : Math.abs(difference[channel]), low: low[channel], high: high[channel],
+  };
+});
+const blocks = regions.filter((region) => region.kind === "block");
+
+function relative(i) {
+  const gap = candidate[i] - reference[i];
+  const scale = Math.max(Math.abs(reference[i]), floor);
+  return gap === 0 ? 0 : gap / scale;
+}
+
+function percent(value) {
+  if (value === null || !Number.isFinite(value)) return "unbounded";
+  return (value < 0 ? "−" : "+") + Math.abs(100 * value).toPrecision(3) + " %";
+}
+
+function number(value) {
+  return value === null || !Number.isFinite(value) ? "none" : Math.abs(value) >= 1e5 ? value.toExponential(3) : value.toPrecision(4);
+}
+
+/* Images: each painted once per setting into a canvas of its own, then drawn into the panes. */
+
+const state = { mode: "beside", exposure: view.exposure, limit: Math.log2(view.limit), split: 0.5, scale: 0, x: 0, y: 0, box: null };
+
+function painted(colorOf) {
+  const canvas = document.createElement("canvas");
+  canvas.width = width;
+  canvas.height = height;
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(width, height);
+  const color = [0, 0, 0];
+  for (let pixel = 0; pixel < width * height; pixel++) {
+    colorOf(3 * pixel, color);
+    image.data[4 * pixel] = color[0];
+    image.data[4 * pixel + 1] = color[1];
+    image.data[4 * pixel + 2] = color[2];
+    image.data[4 * pixel + 3] = 255;
+  }
+  context.putImageData(image, 0, 0);
+  return canvas;
+}
+
+const SRGB = new Uint8Array(4097).map((_, i) => {
+  const v = i / 4096;
+  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+});
+
+function magenta(color) {
+  color[0] = 255;
+  color[1] = 0;
+  color[2] = 255;
+}
+
+function paintRadiance(values) {
+  const gain = 4096 * 2 ** state.exposure;
+  return painted((i, color) => {
+    if (Number.isNaN(values[i])) return magenta(color);
+    for (let c = 0; c < 3; c++) color[c] = SRGB[Math.min(4096, Math.max(0, Math.round(values[i + c] * gain)))];
+  });
+}
+
+function paintDifference() {
+  const limit = tolerance * 2 ** state.limit;
+  const ends = [[33, 102, 172], [178, 24, 43]];
+  return painted((i, color) => {
+    let sum = 0;
+    for (let c = 0; c < 3; c++) sum += Math.min(1, Math.max(-1, relative(i + c) / limit));
+    if (Number.isNaN(sum)) return magenta(color);
+    const end = ends[sum < 0 ? 0 : 1];
+    const share = Math.abs(sum) / 3;
+    for (let c = 0; c < 3; c++) color[c] = 247 + (end[c] - 247) * share;
+  });
+}
+
+function paintMap() {
+  const canvas = document.createElement("canvas");
+  canvas.width = width;
+  canvas.height = height;
+  const context = canvas.getContext("2d");
+  for (const block of blocks) {
+    const [x0, y0, x1, y1] = block.box.map((v, i) => (i < 2 ? v : v + 1) / step);
+    context.fillStyle = `rgb(${MAP_COLORS[block.outcome].join(" ")})`;
+    context.fillRect(x0, y0, x1 - x0, y1 - y0);
+  }
+  context.globalAlpha = 0.55;
+  context.globalCompositeOperation = "luminosity";
+  context.drawImage(paint.reference, 0, 0);
+  return canvas;
+}
+
+const paint = {};
+function repaint() {
+  paint.reference = paintRadiance(reference);
+  paint.candidate = paintRadiance(candidate);
+  paint.difference = paintDifference();
+  paint.map = paintMap();
+}
+
+const PANES = {
+  beside: [[names[0], "reference"], [names[1], "candidate"], ["Relative difference", "difference"]],
+  slider: [[`${names[0]} left of the line, ${names[1]} right of it`, "reference"]],
+  difference: [["Relative difference", "difference"]],
+  map: [["Verdict of each block, over the reference", "map"]],
+};
+let panes = [];
+
+function layOut() {
+  const holder = element("panes");
+  holder.replaceChildren();
+  panes = PANES[state.mode].map(([caption, what]) => {
+    const figure = document.createElement("figure");
+    const canvas = document.createElement("canvas");
+    const label = document.createElement("figcaption");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", caption);
+    label.textContent = caption;
+    figure.append(canvas, label);
+    holder.append(figure);
+    listen(canvas);
+    return { canvas, what };
+  });
+  element("split-label").hidden = state.mode !== "slider";
+  for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === state.mode);
+  fit();
+}
+
+function fit() {
+  for (const { canvas } of panes) {
+    const across = canvas.clientWidth;
+    const down = Math.min(across * height / width, 0.72 * window.innerHeight);
+    canvas.style.height = down + "px";
+    canvas.width = Math.round(across * devicePixelRatio);
+    canvas.height = Math.round(down * devicePixelRatio);
+  }
+  const { canvas } = panes[0];
+  state.scale = Math.min(canvas.width / width, canvas.height / height);
+  state.x = (canvas.width - width * state.scale) / 2;
+  state.y = (canvas.height - height * state.scale) / 2;
+  draw();
+}
+
+function draw() {
+  for (const { canvas, what } of panes) {
+    const context = canvas.getContext("2d");
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    context.setTransform(state.scale, 0, 0, state.scale, state.x, state.y);
+    context.imageSmoothingEnabled = state.scale < 1;
+    context.drawImage(paint[what], 0, 0);
+    if (state.mode === "slider") {
+      const at = Math.round(state.split * canvas.width);
+      context.save();
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.beginPath();
+      context.rect(at, 0, canvas.width, canvas.height);
+      context.clip();
+      context.setTransform(state.scale, 0, 0, state.scale, state.x, state.y);
+      context.drawImage(paint.candidate, 0, 0);
+      context.restore();
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.fillStyle = "#fff";
+      context.fillRect(at - 1, 0, 2, canvas.height);
+      context.fillStyle = "#000";
+      context.fillRect(at + 1, 0, 1, canvas.height);
+    }
+    if (state.box) {
+      const [x0, y0, x1, y1] = state.box.map((v, i) => (i < 2 ? v : v + 1) / step);
+      context.setTransform(state.scale, 0, 0, state.scale, state.x, state.y);
+      for (const [color, wide] of [["#000", 4], ["#ffd84a", 2]]) {
+        context.strokeStyle = color;
+        context.lineWidth = wide / state.scale;
+        context.strokeRect(x0, y0, x1 - x0, y1 - y0);
+      }
+    }
+  }
+}
+
+function listen(canvas) {
+  let last = null;
+  let dragsLine = false;
+  const place = (event) => [event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio];
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const [x, y] = place(event);
+    const factor = Math.min(Math.max(state.scale * Math.exp(-event.deltaY / 300), 0.05), 200) / state.scale;
+    state.x = x - (x - state.x) * factor;
+    state.y = y - (y - state.y) * factor;
+    state.scale *= factor;
+    draw();
+  }, { passive: false });
+  canvas.addEventListener("pointerdown", (event) => {
+    last = place(event);
+    dragsLine = state.mode === "slider" && Math.abs(last[0] - state.split * canvas.width) < 12 * devicePixelRatio;
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointerup", () => { last = null; });
+  canvas.addEventListener("pointermove", (event) => {
+    const now = place(event);
+    if (last) {
+      if (dragsLine) {
+        state.split = Math.min(Math.max(now[0] / canvas.width, 0), 1);
+        element("split").value = state.split;
+      } else {
+        state.x += now[0] - last[0];
+        state.y += now[1] - last[1];
+      }
+      last = now;
+      draw();
+    }
+    read(Math.floor((now[0] - state.x) / state.scale), Math.floor((now[1] - state.y) / state.scale));
+  });
+}
+
+function read(x, y) {
+  if (x < 0 || y < 0 || x >= width || y >= height) return;
+  const i = 3 * (y * width + x);
+  const rgb = (values) => [0, 1, 2].map((c) => number(values[i + c])).join("  ");
+  const block = blocks.find(({ box }) => x * step >= box[0] && x * step <= box[2] && y * step >= box[1] && y * step <= box[3]);
+  const gap = [0, 1, 2].map((c) => percent(relative(i + c))).join("  ");
+  element("reading").textContent =
+    `x ${x * step}, y ${y * step}   ${names[0]} ${rgb(reference)}   ${names[1]} ${rgb(candidate)}   difference ${gap}\n` +
+    (block ? `Block ${block.name}: ${block.outcome}, ${percent(block.difference)} in ${"RGB"[block.channel]} ` +
+      `(${percent(block.low)} to ${percent(block.high)})` : "");
+}
+
+for (const button of document.querySelectorAll("[data-mode]")) {
+  button.addEventListener("click", () => {
+    state.mode = button.dataset.mode;
+    layOut();
+  });
+}
+
+function showSettings() {
+  element("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure} EV`;
+  const limit = percent(tolerance * 2 ** state.limit).slice(1);
+  element("limit-value").textContent = `± ${limit}`;
+  element("scale-ends").textContent = `relative difference, −${limit} to +${limit}`;
+}
+
+for (const key of ["exposure", "limit"]) {
+  element(key).value = state[key];
+  element(key).addEventListener("input", (event) => {
+    state[key] = Number(event.target.value);
+    showSettings();
+    repaint();
+    draw();
+  });
+}
+element("split").addEventListener("input", (event) => {
+  state.split = Number(event.target.value);
+  draw();
+});
+element("fit").addEventListener("click", fit);
+window.addEventListener("resize", fit);
+
+/* The bar of counts and the table of regions. */
+
+for (const outcome of OUTCOMES) {
+  const count = regions.filter((region) => region.outcome === outcome).length;
+  if (!count) continue;
+  const part = document.createElement("span");
+  part.className = outcome;
+  part.style.flexGrow = count;
+  part.title = `${count} ${outcome}`;
+  element("counts").append(part);
+}
+
+const MOST_ROWS = 500;
+const table = { key: "size", descending: true };
+const kinds = [...new Set(regions.map((region) => region.kind))];
+const named = kinds.filter((kind) => kind !== "block");
+for (const [label, value] of [["what you named", "named"], ["everything", ""], ...kinds.map((kind) => [kind, kind])]) {
+  element("kind").append(new Option(label, value));
+}
+if (named.length < 2) element("kind").value = "";
+
+function chosen(region) {
+  const kind = element("kind").value;
+  const outcome = element("outcome").value;
+  return (kind === "" || (kind === "named" ? region.kind !== "block" : region.kind === kind)) &&
+    (outcome === "" || region.outcome === outcome) &&
+    region.name.toLowerCase().includes(element("search").value.toLowerCase());
+}
+
+function compareBy(a, b) {
+  const [x, y] = [a[table.key] ?? -Infinity, b[table.key] ?? -Infinity];
+  const order = typeof x === "string" ? x.localeCompare(y, undefined, { numeric: true }) : x === y ? 0 : x - y;
+  return table.descending ? -order : order;
+}
+
+function cell(row, text, className) {
+  const td = row.insertCell();
+  td.textContent = text;
+  td.className = className;
+}
+
+function fill() {
+  const rows = regions.filter(chosen).sort(compareBy);
+  const body = element("table").tBodies[0];
+  body.replaceChildren();
+  for (const region of rows.slice(0, MOST_ROWS)) {
+    const row = body.insertRow();
+    cell(row, region.kind, "");
+    cell(row, region.name, "name");
+    cell(row, region.outcome, region.outcome);
+    cell(row, `${percent(region.difference)} ${"RGB"[region.channel]}`, "number");
+    cell(row, `${percent(region.low)} to ${percent(region.high)}`, "number");
+    cell(row, number(region.reference), "number");
+    cell(row, number(region.candidate), "number");
+    cell(row, region.excluded ? `${region.pixels} (${region.excluded} excluded)` : `${region.pixels}`, "number");
+    cell(row, region.decided || "–", "number");
+    row.addEventListener("pointerenter", () => { state.box = region.box; draw(); });
+    row.addEventListener("pointerleave", () => { state.box = null; draw(); });
+  }
+  const cut = rows.length > MOST_ROWS ? `, the first ${MOST_ROWS} shown` : "";
+  element("shown").textContent = `${rows.length} of ${regions.length} regions${cut}`;
+  for (const th of document.querySelectorAll("th[data-key]")) {
+    if (th.dataset.key === table.key) th.setAttribute("aria-sort", table.descending ? "descending" : "ascending");
+    else th.removeAttribute("aria-sort");
+  }
+}
+
+for (const th of document.querySelectorAll("th[data-key]")) {
+  th.addEventListener("click", () => {
+    table.descending = table.key === th.dataset.key ? !table.descending : th.classList.contains("number");
+    table.key = th.dataset.key;
+    fill();
+  });
+}
+for (const id of ["kind", "outcome", "search"]) element(id).addEventListener("input", fill);
+
+showSettings();
+repaint();
+layOut();
+fill();

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verdict in plain words: the same sentences for the terminal, the panel and the report."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..compare import Comparison
+from ..verdict.outcome import Outcome
+
+FURTHEST = 5
+_ENDED = {
+    "decided": "everything was decided",
+    "time": "the time was spent",
+    "replicates": "the replicates asked for were done",
+    "cancelled": "it was cancelled",
+}
+
+
+def percent(value: float, sign: bool = True) -> str:
+    """A share as a percentage, with three significant digits; 'unbounded' where it is not finite."""
+    if not math.isfinite(value):
+        return "unbounded"
+    return f"{100 * value:+.3g} %" if sign else f"{100 * value:.6g} %"
+
+
+def seconds(value: float) -> str:
+    """A duration as a person says it."""
+    for limit, unit, size in ((100, "s", 1), (6000, "min", 60), (172800, "h", 3600)):
+        if value < limit:
+            return f"{value / size:.2g} {unit}" if value / size < 10 else f"{value / size:.0f} {unit}"
+    return f"{value / 86400:.0f} days" if value < 1e8 else "years"
+
+
+def title(comparison: Comparison) -> str:
+    """The verdict in one sentence."""
+    verdict = comparison.verdict
+    names = (comparison.candidate.name, comparison.reference.name)
+    limit = f"{percent(verdict.tolerance, sign=False)}"
+    total = verdict.outcomes.size
+    if verdict.outcome is Outcome.EQUIVALENT:
+        return f"{names[0]} agrees with {names[1]} to within {limit} in all {total} regions."
+    if verdict.outcome is Outcome.DIFFERENT:
+        count = verdict.count(Outcome.DIFFERENT)
+        return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {total} regions."
+    return f"Whether {names[0]} agrees with {names[1]} to within {limit} is not decided."
+
+
+def sentences(comparison: Comparison) -> tuple[str, ...]:
+    """The verdict, what it rests on, where the differences are, and what deciding the rest would cost."""
+    verdict = comparison.verdict
+    said = [title(comparison), _basis(comparison)]
+    if verdict.outcome is Outcome.DIFFERENT:
+        said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
+    said += [f"{reason[0].upper()}{reason[1:]}." for reason in verdict.reasons if verdict.outcome is Outcome.UNDECIDED]
+    if verdict.outcome is not Outcome.UNDECIDED and np.any(comparison.excluded):
+        said.append(f"{int(comparison.excluded.sum())} pixels with non-finite samples are excluded.")
+    forecast = _forecast(comparison)
+    return (*said, forecast) if forecast else tuple(said)
+
+
+def worst_channel(difference: np.ndarray) -> np.ndarray:
+    """The channel (K,) in which each region (K, 3) is furthest off; 0 where there is no number."""
+    return np.argmax(np.nan_to_num(np.abs(difference), nan=-1.0, posinf=np.inf), axis=1)
+
+
+def furthest(comparison: Comparison) -> list[int]:
+    """The DIFFERENT regions to name: what the user named first, by size of the difference, else blocks."""
+    verdict = comparison.verdict
+    size = np.take_along_axis(np.abs(verdict.difference), worst_channel(verdict.difference)[:, None], 1)[:, 0]
+    different = np.flatnonzero(verdict.outcomes == Outcome.DIFFERENT)
+    return sorted(different, key=lambda k: (comparison.regions.kinds[k] == "block", -size[k]))[:FURTHEST]
+
+
+def forecast_seconds(comparison: Comparison) -> tuple[float, float, float] | None:
+    """Seconds for the whole comparison until all is decided: low end, median, high end of the forecast; None if there is none."""
+    forecast = comparison.verdict.forecast
+    if forecast is None:
+        return None
+    sampling = comparison.seconds - comparison.pilot_seconds
+    return tuple(comparison.pilot_seconds + f * sampling for f in (forecast.low, forecast.factor, forecast.high))
+
+
+def _basis(comparison: Comparison) -> str:
+    verdict, parts = comparison.verdict, []
+    for outcome in Outcome:
+        if verdict.count(outcome):
+            parts.append(f"{verdict.count(outcome)} {outcome.value}")
+    a, b = comparison.reference.film, comparison.candidate.film
+    return (
+        f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {percent(verdict.confidence, sign=False)} "
+        f"for all of them together, from {a.moments.n} x {a.samples} and {b.moments.n} x {b.samples} samples a pixel "
+        f"in {seconds(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
+    )
+
+
+def _region(comparison: Comparison, k: int) -> str:
+    verdict, regions = comparison.verdict, comparison.regions
+    channel = worst_channel(verdict.difference[k : k + 1])[0]
+    low, high = verdict.low[k, channel], verdict.high[k, channel]
+    kind = "" if regions.kinds[k] == "image" else regions.kinds[k] + " "
+    return (
+        f"{kind}{regions.names[k]} {percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
+        f"({percent(low)} to {percent(high)})"
+    )
+
+
+def _forecast(comparison: Comparison) -> str:
+    ends = forecast_seconds(comparison)
+    if ends is None:
+        return ""
+    low, median, high = ends
+    count = comparison.verdict.forecast.regions
+    most = f"and {seconds(high)}" if high < 1e8 else "and no upper end yet"
+    samples = comparison.candidate.film.samples * comparison.candidate.film.moments.n * comparison.verdict.forecast.factor
+    drawn = f", {samples:.2g} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
+    likely = f"about {seconds(median)}{drawn}" if median < 1e8 else "longer than can be told"
+    return f"Deciding the {count} open regions takes {likely} (90 % sure: between {seconds(low)} {most})."

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The folder a comparison leaves: verdict.json, report.html, the EXR images and their PNG views."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from ..compare import Comparison
+from ..errors import EtalonError
+from ..film.exr import write_exr, write_film
+from ..film.pictures import middle_exposure, signed8, srgb8, write_png
+from .document import document
+from .words import percent, seconds
+
+# The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
+MOST_PIXELS = 600_000
+# Differences are drawn up to this many tolerances.
+DIFFERENCE_LIMIT = 5
+
+
+def write_report(comparison: Comparison, folder: Path, command: str = "") -> None:
+    """Write all files into `folder`, which is made if it is not there; each is complete or not there at all.
+
+    `command` is what repeats the comparison, shown as text. Raises EtalonError where the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
+        try:
+            _write_all(comparison, beside, command)
+            for path in sorted(beside.iterdir()):
+                os.replace(path, folder / path.name)
+        finally:
+            shutil.rmtree(beside, ignore_errors=True)
+    except OSError as error:
+        raise EtalonError(f"{folder}: cannot be written ({error.strerror}); make room or name another folder") from error
+
+
+def relative_difference(comparison: Comparison) -> np.ndarray:
+    """(candidate - reference) / max(|reference|, floor) of each pixel (height, width, 3); 0 where both are 0."""
+    reference, candidate = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
+    scale = np.maximum(np.abs(reference), comparison.verdict.floor)
+    gap = candidate - reference
+    return np.divide(gap, scale, out=np.where(gap == 0, 0.0, np.copysign(np.inf, gap)), where=scale > 0)
+
+
+def _write_all(comparison: Comparison, folder: Path, command: str) -> None:
+    figures = document(comparison, command)
+    text = json.dumps(figures, indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "verdict.json").write_text(text + "\n", encoding="utf-8")
+    (folder / "report.html").write_text(_html(comparison, figures), encoding="utf-8")
+    write_film(folder / "reference.exr", comparison.reference.film)
+    write_film(folder / "cycles.exr", comparison.candidate.film)
+    difference = relative_difference(comparison)
+    write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")})
+    exposure = middle_exposure(comparison.reference.film.moments.mean)
+    write_png(folder / "reference.png", srgb8(comparison.reference.film.moments.mean, exposure))
+    write_png(folder / "cycles.png", srgb8(comparison.candidate.film.moments.mean, exposure))
+    limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance
+    write_png(folder / "difference.png", signed8(np.clip(difference, -limit, limit).mean(axis=2), limit))
+
+
+def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(percent=percent, seconds=seconds)
+    height, width = comparison.regions.shape
+    step = 1
+    while -(-height // step) * -(-width // step) > MOST_PIXELS:
+        step += 1
+    images = [averaged(side.film.moments.mean, step) for side in (comparison.reference, comparison.candidate)]
+    view = {
+        "width": images[0].shape[1],
+        "height": images[0].shape[0],
+        "step": step,
+        "floor": comparison.verdict.floor,
+        "tolerance": comparison.verdict.tolerance,
+        "limit": DIFFERENCE_LIMIT,
+        "exposure": round(2 * middle_exposure(images[0])) / 2,
+        "names": [comparison.reference.name, comparison.candidate.name],
+        "regions": [_row(region) for region in figures["regions"]],
+    }
+    return environment.get_template("report.html").render(
+        figures=figures,
+        view=view,
+        floats=[Markup(base64.b64encode(image.astype("<f4").tobytes()).decode()) for image in images],
+    )
+
+
+def _row(region: dict[str, Any]) -> list[Any]:
+    """A region for the page's script, which knows the order; short, for there may be thousands."""
+
+    def short(values: list[float | None]) -> list[float | None]:
+        return [None if v is None else float(f"{v:.6g}") for v in values]
+
+    numbers = [short(region[key]) for key in ("reference", "candidate", "difference", "low", "high")]
+    sizes = [round(region["pixels"], 2), round(region["excluded_pixels"], 2), region["decided_at"]]
+    return [region["kind"], region["name"], region["outcome"], region["box"], *sizes, *numbers]
+
+
+def averaged(image: np.ndarray, step: int) -> np.ndarray:
+    """The means of `step` x `step` pixels (fewer at the right and lower edge) of an image (height, width, 3)."""
+    rows, columns = (np.arange(0, size, step) for size in image.shape[:2])
+    total = np.add.reduceat(np.add.reduceat(image, rows, axis=0), columns, axis=1)
+    counts = [np.diff(np.append(at, size)) for at, size in zip((rows, columns), image.shape[:2], strict=True)]
+    return total / (counts[0][:, None] * counts[1])[..., None]
