@@ -68,11 +68,15 @@ def compare_here(
     scene: bpy.types.Scene,
     choices: Choices,
     folder: Path,
-    repeat: str,
-    progress: Progress,
-    cancelled: Cancelled,
+    repeat: str = "",
+    progress: Progress = lambda fraction: None,
+    cancelled: Cancelled = lambda: False,
 ) -> Comparison:
-    """Compare with Cycles in this very process; its settings come back when it is done."""
+    """Compare with Cycles in this very process; its settings come back when it is done.
+
+    The report goes to `folder`; `repeat` is the command it shows; `progress` is told the share that is done. Raises Refused
+    or EtalonError.
+    """
     with neutral(scene, threads=choices.reference.threads):
         exported = export(scene)
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)

@@ -6,6 +6,7 @@ import os
 import select
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -49,14 +50,13 @@ class Debian:
 
 
 @pytest.fixture(scope="session")
-def debian(tmp_path_factory):
+def debian():
     """The folder, with a home of its own that goes when the tests end."""
     root = Path(os.environ.get("ETALON_DEBIAN", DEFAULT))
     if not (root / "usr/bin/blender").exists():
         pytest.fail(f"{root}: no Blender there; `.ci/debian {root}` makes it (root, network, two minutes)")
-    home = Path("/tmp") / tmp_path_factory.mktemp("etalon-home").name
+    home = Path("/", Path(tempfile.mkdtemp(prefix="etalon-", dir=root / "tmp")).relative_to(root))
     inside = Debian(root, home)
-    inside.outside.mkdir()
     yield inside
     subprocess.run(["rm", "-rf", str(inside.outside)], check=True)
 
