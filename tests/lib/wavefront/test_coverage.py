@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Coverage: which part of a pixel shows which material and object."""
+
+import numpy as np
+from etalon.lib.effects.plan import make_plan
+from etalon.lib.wavefront.coverage import coverage
+from etalon.lib.wavefront.kernel import Kernel
+from etalon.lib.wavefront.options import Options
+from etalon.tests.scenes import cube, diffuse, icosphere, material, orthographic, perspective, quad, scene
+
+
+def found(the_scene, seed, samples=16):
+    shares = coverage(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)), samples)
+    return {kind: dict(entries) for kind, entries in shares.items()}
+
+
+def test_shares_are_areas(seed):
+    """Two quads of different materials that meet a third of the way through a pixel, over half of the image's height."""
+    parts = [
+        quad((-2.0, 0.0, 0.0), (2.0 + 1.0 / 3.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0),
+        quad((1.0 / 3.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 1.0, 0.0), 1),
+    ]
+    materials = [material(name="left"), material(name="right"), material(name="nowhere")]
+    shares = found(scene(parts, materials, orthographic(4, 2, 4.0, (0.0, 0.0, 1.0))), seed, 1024)["material"]
+    assert set(shares) == {"left", "right"}
+    np.testing.assert_allclose(shares["left"][0], [1.0, 1.0, 1.0 / 3.0, 0.0], atol=2.0 / 1024)
+    np.testing.assert_allclose(shares["right"][0], [0.0, 0.0, 2.0 / 3.0, 1.0], atol=2.0 / 1024)
+    assert not shares["left"][1].any()
+
+
+def test_objects_and_materials_fill_what_is_covered(seed):
+    """Shares of all objects, and of all materials, sum to the same, at most 1; the nearer hides the farther."""
+    parts = [cube(0.5), icosphere(0.4, 2, 1), quad((-5.0, -5.0, -3.0), (10.0, 0.0, 0.0), (0.0, 10.0, 0.0), 0)]
+    parts[1].vertices[0] += 0.7
+    the_scene = scene(parts, [material(name="one"), material(name="two")], perspective(12, 9, 0.6, (0.0, 0.1, 3.0)))
+    shares = found(the_scene, seed)
+    total = [sum(images.values()) for images in (shares["object"], shares["material"])]
+    np.testing.assert_allclose(total[0], total[1], rtol=1e-15)
+    np.testing.assert_allclose(total[0], 1.0)
+    assert shares["object"]["object 0"][4, 5] == 1.0
+    assert shares["object"]["object 2"][0, 0] == 1.0
+
+
+def test_an_empty_view_shows_nothing(seed):
+    away = scene(cube(0.5), diffuse(0.5), orthographic(2, 2, 1.0, (0.0, 0.0, 3.0), (0.0, 0.0, 1.0)))
+    assert found(away, seed) == {"material": {}, "object": {}}
