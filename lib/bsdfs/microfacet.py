@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
-from ..microfacets import masking
+from ..microfacets import ggx, masking
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
 from ..vectors import dot
 
@@ -22,7 +22,8 @@ def _part(value: np.ndarray, index: np.ndarray) -> np.ndarray:
 class MicrofacetReflection:
     """One glossy lobe; `distribution` is a module of lib.microfacets, alpha_x and alpha_y () or (n,).
 
-    `strategy`: 'visible', 'd_cos', 'cosine', 'uniform'; `masking_form`: 'correlated', 'separable', 'torrance_sparrow'.
+    `strategy`: 'visible', 'bounded' (GGX; Beckmann, which has no such bound, then takes 'visible'), 'd_cos', 'cosine', 'uniform';
+    `masking_form`: 'correlated', 'separable', 'torrance_sparrow'.
     """
 
     delta = False
@@ -37,10 +38,13 @@ class MicrofacetReflection:
         strategy: str,
     ) -> None:
         self._wo, self._alpha = wo, (alpha_x, alpha_y)
+        if strategy == "bounded" and distribution is not ggx:
+            strategy = "visible"
         self._distribution, self._masking, self._strategy = distribution, masking_form, strategy
         self._lambda_o = distribution.smith_lambda(wo, alpha_x, alpha_y)
         self._above = wo[2] > 0.0
         self._cos_o = np.where(self._above, wo[2], 1.0)
+        self._bound = ggx.bound(wo, alpha_x, alpha_y) if strategy == "bounded" else None
 
     def _shadowing(self, wi: np.ndarray, m: np.ndarray) -> np.ndarray:
         """G(wi, wo, m) in the chosen form."""
@@ -54,6 +58,8 @@ class MicrofacetReflection:
         """Density per steradian of wi of the chosen strategy; `m` is the half vector."""
         if self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
             return d / ((1.0 + self._lambda_o) * (4.0 * self._cos_o))
+        if self._strategy == "bounded":  # Eto and Tokuyoshi 2023, eq. 7
+            return d / ((self._bound + 1.0 + 2.0 * self._lambda_o) * (2.0 * self._cos_o))
         if self._strategy == "d_cos":  # the documents' pdf(m) = D cos, times the Jacobian they leave out
             return d * m[2] / (4.0 * np.abs(dot(self._wo, m)))
         if self._strategy == "cosine":
@@ -81,6 +87,8 @@ class MicrofacetReflection:
         wo, alpha = self._wo, self._alpha
         if self._strategy == "visible":
             m = self._distribution.sample_visible(wo, *alpha, u1, u2)
+        elif self._strategy == "bounded":
+            m = ggx.sample_bounded(wo, *alpha, u1, u2)
         else:
             m = self._distribution.sample_d_cos(*alpha, u1, u2)
         cos_om = dot(wo, m)
@@ -90,6 +98,8 @@ class MicrofacetReflection:
         weight = self._shadowing(wi, m)
         if self._strategy == "visible":  # D cancels: G2 / G1(wo)
             weight *= 1.0 + self._lambda_o
+        elif self._strategy == "bounded":
+            weight *= 0.5 * (self._bound + 1.0) + self._lambda_o
         else:
             weight *= cos_om / (self._cos_o * m[2])
         pdf = self._pdf(wi, m, self._distribution.density(m, *alpha))

@@ -82,6 +82,47 @@ def sample_visible(
     back.
     `wo` (3, n) unit with wo.z > 0 (others give some valid normal).
     """
+    return _sample_cap(wo, alpha_x, alpha_y, u1, u2, None)
+
+
+def bound(wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
+    """By which factor k the cap's lower end can rise without losing a reflection that stays above the horizon, (n,).
+
+    k = (1 - a^2) s^2 / (s^2 + a^2 wo.z^2), a = min(alpha_x, alpha_y), s = 1 + |(wo.x, wo.y)| (Eto and Tokuyoshi 2023,
+    "Bounded VNDF sampling for Smith-GGX reflections", eq. 5 and 6).
+    """
+    a = np.minimum(alpha_x, alpha_y)
+    a2 = np.minimum(a * a, 1.0)
+    s = np.sqrt(wo[0] * wo[0] + wo[1] * wo[1])
+    s += 1.0
+    s *= s
+    below = wo[2] * wo[2]
+    below *= a2
+    below += s
+    s *= 1.0 - a2
+    s /= below
+    return s
+
+
+def sample_bounded(
+    wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray, u1: np.ndarray, u2: np.ndarray
+) -> np.ndarray:
+    """As `sample_visible`, from the smaller cap z > -k wo.z, k = `bound`: fewer reflections below the horizon.
+
+    Density of the reflected direction, per steradian: D(m) / (2 wo.z (k + 1 + 2 Lambda(o))) (Eto and Tokuyoshi 2023, eq. 7).
+    """
+    return _sample_cap(wo, alpha_x, alpha_y, u1, u2, bound(wo, alpha_x, alpha_y))
+
+
+def _sample_cap(
+    wo: np.ndarray,
+    alpha_x: float | np.ndarray,
+    alpha_y: float | np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
+    k: np.ndarray | None,
+) -> np.ndarray:
+    """Stretch wo, add a point of the cap z > -k wo.z (`k` None: 1) to it, stretch the sum back."""
     m = np.empty((3, u1.shape[0]))
     x = np.multiply(wo[0], alpha_x, out=m[0])
     y = np.multiply(wo[1], alpha_y, out=m[1])
@@ -94,6 +135,11 @@ def sample_visible(
     x /= length
     y /= length
     above /= length
+    raised = None
+    if k is not None:
+        raised = above.copy()
+        above *= k
+        raised -= above
     above += 1.0
     # The cap's z is 1 - drop: its sine and the sum's z come out of drop without cancelling.
     drop = np.multiply(above, u2, out=length)
@@ -111,6 +157,8 @@ def sample_visible(
     z = np.minimum(u2, LARGEST_UNIFORM, out=m[2])
     np.subtract(1.0, z, out=z)
     z *= above
+    if raised is not None:
+        z += raised
     np.multiply(x, x, out=cap_x)
     cap_x += np.multiply(y, y, out=cap_y)
     cap_x += np.multiply(z, z, out=cap_y)

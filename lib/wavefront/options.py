@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..errors import EtalonError
 
-STRATEGIES = ("visible", "d_cos", "cosine", "uniform")
+STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
 DIRECT = ("mis", "lights", "bsdf")
 MASKING = ("correlated", "separable", "torrance_sparrow")
 SAMPLERS = ("sobol", "random")
@@ -17,8 +17,8 @@ SAMPLERS = ("sobol", "random")
 class Options:
     """Options of the reference integrator.
 
-    strategy: how a glossy lobe is sampled: 'visible' normals (Heitz 2014), the documents' 'd_cos' (pdf(m) = D cos), or the hemisphere
-        by 'cosine' or 'uniform' density.
+    strategy: how a glossy lobe is sampled: 'visible' normals (Heitz 2014), 'bounded' ones (Eto and Tokuyoshi 2023; GGX), the
+        documents' 'd_cos' (pdf(m) = D cos), or the hemisphere by 'cosine' or 'uniform' density.
     direct: 'mis' combines light and BSDF sampling by the power heuristic; 'lights' and 'bsdf' take one of them alone (light
         that one of them cannot sample is then still taken by the other: deltas, constant worlds).
     masking: 'correlated' (Ross, Heitz; what Cycles uses), 'separable' (the documents' G1 G1) or 'torrance_sparrow'.
