@@ -11,12 +11,13 @@ from ...lib.scene import expressions as ex
 from ...lib.scene import materials as mt
 from ...lib.textures.fold import Folder, is_constant
 from .nodes import Scope, TreeReader
+from .nodes_principled import read_principled
 
 # Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
 _LEAST_ANISOTROPY = 1e-4
 _SMOOTH_ROUGHNESS = 2e-10**0.25
 
-_DISTRIBUTIONS = ("BECKMANN", "GGX", "MULTI_GGX")
+_DISTRIBUTIONS = ("BECKMANN", "GGX", "MULTI_GGX", "ASHIKHMIN_SHIRLEY")
 
 
 @dataclass
@@ -53,6 +54,19 @@ class ShaderReader:
         """The folded content of the node's socket called `name`."""
         return self.folder(self.values.read(node.inputs[name], scope))
 
+    def tangent(self, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
+        """Where the node's socket Tangent points."""
+        source = self.values.trace(node.inputs["Tangent"], scope)
+        if not source.linked:
+            return mt.Tangent()
+        tangent = source.socket.node
+        if tangent.bl_idname != "ShaderNodeTangent":
+            self.values.refuse(node, scope, ", socket 'Tangent' (linked),", "link a Tangent node to it, or nothing")
+            return mt.Tangent()
+        if tangent.direction_type == "RADIAL":
+            return mt.Tangent("RADIAL", axis=tangent.axis)
+        return mt.Tangent("UV", uv_map=tangent.uv_map)
+
 
 def _glow(values: TreeReader, source: object) -> mt.Emission:
     """A colour linked to a shader socket shines, as in Cycles."""
@@ -69,7 +83,7 @@ def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex
     reader.values.refuse_linked(node, scope, "Normal")
     if node.distribution not in _DISTRIBUTIONS:
         what = f", distribution {node.distribution.replace('_', ' ').title()},"
-        reader.values.refuse(node, scope, what, "choose Beckmann, GGX or Multiscatter GGX")
+        reader.values.refuse(node, scope, what, "choose another")
     anisotropy = reader.read(node, "Anisotropy", scope)
     closure = mt.Glossy(
         node.distribution, reader.read(node, "Color", scope), reader.read(node, "Roughness", scope), anisotropy
@@ -77,21 +91,33 @@ def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex
     if is_constant(anisotropy) and abs(anisotropy.value) <= _LEAST_ANISOTROPY:
         closure = replace(closure, anisotropy=ex.ZERO)
     else:
-        closure = replace(closure, rotation=reader.read(node, "Rotation", scope), tangent=_tangent(reader, node, scope))
+        closure = replace(closure, rotation=reader.read(node, "Rotation", scope), tangent=reader.tangent(node, scope))
     return [reader.lobe(closure, weight)]
 
 
-def _tangent(reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
-    source = reader.values.trace(node.inputs["Tangent"], scope)
-    if not source.linked:
-        return mt.Tangent()
-    tangent = source.socket.node
-    if tangent.bl_idname != "ShaderNodeTangent":
-        reader.values.refuse(node, scope, ", socket 'Tangent' (linked),", "link a Tangent node to it, or nothing")
-        return mt.Tangent()
-    if tangent.direction_type == "RADIAL":
-        return mt.Tangent("RADIAL", axis=tangent.axis)
-    return mt.Tangent("UV", uv_map=tangent.uv_map)
+def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    reader.values.refuse_linked(node, scope, "Normal")
+    _refuse_film(reader, node, scope)
+    conductor = node.fresnel_type == "PHYSICAL_CONDUCTOR"
+    closure = mt.Metallic(
+        node.distribution,
+        "CONDUCTOR" if conductor else "F82",
+        reader.read(node, "IOR" if conductor else "Base Color", scope),
+        reader.read(node, "Extinction" if conductor else "Edge Tint", scope),
+        reader.read(node, "Roughness", scope),
+    )
+    anisotropy = reader.folder(
+        ex.Math("ADD", reader.values.read(node.inputs["Anisotropy"], scope), ex.ZERO, ex.ZERO, clamp=True)
+    )
+    if anisotropy != ex.ZERO:
+        rotation = reader.read(node, "Rotation", scope)
+        closure = replace(closure, anisotropy=anisotropy, rotation=rotation, tangent=reader.tangent(node, scope))
+    return [reader.lobe(closure, weight)]
+
+
+def _translucent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    reader.values.refuse_linked(node, scope, "Normal")
+    return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope)), weight)]
 
 
 def _emission(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
@@ -103,17 +129,39 @@ def _transparent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weigh
     return [reader.lobe(mt.Transparent(reader.read(node, "Color", scope)), weight)]
 
 
-def _interface(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    """Glass and Refraction, smooth only."""
-    reader.values.refuse_linked(node, scope, "Normal", "Thin Film Thickness")
-    roughness = reader.read(node, "Roughness", scope)
-    if not is_constant(roughness) or roughness.value > _SMOOTH_ROUGHNESS:
-        reader.values.refuse(node, scope, ", rough transmission,", "set Roughness to 0")
+def _refuse_film(reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
+    reader.values.refuse_linked(node, scope, "Thin Film Thickness")
     film = node.inputs.get("Thin Film Thickness")
     if film is not None and film.default_value != 0:
         reader.values.refuse(node, scope, ", socket 'Thin Film Thickness',", "set it to 0")
-    kind = mt.Glass if node.bl_idname == "ShaderNodeBsdfGlass" else mt.Refraction
-    return [reader.lobe(kind(reader.read(node, "Color", scope), reader.read(node, "IOR", scope)), weight)]
+
+
+def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    reader.values.refuse_linked(node, scope, "Normal")
+    _refuse_film(reader, node, scope)
+    color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
+    if is_smooth(roughness):
+        return [reader.lobe(mt.Glass(color, ior), weight)]
+    if node.distribution != "MULTI_GGX":
+        return [reader.lobe(mt.Glass(color, ior, roughness, node.distribution), weight)]
+    if not is_constant(ior):
+        reader.values.refuse(node, scope, ", socket 'IOR' (textured),", "unlink IOR, or choose GGX")
+        ior = ex.ONE
+    glass = mt.Glass(ex.WHITE, ior, roughness, "MULTI_GGX", reflection=color, transmission=color)
+    return [reader.lobe(glass, weight)]
+
+
+def _refraction(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    reader.values.refuse_linked(node, scope, "Normal")
+    color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
+    if is_smooth(roughness):
+        return [reader.lobe(mt.Refraction(color, ior), weight)]
+    return [reader.lobe(mt.Refraction(color, ior, roughness, node.distribution), weight)]
+
+
+def is_smooth(roughness: ex.Expression) -> bool:
+    """Whether Cycles takes the interface for smooth."""
+    return is_constant(roughness) and roughness.value <= _SMOOTH_ROUGHNESS
 
 
 def _mix(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
@@ -143,8 +191,11 @@ _SHADERS = {
     "ShaderNodeBsdfGlossy": _glossy,
     "ShaderNodeEmission": _emission,
     "ShaderNodeBsdfTransparent": _transparent,
-    "ShaderNodeBsdfGlass": _interface,
-    "ShaderNodeBsdfRefraction": _interface,
+    "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeBsdfGlass": _glass,
+    "ShaderNodeBsdfRefraction": _refraction,
+    "ShaderNodeBsdfMetallic": _metallic,
+    "ShaderNodeBsdfPrincipled": read_principled,
     "ShaderNodeMixShader": _mix,
     "ShaderNodeAddShader": _add,
 }

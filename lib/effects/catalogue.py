@@ -10,7 +10,19 @@ import numpy as np
 
 from ..scene.expressions import ONE, Constant, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
-from ..scene.materials import Closure, Diffuse, Emission, Glass, Glossy, Lobe, Refraction, Transparent
+from ..scene.materials import (
+    Anisotropic,
+    Closure,
+    Diffuse,
+    Emission,
+    Glass,
+    Lobe,
+    Metallic,
+    Refraction,
+    Specular,
+    Translucent,
+    Transparent,
+)
 from ..scene.scene import Scene
 from ..textures.fold import fold, walk
 
@@ -76,7 +88,13 @@ def _light(kind: type | tuple[type, ...], test: Callable[..., bool] = lambda _: 
 
 
 def _distribution(*names: str) -> Callable[[Scene], Answer]:
-    return _closure(Glossy, lambda c: c.distribution in names)
+    """Any closure with one of the distributions, smooth interfaces left out: they have none."""
+
+    def called_for(closure: Closure) -> bool:
+        smooth = isinstance(closure, Glass | Refraction) and not _rough(closure)
+        return not smooth and getattr(closure, "distribution", None) in names
+
+    return _closure(Closure, called_for)
 
 
 def _lens(scene: Scene) -> Answer:
@@ -161,9 +179,16 @@ EFFECTS: tuple[Effect, ...] = (
     Effect("surface", "Beckmann", "samples Beckmann's slopes", _distribution("BECKMANN")),
     Effect("surface", "GGX", "samples GGX's normals", _distribution("GGX", "MULTI_GGX")),
     Effect("surface", "multiple scattering", "compensates lost energy", _distribution("MULTI_GGX")),
-    Effect("surface", "anisotropy", "turns the lobe to the tangent", _closure(Glossy, lambda c: c.is_anisotropic)),
+    Effect("surface", "Ashikhmin-Shirley", "samples powers of a cosine", _distribution("ASHIKHMIN_SHIRLEY")),
+    Effect("surface", "anisotropy", "turns the lobe to the tangent", _closure(Anisotropic, lambda c: c.is_anisotropic)),
+    Effect("surface", "metals", "reflects by the F82 or the conductor's curve", _closure(Metallic)),
+    Effect("surface", "glossy layers", "exact Fresnel at facets, and the rest for what lies below", _closure(Specular)),
     Effect("surface", "glass", "exact Fresnel and Snell", _closure(Glass)),
     Effect("surface", "refraction", "Snell", _closure(Refraction)),
+    Effect(
+        "surface", "rough interfaces", "samples facets that reflect or refract", _closure((Glass, Refraction), _rough)
+    ),
+    Effect("surface", "translucency", "samples the cosine on the far side", _closure(Translucent)),
     Effect("surface", "transparent surfaces", "lets rays and shadow rays pass", _closure(Transparent)),
     Effect("surface", "emission", "adds radiance at hits", _emits),
     Effect("texture", "image textures", "fetches texels", _image_textures),

@@ -127,6 +127,14 @@ class ColorRamp(Expression):
 
 
 @dataclass(frozen=True)
+class Gamma(Expression):
+    """Blender's Gamma node: each channel of `color` above 0 raised to `gamma`; others as they are."""
+
+    color: Expression
+    gamma: Expression
+
+
+@dataclass(frozen=True)
 class FresnelFactor(Expression):
     """Exact unpolarised dielectric reflectance at |n.wo|; the index is inverted on back faces."""
 

@@ -111,6 +111,13 @@ class Transparent(Closure):
 
 
 @dataclass(frozen=True)
+class Translucent(Closure):
+    """Lambert on the far side of the surface."""
+
+    color: Expression = WHITE
+
+
+@dataclass(frozen=True)
 class Glass(Closure):
     """Dielectric interface with exact Fresnel; smooth where `roughness` is 0.
 

@@ -96,6 +96,11 @@ def _layer_weight(node: ex.LayerWeight, read: Evaluator) -> np.ndarray:
     return layer_weight_facing(blend, context.cos_wo)
 
 
+def _gamma(node: ex.Gamma, read: Evaluator) -> np.ndarray:
+    color, gamma = read(node.color), read(node.gamma)
+    return np.where(color > 0.0, np.where(color > 0.0, color, 1.0) ** gamma, color)
+
+
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, read.context.cos_wo)
@@ -128,6 +133,7 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ex.ColorRamp: lambda node, read: color_ramp(node, read(node.factor)),
     ex.FresnelFactor: lambda node, read: fresnel_factor(read(node.ior), read.context.cos_wo, read.context.backfacing),
     ex.LayerWeight: _layer_weight,
+    ex.Gamma: _gamma,
     ex.BeneathLayer: _beneath_layer,
     ex.CoatTint: lambda node, read: coat_tint(read(node.ior), read(node.tint), read(node.weight), read.context.cos_wo),
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),

@@ -18,6 +18,7 @@ _POINTWISE = (
     ex.Math,
     ex.Mix,
     ex.ColorRamp,
+    ex.Gamma,
     ex.ColorToValue,
     ex.VectorToValue,
     ex.ValueToColor,

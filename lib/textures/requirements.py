@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 
 from ..scene.expressions import ZERO, Coordinates, Expression
-from ..scene.materials import Glossy, Material, Tangent
+from ..scene.materials import Anisotropic, Material, Tangent
 from .fold import walk
 
 
@@ -40,7 +40,7 @@ def _reads(material: Material) -> Iterator[tuple[str, str]]:
         )
         for root in roots:
             yield from ((node.kind, node.uv_map) for node in walk(root) if isinstance(node, Coordinates))
-        if isinstance(lobe.closure, Glossy) and lobe.closure.anisotropy != ZERO:
+        if isinstance(lobe.closure, Anisotropic) and lobe.closure.anisotropy != ZERO:
             yield from _tangent_reads(lobe.closure.tangent)
 
 

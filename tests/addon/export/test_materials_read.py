@@ -221,26 +221,31 @@ def loose_reroute(tree):
     return node(tree, "BsdfDiffuse", {"Color": tree.nodes.new("NodeReroute").outputs[0]})
 
 
+def principled(**inputs):
+    return lambda t: node(t, "BsdfPrincipled", {name.replace("_", " "): value for name, value in inputs.items()})
+
+
 def inside_group(tree):
     group = bpy.data.node_groups.new("Brass", "ShaderNodeTree")
     group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketShader")
-    group.links.new(node(group, "BsdfPrincipled"), group.nodes.new("NodeGroupOutput").inputs[0])
+    group.links.new(node(group, "BsdfToon"), group.nodes.new("NodeGroupOutput").inputs[0])
     use = tree.nodes.new("ShaderNodeGroup")
     use.node_tree = group
     return use.outputs[0]
 
 
 REFUSED = {
-    "Principled BSDF": lambda t: node(t, "BsdfPrincipled"),
-    "group 'Group', node 'Principled BSDF'": inside_group,
-    "Translucent BSDF": lambda t: node(t, "BsdfTranslucent"),
+    "Sheen BSDF": lambda t: node(t, "BsdfSheen"),
+    "group 'Group', node 'Toon BSDF'": inside_group,
+    "Principled BSDF), socket 'Subsurface Weight'": principled(Subsurface_Weight=0.5),
+    "Principled BSDF), socket 'Sheen Weight'": principled(Sheen_Weight=0.5),
+    "Principled BSDF), socket 'Thin Film Thickness'": principled(Thin_Film_Thickness=200.0),
+    "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
+    "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
     "Noise Texture": colored(lambda t: node(t, "TexNoise")),
-    "node 'Glossy BSDF' (Glossy BSDF), distribution Ashikhmin Shirley": lambda t: node(t, "BsdfGlossy", distribution="ASHIKHMIN_SHIRLEY"),
     "Glossy BSDF), socket 'Normal' (linked)": lambda t: node(t, "BsdfGlossy", {"Normal": bump(t)}),
     "Diffuse BSDF), socket 'Normal' (linked)": lambda t: node(t, "BsdfDiffuse", {"Normal": bump(t)}),
     "socket 'Tangent' (linked)": lambda t: node(t, "BsdfGlossy", {"Anisotropy": 0.5, "Tangent": bump(t)}),
-    "Glass BSDF), rough transmission": lambda t: node(t, "BsdfGlass", {"Roughness": 0.1}),
-    "Refraction BSDF), rough transmission": lambda t: node(t, "BsdfRefraction", {"Roughness": node(t, "LayerWeight")}),
     "Fresnel), socket 'Normal' (linked)": colored(lambda t: node(t, "Fresnel", {"Normal": bump(t)})),
     "output 'Camera'": colored(lambda t: node(t, "TexCoord", output="Camera")),
     "output 'Window'": colored(lambda t: node(t, "TexCoord", output="Window")),

@@ -28,7 +28,10 @@ from etalon.lib.scene.materials import (
     Glossy,
     Lobe,
     Material,
+    Metallic,
     Refraction,
+    Specular,
+    Translucent,
     Transparent,
 )
 from etalon.lib.scene.world import World
@@ -83,6 +86,17 @@ CASES = {
         [of(Glossy("GGX", roughness=HALF, anisotropy=HALF))],
         [of(Glossy("GGX", roughness=HALF)), of(Glossy("GGX", roughness=HALF, anisotropy=Constant(1e-5)))],
     ),
+    "Ashikhmin-Shirley": (
+        [of(Glossy("ASHIKHMIN_SHIRLEY", roughness=HALF))],
+        [of(Glossy("GGX", roughness=HALF))],
+    ),
+    "metals": ([of(Metallic("GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
+    "glossy layers": ([of(Specular("GGX", Constant(1.5)))], [of(Metallic("GGX", roughness=HALF))]),
+    "rough interfaces": (
+        [of(Glass(ior=Constant(1.5), roughness=HALF)), of(Refraction(ior=Constant(1.5), roughness=HALF))],
+        [of(Glass(ior=Constant(1.5)))],
+    ),
+    "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
     "glass": (
         [of(Glass(ior=Constant(1.5)))],
         [of(Refraction(ior=Constant(1.5))), of(Glass(color(0.0), ior=Constant(1.5)))],
