@@ -3,22 +3,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..microfacets.albedo import average_albedo, directional_albedo
 from .mixture import Lobe
 
+Albedos = tuple[Callable[..., np.ndarray], Callable[..., np.ndarray]]
+EXACT: Albedos = (directional_albedo, average_albedo)
 
-def multiple_scattering(cos_o: np.ndarray, alpha: float | np.ndarray, color: np.ndarray) -> np.ndarray:
+
+def multiple_scattering(
+    cos_o: np.ndarray, alpha: float | np.ndarray, color: np.ndarray, albedos: Albedos = EXACT
+) -> np.ndarray:
     """1 + Fms (1 - E) / E with Fms = Fss Eavg / (1 - Fss (1 - Eavg)), (3, n): single scattering times this is all of it.
 
     Turquin 2019, "Practical multiple scattering compensation for microfacet models", eq. 15 and 16, with the colour of many
     bounces after Fdez-Aguera 2019. `cos_o` (n,); `alpha` () or (n,), sqrt(alpha_x alpha_y); `color` (3, 1) or (3, n) in
-    [0, 1], Fss. White gives 1 / E: no light is lost. It is not reciprocal: wi has no part in it.
+    [0, 1], Fss; `albedos` the functions E and Eavg. White gives 1 / E: no light is lost. It is not reciprocal: wi has no part in it.
     """
-    lost = 1.0 / directional_albedo(np.clip(cos_o, 0.0, 1.0), alpha)
+    directional, mean = albedos
+    lost = 1.0 / directional(np.clip(cos_o, 0.0, 1.0), alpha)
     lost -= 1.0
-    average = average_albedo(alpha)
+    average = mean(alpha)
     factor = color * average / (1.0 - color * (1.0 - average)) * lost
     factor += 1.0
     return factor

@@ -21,19 +21,19 @@ class OrenNayar:
     """Fujii's "qualitative" Oren-Nayar with its multiple scattering, coloured by `color` (3, n) or (3, 1).
 
     Fujii 2012; Portsmouth, Kutz and Hill 2024, "EON". `roughness` in [0, 1]; sampled by the cosine. Light that is scattered
-    k times carries color^k, so the multiple scattering begins with color^2 (Cycles multiplies by color once more).
+    k times carries color^k, so the multiple scattering begins with color^`first`, first = 2 (Cycles multiplies by color once more).
     """
 
     delta = False
 
-    def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray) -> None:
-        self._wo, self._roughness, self._color = wo, np.asarray(roughness, np.float64), color
+    def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int = 2) -> None:
+        self._wo, self._roughness, self._color, self._first = wo, np.asarray(roughness, np.float64), color, first
         self._a = 1.0 / (np.pi + self._roughness * (np.pi / 2.0 - 2.0 / 3.0))
         self._b = self._roughness * self._a
         average = np.pi * self._a + self._b * (2.0 * np.pi - 5.6) / 3.0
         self._average = average
         lost = 1.0 - average
-        self._multiple = color * color * average / (np.pi * np.maximum(lost, 1e-300) * (1.0 - color * lost))
+        self._multiple = color**first * average / (np.pi * np.maximum(lost, 1e-300) * (1.0 - color * lost))
         self._lost_o = 1.0 - _albedo_term(wo[2], self._a, self._b)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -57,4 +57,4 @@ class OrenNayar:
         """The same lobe at fewer points."""
         roughness = self._roughness if self._roughness.ndim == 0 else self._roughness[index]
         color = self._color if self._color.shape[1] == 1 else np.take(self._color, index, axis=1)
-        return OrenNayar(np.take(self._wo, index, axis=1), roughness, color)
+        return OrenNayar(np.take(self._wo, index, axis=1), roughness, color, self._first)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..departures.scene import departed
 from ..effects.plan import Plan
 from ..lights.build import light_samplers
 from ..lights.environment import EnvironmentSampler
@@ -25,14 +26,16 @@ class Kernel:
     """Everything that tiles share; read-only once made.
 
     `lights` are the samplers of light objects, then the environment's, then the emissive mesh's, as far as the plan calls for them;
-    `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None.
+    `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None. `lit_from_below` lets light sampling reach
+    below smooth-shaded faces.
     """
 
     def __init__(self, scene: Scene, plan: Plan, options: Options) -> None:
+        scene = departed(scene, options.departures)
         self.scene, self.plan, self.options = scene, plan, options
         self.caster = Raycaster(scene.mesh)
         self.tables = SurfaceTables(scene.mesh)
-        self.images = ImageSet(scene.images)
+        self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
         self.materials = [PreparedMaterial(m, self.images, options) for m in scene.materials]
         self.material_of = scene.mesh.material_index.astype(np.int16)
         radius = 0.5 * float(np.linalg.norm(np.ptp(scene.mesh.vertices, axis=1)))
@@ -53,6 +56,7 @@ class Kernel:
         self.light_is_delta = np.array([light.delta for light in self.lights], bool)
         # Light sampling is called for by lights that nothing else finds, and wherever it is one of the strategies.
         self.samples_lights = bool(self.light_is_delta.any()) or (bool(self.lights) and options.direct != "bsdf")
+        self.lit_from_below = "light below the face" in options.departures
         self.has_choices = len(self.lights) > 1 or any(m.mixes for m in self.materials)
 
     def _world(self, direction: np.ndarray) -> np.ndarray:

@@ -9,20 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley
-from ..bsdfs.compensated import Compensated, multiple_scattering
+from ..bsdfs.compensated import EXACT, Compensated, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
 from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
-from ..bsdfs.lambert import Lambert
+from ..bsdfs.lambert import Lambert, LambertTransmission
 from ..bsdfs.microfacet import MicrofacetReflection
 from ..bsdfs.mixture import Lobe
 from ..bsdfs.oren_nayar import OrenNayar
 from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
 from ..bsdfs.specular import Mirror, SmoothDielectric
-from ..microfacets import beckmann, ggx
+from ..departures.closures import beckmann_form, with_stated_density
+from ..microfacets import ggx
+from ..microfacets.albedo import average_albedo_cycles, directional_albedo_cycles
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
-from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular
+from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
 from ..textures.evaluate import Evaluator
 from ..vectors import dot
 from .options import Options
@@ -56,7 +58,8 @@ def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:
     roughness, color = np.clip(site.read(closure.roughness), 0.0, 1.0), site.read(closure.color)
     if not np.any(roughness):
         return Lambert(), color
-    return OrenNayar(site.wo, roughness, np.clip(color, 0.0, 1.0)), np.ones((3, 1))
+    first = 3 if "Oren-Nayar colour" in site.options.departures else 2
+    return OrenNayar(site.wo, roughness, np.clip(color, 0.0, 1.0), first), np.ones((3, 1))
 
 
 def _glossy(closure: Glossy, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -103,9 +106,17 @@ def _reflection(
         np.maximum(alpha_x, _FLOOR),
         np.maximum(alpha_y, _FLOOR),
     )  # where a texture reaches zero roughness
-    how = (_distribution(closure), site.options.masking, site.options.strategy)
-    lobe = _turned(closure, stretch, site, lambda wo: MicrofacetReflection(wo, alpha_x, alpha_y, *how))
-    return lobe, np.sqrt(alpha_x * alpha_y)
+    options = site.options
+    masking = "separable" if "separable masking" in options.departures else options.masking
+    how = (_distribution(closure, options), masking, options.strategy)
+
+    def make(wo: np.ndarray) -> Lobe:
+        lobe = MicrofacetReflection(wo, alpha_x, alpha_y, *how)
+        if closure.distribution == "BECKMANN" and options.strategy == "visible":
+            return with_stated_density(lobe, wo, alpha_x, alpha_y, options.departures)
+        return lobe
+
+    return _turned(closure, stretch, site, make), np.sqrt(alpha_x * alpha_y)
 
 
 def _turned(closure: Anisotropic, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
@@ -121,7 +132,9 @@ def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.nda
     """The lobe with its lost light given back where the distribution is Multiscatter GGX; `color` is that of one bounce."""
     if distribution != "MULTI_GGX" or lobe.delta:
         return lobe
-    return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color))
+    tabulated = "multiple-scattering tables" in site.options.departures
+    albedos = (directional_albedo_cycles, average_albedo_cycles) if tabulated else EXACT
+    return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color, albedos))
 
 
 def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -154,7 +167,11 @@ def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarra
             return SmoothDielectric(site.wo, eta, interface.fresnel is not None)
         return SmoothInterface(site.wo, eta, interface)
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
-    return RoughDielectric(site.wo, np.maximum(alpha, _FLOOR), eta, _distribution(closure), interface)
+    alpha = np.maximum(alpha, _FLOOR)
+    lobe = RoughDielectric(site.wo, alpha, eta, _distribution(closure, site.options), interface)
+    if closure.distribution == "BECKMANN":
+        return with_stated_density(lobe, site.wo, alpha, alpha, site.options.departures)
+    return lobe
 
 
 def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
@@ -172,8 +189,8 @@ def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.nd
     return factor
 
 
-def _distribution(closure: Closure) -> object:
-    return beckmann if closure.distribution == "BECKMANN" else ggx
+def _distribution(closure: Closure, options: Options) -> object:
+    return beckmann_form(options.departures) if closure.distribution == "BECKMANN" else ggx
 
 
 def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -187,6 +204,7 @@ _BUILDERS: dict[type[Closure], Callable[..., tuple[Lobe, np.ndarray]]] = {
     Glossy: _glossy,
     Metallic: _metallic,
     Specular: _specular,
+    Translucent: lambda closure, site: (LambertTransmission(), site.read(closure.color)),
     Glass: _glass,
     Refraction: _refraction,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..departures.catalogue import SWITCHES
 from ..errors import EtalonError
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
@@ -23,6 +24,7 @@ class Options:
         that one of them cannot sample is then still taken by the other: deltas, constant worlds).
     masking: 'correlated' (Ross, Heitz; what Cycles uses), 'separable' (the documents' G1 G1) or 'torrance_sparrow'.
     sampler: 'sobol' (Owen-scrambled, padded) or 'random'.
+    departures: names from lib/departures/catalogue.py, by which the reference errs as Cycles does.
     russian_roulette: stop paths after the third scattering with a probability that leaves the mean as it is.
     """
 
@@ -30,6 +32,7 @@ class Options:
     direct: str = "mis"
     masking: str = "correlated"
     sampler: str = "sobol"
+    departures: frozenset[str] = frozenset()
     russian_roulette: bool = True
     seed: int = 0
     threads: int = 2
@@ -44,5 +47,8 @@ class Options:
         ):
             if getattr(self, name) not in allowed:
                 raise EtalonError(f"{name} '{getattr(self, name)}' is unknown; choose one of {', '.join(allowed)}")
+        for name in self.departures:
+            if name not in SWITCHES:
+                raise EtalonError(f"departure '{name}' is unknown; choose from {', '.join(sorted(SWITCHES))}")
         if self.threads < 1:
             raise EtalonError(f"threads is {self.threads}; give at least 1")

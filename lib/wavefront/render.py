@@ -63,7 +63,11 @@ class ReferenceRenderer:
     @property
     def settings(self) -> dict[str, object]:
         """What a report says about this side."""
-        return {**vars(self.options), "max_bounces": self.scene.transport.max_bounces}
+        return {
+            **vars(self.options),
+            "departures": sorted(self.options.departures),
+            "max_bounces": self.scene.transport.max_bounces,
+        }
 
     def render(
         self,

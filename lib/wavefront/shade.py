@@ -80,7 +80,8 @@ def _direct(
 ) -> np.ndarray:
     """One light's contribution by light sampling, weighed against BSDF sampling; (3, n)."""
     sample = light.sample
-    value, pdf = mixture.evaluate(to_local(sample.wi, *frame, points.n))
+    toward = to_local(sample.wi, *frame, points.n)
+    value, pdf = mixture.evaluate(toward)
     density = sample.pdf * light.probability
     if kernel.options.direct == "mis":
         factor = power_heuristic(density, np.where(light.delta, 0.0, pdf))
@@ -89,8 +90,8 @@ def _direct(
     else:
         factor = np.where(light.delta, 1.0, np.zeros_like(density))
     factor /= density
-    if not kernel.tables.all_flat:
-        factor *= dot(points.ng, sample.wi) > 0.0
+    if not kernel.tables.all_flat and not kernel.lit_from_below:
+        factor *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value = value * factor
     value *= sample.radiance
     return value

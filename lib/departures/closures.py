@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Departures in what a surface does: a lobe that misstates its density, and the distributions that lead to it."""
+
+from __future__ import annotations
+
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+
+from ..bsdfs.fresnels import part_of
+from ..bsdfs.mixture import Lobe
+from ..microfacets import beckmann
+
+RATIONAL = SimpleNamespace(
+    density=beckmann.density,
+    smith_lambda=beckmann.smith_lambda_rational,
+    sample_visible=beckmann.sample_visible,
+    sample_d_cos=beckmann.sample_d_cos,
+)
+"""Beckmann's distribution with the rational Lambda in place of the exact one, both in masking and in the density."""
+
+
+class Misstated:
+    """`lobe`, stating 1 / `factor` (n,) of its density: its samples, drawn as before, weigh `factor` times as much."""
+
+    def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
+        self._lobe, self._factor = lobe, factor
+        self.delta = lobe.delta
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The lobe's value, and the density it states."""
+        value, pdf = self._lobe.evaluate(wi)
+        return value, pdf / self._factor
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, weight f |cos| / stated density, the stated density."""
+        wi, weight, pdf = self._lobe.sample(u1, u2)
+        return wi, weight * self._factor, pdf / self._factor
+
+    def part(self, index: np.ndarray) -> Misstated:
+        """The same lobe at fewer points."""
+        return Misstated(self._lobe.part(index), part_of(self._factor, index))
+
+
+def beckmann_form(departures: frozenset[str]) -> ModuleType | SimpleNamespace:
+    """Beckmann's distribution with the Lambda by which it masks."""
+    return RATIONAL if "rational Beckmann Lambda" in departures else beckmann
+
+
+def with_stated_density(
+    lobe: Lobe, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray, departures: frozenset[str]
+) -> Lobe:
+    """A Beckmann lobe of visible normals, made by `beckmann_form`, that states its density by the Lambda asked for.
+
+    A lobe states D (wo.m) / (wo.n (1 + Lambda)) with the Lambda by which it masks; samples have the exact one in any case.
+    """
+    masks_rational = "rational Beckmann Lambda" in departures
+    states_rational = "rational Beckmann density" in departures
+    if masks_rational == states_rational:
+        return lobe
+    exact = 1.0 + beckmann.smith_lambda(wo, alpha_x, alpha_y)
+    rational = 1.0 + beckmann.smith_lambda_rational(wo, alpha_x, alpha_y)
+    return Misstated(lobe, rational / exact if states_rational else exact / rational)

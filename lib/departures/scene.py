@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Departures that are a change of the scene: the same integrator, given what Cycles reads in place of what the user set."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Set
+from dataclasses import replace
+
+import numpy as np
+
+from ..scene.expressions import ColorRamp, Expression
+from ..scene.lights import AreaLight, Light
+from ..scene.materials import Material
+from ..scene.scene import Scene
+from ..textures.fold import inputs
+from ..textures.ramp import color_ramp
+
+_RAMP_CELLS = 256
+# Half spreads (radians) up to which Cycles takes the first term of the series.
+_NARROW = 0.05
+
+
+def departed(scene: Scene, departures: Set[str]) -> Scene:
+    """`scene` as it stands after the named departures; names that change no scene are passed over."""
+    if "colour-ramp table" in departures:
+        changed = _Rewriter(lambda node: tabulated_ramp(node) if isinstance(node, ColorRamp) else node)
+        materials = tuple(_with_sockets(material, changed) for material in scene.materials)
+        scene = replace(scene, materials=materials, world=replace(scene.world, radiance=changed(scene.world.radiance)))
+    if "narrow spread" in departures:
+        scene = replace(scene, lights=tuple(_narrowed(light) for light in scene.lights))
+    return scene
+
+
+def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
+    """The ramp that goes through `ramp` at 257 evenly spaced factors, linear between them, constant where `ramp` is."""
+    node = np.linspace(0.0, 1.0, _RAMP_CELLS + 1)
+    color = color_ramp(replace(ramp, output="COLOR"), node)
+    alpha = color_ramp(replace(ramp, output="ALPHA"), node)
+    constant = ramp.mode == "RGB" and ramp.interpolation == "CONSTANT"
+    return replace(
+        ramp,
+        positions=tuple(node.tolist()),
+        colors=tuple(map(tuple, np.vstack([color, alpha]).T.tolist())),
+        interpolation="CONSTANT" if constant else "LINEAR",
+        mode="RGB",
+    )
+
+
+def narrow_factor(spread: float) -> float:
+    """(3 / h^3) (tan h - h), h = `spread` / 2 in (0, 0.05]: what Cycles' normalisation multiplies the radiance by."""
+    h = 0.5 * spread
+    return 3.0 * (math.tan(h) - h) / h**3 if h > 1e-3 else 1.0 + 0.4 * h * h
+
+
+def _narrowed(light: Light) -> Light:
+    if not isinstance(light, AreaLight) or not 0.0 < light.spread <= 2.0 * _NARROW:
+        return light
+    factor = narrow_factor(light.spread)
+    return replace(light, radiance=tuple(c * factor for c in light.radiance))
+
+
+def _with_sockets(material: Material, changed: Callable[[Expression], Expression]) -> Material:
+    lobes = []
+    for lobe in material.lobes:
+        sockets = {k: changed(v) for k, v in vars(lobe.closure).items() if isinstance(v, Expression)}
+        lobes.append(replace(lobe, closure=replace(lobe.closure, **sockets), weight=changed(lobe.weight)))
+    return replace(material, lobes=tuple(lobes))
+
+
+class _Rewriter:
+    """Expressions with `change` done to every node, inputs first; nodes that several share stay shared."""
+
+    def __init__(self, change: Callable[[Expression], Expression]) -> None:
+        self._change = change
+        self._done: dict[int, tuple[Expression, Expression]] = {}
+
+    def __call__(self, expression: Expression) -> Expression:
+        """The expression after the change."""
+        if id(expression) not in self._done:
+            old = inputs(expression)
+            new = {name: self(value) for name, value in old.items()}
+            same = all(new[name] is old[name] for name in old)
+            self._done[id(expression)] = expression, self._change(expression if same else replace(expression, **new))
+        return self._done[id(expression)][1]
