@@ -204,8 +204,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         arguments = parser().parse_args(words, argparse.Namespace(repeat=shlex.join(["etalon", *words])))
     except SystemExit as end:
         return int(end.code or 0)
-    from . import commands
+    from .console import ended_by_interrupt
 
+    with ended_by_interrupt():
+        from . import commands
     try:
         return commands.COMMANDS[arguments.command](arguments)
     except Refused as refused:

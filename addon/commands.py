@@ -21,15 +21,12 @@ from ..lib.scene import archive
 from ..lib.scene.scene import Scene
 from ..lib.wavefront.options import Options
 from ..lib.wavefront.render import ReferenceRenderer
-from .console import bar, interruptible, quiet
+from .console import bar, ended_by_interrupt, interruptible, quiet
 from .results import file_beside
 
 
 def compare(arguments: Namespace) -> int:
     """Open the scene, compare, print the verdict; the exit code is the verdict's."""
-    from . import job
-    from .opening import open_target
-
     if arguments.scene is not None and arguments.scene.endswith(".npz"):
         raise EtalonError(
             f"{arguments.scene}: Cycles cannot render a saved scene; give the .blend, or use etalon render"
@@ -42,11 +39,14 @@ def compare(arguments: Namespace) -> int:
         replicates=arguments.replicates,
         seed=arguments.seed,
     )
+    with ended_by_interrupt():
+        import bpy
+
+        from . import job
+        from .opening import open_target
     choices = job.Choices(verdict, _reference_options(arguments))
     name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
     folder = arguments.out or Path("etalon-out") / name
-    import bpy
-
     with interruptible() as interrupted, bar(name) as progress, quiet():
         comparison = job.compare_here(bpy.context.scene, choices, folder, arguments.repeat, progress, interrupted)
     print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
@@ -81,8 +81,8 @@ def render(arguments: Namespace) -> int:
 
 def scenes(arguments: Namespace) -> int:
     """List the reference scenes, or save one as a .blend."""
-    from ..reference_scenes import SCENES, save
-
+    with ended_by_interrupt():
+        from ..reference_scenes import SCENES, save
     if arguments.save is None:
         width = max(map(len, SCENES))
         for name, module in SCENES.items():
@@ -141,12 +141,12 @@ def _exported(arguments: Namespace) -> Scene:
     """The scene that the arguments name, from a saved .npz or through Blender."""
     if arguments.scene is not None and arguments.scene.endswith(".npz"):
         return archive.load(Path(arguments.scene))
-    from . import job
-    from .opening import open_target
+    with ended_by_interrupt():
+        import bpy
 
+        from . import job
+        from .opening import open_target
     open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
-    import bpy
-
     with quiet():
         return job.export(bpy.context.scene)
 

@@ -52,6 +52,16 @@ def bar(description: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextmanager
+def ended_by_interrupt() -> Iterator[None]:
+    """Let Ctrl-C end the process at once and without a word, where an exception would leave Blender half initialised."""
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        _restore(before)
+
+
+@contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
     """Take the first Ctrl-C as a wish to end soon; the second one ends at once. Yields the question "was it pressed?"."""
     pressed = False
@@ -66,5 +76,9 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     try:
         yield lambda: pressed
     finally:
-        # None stands for a handler that was not set from Python, such as Blender's own.
-        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        _restore(before)
+
+
+def _restore(before: signal.Handlers | Callable | None) -> None:
+    """Put a handler of Ctrl-C back; None stands for one that was not set from Python, such as Blender's own."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
