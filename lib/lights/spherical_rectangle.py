@@ -151,18 +151,29 @@ class SphericalRectangle:
         return x
 
     def _y(self, x: np.ndarray, u2: np.ndarray) -> np.ndarray:
-        """Where, mirrored, y / r is uniform between the edges; by 1 - y / r, which keeps its digits for y much larger than x."""
+        """Where, mirrored, h = y / r is uniform between the edges; y = h sqrt((x^2 + height^2) / (1 - h^2))."""
         strip = self._strip
         x2 = x * x
         x2 += strip.height2
         r0, r1 = np.sqrt(x2 + strip.y0 * strip.y0), np.sqrt(x2 + strip.y1 * strip.y1)
-        low = x2 / (r0 * (r0 + np.abs(strip.y0)))
-        low = np.where(strip.y0 < 0.0, 2.0 - low, low)
+        rest = 1.0 - u2
+        y = strip.y1 / r1
+        y *= u2
+        y += strip.y0 / r0 * rest
+        # Of 1 - h and 1 + h the smaller keeps its digits, as such a sum of those at the edges.
+        near = x2 / (r0 * (r0 + np.abs(strip.y0)))
         high = x2 / (r1 * (r1 + strip.y1))
-        low *= 1.0 - u2
+        across = strip.y0 < 0.0
+        far = 2.0 - near
+        low = np.where(across, far, near)
+        other = np.where(across, near, far)
+        low *= rest
+        low += high * u2
+        np.subtract(2.0, high, out=high)
         high *= u2
-        low += high
-        y = 1.0 - low
+        other *= rest
+        other += high
+        np.minimum(low, other, out=low)
         low *= 2.0 - low
         x2 /= np.maximum(low, np.finfo(float).tiny, out=low)
         y *= np.sqrt(x2, out=x2)

@@ -4,8 +4,8 @@
 Seen under a = cot(theta), the tangent x along the view has the density (a + x) exp(-x^2) on x > -a, up to scale, and
 above x lies the mass a sqrt(pi)/2 erfc(x) + exp(-x^2)/2 (Heitz and d'Eon 2014): no closed inverse. x grows with u and
 falls with a, so the corners of a table's cell bracket it, and the table's bilinear value starts it; one step on the exact
-distribution then leaves less than 1e-12 of error in u. The step follows the parabola through value, slope and curvature,
-not the tangent: at the lower end the density is zero, the distribution a parabola, and Newton's method slow.
+distribution then leaves what rounding leaves of u. The step follows the parabola through value, slope and curvature, and then
+the cubic, not the tangent: at the lower end the density is zero, the distribution a parabola, and Newton's method slow.
 """
 
 from __future__ import annotations
@@ -64,15 +64,25 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.n
     weight += c
     gauss *= weight
     step = np.divide(excess, gauss, out=excess)  # twice Newton's step
-    curvature = np.divide(s, weight, out=s)  # density' / density
-    curvature -= x
+    pull = np.divide(s, weight, out=s)
+    bend = np.subtract(x, pull, out=gauss)  # (density'' / density + 2) / 4
+    bend *= x
+    curvature = np.subtract(pull, x, out=weight)  # density' / density
     curvature -= x
     curvature *= step
     curvature += 1.0
     np.maximum(curvature, 0.0, out=curvature)
     np.sqrt(curvature, out=curvature)
-    curvature += 1.0
-    step /= curvature
+    step /= np.add(curvature, 1.0, out=pull)
+    # The parabola's step, less what the cubic term adds to it.
+    bend -= 0.5
+    bend *= step
+    bend *= step
+    bend *= 2.0 / 3.0
+    bend /= np.maximum(curvature, 0.5, out=curvature)
+    np.clip(bend, -0.01, 0.01, out=bend)  # at the far ends, where the table starts too far off for a series
+    np.subtract(1.0, bend, out=bend)
+    step *= bend
     x += step
     return np.clip(x, low, high, out=x)
 

@@ -9,9 +9,9 @@ from types import ModuleType
 
 import numpy as np
 
+from ..lights.sphere import SphereSampler
 from ..lights.spherical_rectangle import SphericalRectangle
 from ..lights.spread import Spread
-from ..lights.sphere import SphereSampler
 from ..lights.sun import SunSampler
 from ..microfacets import beckmann, densities, fresnel, ggx, masking
 from ..sampling.mis import power_heuristic
@@ -40,7 +40,7 @@ def _views(rng: np.random.Generator, count: int) -> np.ndarray:
 def _slopes(rng: np.random.Generator, count: int) -> np.ndarray:
     """Views of which a third sees the surface where Beckmann's exponential still counts, a from 0.03 to 30."""
     views = _views(rng, count)
-    x, y, z, alpha_x, alpha_y = views
+    x, y, _, alpha_x, alpha_y = views
     wanted = 10.0 ** rng.uniform(-1.5, 1.5, count) * np.sqrt((alpha_x * x) ** 2 + (alpha_y * y) ** 2)
     sine = np.sqrt(x * x + y * y)
     chosen = (rng.random(count) < 1.0 / 3.0) & (sine > 0.0)

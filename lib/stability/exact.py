@@ -135,6 +135,6 @@ def sun_density(half_angle: mpf) -> Values:
 
 
 def spread(spread_angle: mpf) -> Values:
-    """tan h / (tan h - h), h half the spread: how much brighter the light is along its axis."""
+    """The factor tan h / (tan h - h), h half the spread: how much brighter the light is along its axis."""
     h = spread_angle / 2
     return (mp.tan(h) / (mp.tan(h) - h),)

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from mpmath import mp, mpf
+from scipy.special import erfcinv
 
 from .exact import Values, rectangle
 
@@ -18,14 +21,14 @@ def _normal(x: mpf, y: mpf) -> Values:
 
 
 def ggx_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
-    """theta = atan(alpha sqrt(u2 / (1 - u2))), phi = 2 pi u1, stretched."""
+    """Angles theta = atan(alpha sqrt(u2 / (1 - u2))), phi = 2 pi u1, stretched."""
     c, s = _circle(u1)
     tangent = mp.sqrt(u2 / (1 - u2))
     return _normal(ax * tangent * c, ay * tangent * s)
 
 
 def beckmann_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
-    """theta = atan(sqrt(-alpha^2 log(1 - u2))), phi = 2 pi u1, stretched."""
+    """Angles theta = atan(sqrt(-alpha^2 log(1 - u2))), phi = 2 pi u1, stretched."""
     c, s = _circle(u1)
     tangent = mp.sqrt(-mp.log(1 - u2))
     return _normal(ax * tangent * c, ay * tangent * s)
@@ -44,23 +47,25 @@ def ggx_visible(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> V
     return h[0] / length, h[1] / length, h[2] / length
 
 
+@lru_cache(maxsize=64)
 def visible_tangent(cot: mpf, u: mpf) -> mpf:
     """The x above which lies 1 - u of Beckmann's visible slopes at roughness 1, seen under `cot` = cos / sin.
 
     Newton's method on their distribution, convex to the right of its root's side, from the right.
     """
-    root = mp.sqrt(mp.pi)
+    with mp.workdps(60):
+        root = mp.sqrt(mp.pi)
 
-    def above(x: mpf) -> mpf:
-        return cot * root * mp.erfc(x) + mp.exp(-x * x)
+        def above(x: mpf) -> mpf:
+            return cot * root * mp.erfc(x) + mp.exp(-x * x)
 
-    target = (1 - u) * above(-cot)
-    x = _start(cot, u)
-    for _ in range(200):
-        step = (above(x) - target) / (2 * (cot + x) * mp.exp(-x * x))
-        x = max(x + step, (x - cot) / 2)  # never past -cot, where the density ends
-        if abs(step) <= abs(x) * mpf(10) ** (6 - mp.dps):
-            return x
+        target = (1 - u) * above(-cot)
+        x = _start(cot, u)
+        for _ in range(200):
+            step = (above(x) - target) / (2 * (cot + x) * mp.exp(-x * x))
+            x = max(x + step, (x - cot) / 2)  # never past -cot, where the density ends
+            if abs(step) <= abs(x) * mpf(10) ** -28:
+                return x
     raise ArithmeticError(f"Newton's method has not settled at cot {cot}, u {u}")
 
 
@@ -82,34 +87,47 @@ def beckmann_visible(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf)
     sine = mp.sqrt(x * x + y * y)
     x, y = (x / sine, y / sine) if sine else (mpf(1), mpf(0))
     along = visible_tangent(z / max(sine, mpf(10) ** -150), u1)
-    across = mp.erfinv(2 * u2 - 1)
+    across = gaussian(u2)
     return _normal(ax * (x * along - y * across), ay * (y * along + x * across))
 
 
+@lru_cache(maxsize=64)
+def gaussian(u: mpf) -> mpf:
+    """The inverse of (1 + erf) / 2, by Newton's method on its tail."""
+    if u == mpf("0.5"):
+        return mpf(0)
+    tail = 2 * min(u, 1 - u)
+    x = mpf(float(erfcinv(float(tail))))
+    for _ in range(20):
+        step = (mp.erfc(x) - tail) * mp.exp(x * x) * mp.sqrt(mp.pi) / 2
+        x += step
+        if abs(step) <= abs(x) * mpf(10) ** (-mp.dps // 2 - 5):
+            return x if u > mpf("0.5") else -x
+    raise ArithmeticError(f"Newton's method has not settled at {u}")
+
+
 def cosine_hemisphere(u1: mpf, u2: mpf) -> Values:
-    """phi = 2 pi u1, theta = acos(sqrt(1 - u2))."""
+    """Angles phi = 2 pi u1, theta = acos(sqrt(1 - u2))."""
     c, s = _circle(u1)
     return mp.sqrt(u2) * c, mp.sqrt(u2) * s, mp.sqrt(1 - u2)
 
 
 def uniform_hemisphere(u1: mpf, u2: mpf) -> Values:
-    """phi = 2 pi u1, cos(theta) = 1 - u2."""
+    """Angles phi = 2 pi u1, cos(theta) = 1 - u2."""
     c, s = _circle(u1)
     sine = mp.sqrt(1 - (1 - u2) ** 2)
     return sine * c, sine * s, 1 - u2
 
 
 def uniform_cone(x: mpf, y: mpf, z: mpf, one_minus_cos: mpf, u1: mpf, u2: mpf) -> Values:
-    """A direction about the axis (x, y, z), uniform in the cone, in the frame of Duff et al. 2017."""
+    """A direction about the axis (x, y, z), uniform in the cone, in the frame of Duff et al. 2017, turned by pi below the horizon."""
     cosine = 1 - u2 * one_minus_cos
     sine = mp.sqrt(1 - cosine**2)
     c, s = (sine * v for v in _circle(u1))
     sign = 1 if z >= 0 else -1
-    a = -1 / (sign + z)
-    b = x * y * a
-    first = (1 + sign * x * x * a, sign * b, -sign * x)
-    second = (b, sign + y * y * a, -y)
-    return tuple(c * p + s * q + cosine * n for p, q, n in zip(first, second, (x, y, z), strict=True))
+    across = x * c + y * s
+    along = cosine - across / (sign + z)
+    return x * along + sign * c, y * along + sign * s, z * cosine - across
 
 
 def rectangle_place(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u1: mpf, u2: mpf) -> Values:
@@ -145,7 +163,7 @@ def _cut(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u: mpf) -> mpf:
             following = x - excess / slope
             if not low <= following <= high:
                 following = (low + high) / 2
-            if abs(following - x) <= (abs(x) + (x1 - x0) * u * mpf(10) ** -20) * mpf(10) ** (8 - mp.dps):
+            if abs(following - x) <= abs(x) * mpf(10) ** (60 - mp.dps):
                 return following
             x = following
     raise ArithmeticError("Newton's method has not settled")

@@ -39,7 +39,9 @@ class Function:
     """One equation: where it is asked, the reference's kernel, the truth, and the float32 forms.
 
     `draw(rng, count)` gives arguments (k, n) in float64; a kernel takes them and gives values (n,) or (c, n); `truth` takes k mpmath
-    numbers and gives the c values. `names` are those of the k arguments.
+    numbers and gives the c values. `names` are those of the k arguments. Where the reference gives digits away on purpose,
+    `sizes` says of which magnitude an argument counts to its last place (instead of its own), (k, n), or `slack` what is added to
+    the condition number, (n,), and `excuse` why.
     """
 
     family: str
@@ -51,42 +53,58 @@ class Function:
     bound: float
     printed: Single | None = None
     cycles: Single | None = None
+    sizes: Callable[[np.ndarray], np.ndarray] | None = None
+    slack: Callable[[np.ndarray], np.ndarray] | None = None
     excuse: str = ""
 
 
 def measure(function: Function, count: int) -> Case:
     """The largest error of the function and of its float32 forms over about `count` points, seeded by its name."""
     arguments = function.draw(np.random.default_rng(zlib.crc32(function.name.encode())), count)
-    worst, index = _worst(function.kernel(arguments), arguments, function.truth, 53)
+    sizes = function.sizes(arguments) if function.sizes else None
+    slack = function.slack(arguments) if function.slack else 0.0
+    found, judged = errors(function.kernel(arguments), arguments, function.truth, 53, sizes, slack)
+    index = int(np.argmax(found))
     where = ", ".join(f"{name} {value:.6g}" for name, value in zip(function.names, arguments[:, index], strict=True))
     forms = [_single(form, arguments, function.truth) for form in (function.printed, function.cycles)]
     return Case(
         function.family,
         function.name,
-        worst,
+        float(found[index]),
         function.bound,
         "ulp / (1 + condition)",
         where,
         *forms,
+        judged=float(judged.max()),
         excuse=function.excuse,
         points=arguments.shape[1],
     )
 
 
-def errors(got: np.ndarray, arguments: np.ndarray, truth: Truth, bits: int) -> np.ndarray:
-    """The error of each point, the largest of its components, in ulps of `bits` bits over (1 + condition), (n,)."""
+def errors(
+    got: np.ndarray,
+    arguments: np.ndarray,
+    truth: Truth,
+    bits: int,
+    sizes: np.ndarray | None = None,
+    slack: np.ndarray | float = 0.0,
+) -> np.ndarray:
+    """The error of each point, the largest of its components, in ulps of `bits` bits over (1 + condition), (2, n).
+
+    The second row takes `sizes` and `slack` (see `Function`) into the condition number.
+    """
     got = np.atleast_2d(got)
-    found = np.empty(arguments.shape[1])
+    count = arguments.shape[1]
+    factors = np.ones(arguments.shape)
+    if sizes is not None:
+        np.divide(sizes, np.abs(arguments), out=factors, where=arguments != 0.0)
+    slack = np.broadcast_to(slack, (count,))
+    found = np.empty((2, count))
     with mp.workdps(DIGITS):
-        for k in range(arguments.shape[1]):
-            found[k] = _error(got[:, k], [mp.mpf(float(a)) for a in arguments[:, k]], truth, bits)
+        for k in range(count):
+            at = [mp.mpf(float(a)) for a in arguments[:, k]]
+            found[:, k] = _error(got[:, k], at, truth, bits, factors[:, k].tolist(), float(slack[k]))
     return found
-
-
-def _worst(got: np.ndarray, arguments: np.ndarray, truth: Truth, bits: int) -> tuple[float, int]:
-    found = errors(got, arguments, truth, bits)
-    index = int(np.argmax(found))
-    return float(found[index]), index
 
 
 def _single(form: Single | None, arguments: np.ndarray, truth: Truth) -> float | None:
@@ -98,22 +116,30 @@ def _single(form: Single | None, arguments: np.ndarray, truth: Truth) -> float |
     rounded = np.where(np.abs(rounded) > np.abs(arguments), np.nextafter(rounded, np.float32(0.0)), rounded)
     with np.errstate(all="ignore"):
         got = form.kernel(rounded)
-    return _worst(got, rounded.astype(np.float64), form.truth or truth, 24)[0]
+    return float(errors(got, rounded.astype(np.float64), form.truth or truth, 24)[0].max())
 
 
-def _error(got: np.ndarray, at: list[mp.mpf], truth: Truth, bits: int) -> float:
-    """Over the components of one point."""
+def _error(
+    got: np.ndarray, at: list[mp.mpf], truth: Truth, bits: int, factors: list[float], slack: float
+) -> tuple[float, float]:
+    """Over the components of one point, without and with what is excused."""
+    if not np.isfinite(got).all():
+        return math.inf, math.inf
     exact = truth(*at)
-    shifted = [truth(*at[:k], a - a * _STEP, *at[k + 1 :]) if a else None for k, a in enumerate(at)]
-    worst = 0.0
+    shifted = [(truth(*at[:k], a - a * _STEP, *at[k + 1 :]), factors[k]) for k, a in enumerate(at) if a]
+    worst = judged = 0.0
     for c, (value, target) in enumerate(zip(got, exact, strict=True)):
-        if not math.isfinite(value):
-            return math.inf
-        slope = sum((abs(other[c] - target) for other in shifted if other is not None), mp.mpf(0)) / _STEP
+        slopes = [(abs(other[c] - target) / _STEP, factor) for other, factor in shifted]
         unit = _last_place(target, bits)
         scale = unit / abs(target) if target else mp.mpf(2) ** (1 - bits)
-        worst = max(worst, min(float(abs(mp.mpf(float(value)) - target) / (unit + scale * slope)), _MOST))
-    return worst
+        error = abs(mp.mpf(float(value)) - target)
+        worst = max(worst, _ratio(error, unit + scale * mp.fsum(slope for slope, _ in slopes)))
+        judged = max(judged, _ratio(error, unit * (1 + slack) + scale * mp.fsum(a * b for a, b in slopes)))
+    return worst, judged
+
+
+def _ratio(error: mp.mpf, room: mp.mpf) -> float:
+    return min(float(error / room), _MOST)
 
 
 def _last_place(value: mp.mpf, bits: int) -> mp.mpf:

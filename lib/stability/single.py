@@ -151,7 +151,7 @@ def sun_density(a: np.ndarray) -> np.ndarray:
 
 
 def spread(a: np.ndarray) -> np.ndarray:
-    """tan h / (tan h - h)."""
+    """The factor tan h / (tan h - h)."""
     h = a[0] / TWO
     return np.tan(h) / (np.tan(h) - h)
 
@@ -161,22 +161,22 @@ def _spherical(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
 
 
 def ggx_d_cos(a: np.ndarray) -> np.ndarray:
-    """phi = 2 pi xi1, theta = atan(sigma sqrt(xi2 / (1 - xi2))), isotropic in alpha_x."""
+    """Angles phi = 2 pi xi1, theta = atan(sigma sqrt(xi2 / (1 - xi2))), isotropic in alpha_x."""
     ax, _, u1, u2 = a
     return _spherical(np.arctan(ax * np.sqrt(u2 / (ONE - u2))), TWO * PI * u1)
 
 
 def beckmann_d_cos(a: np.ndarray) -> np.ndarray:
-    """phi = 2 pi xi1, theta = atan(sqrt(-sigma^2 log(1 - xi2))), isotropic in alpha_x."""
+    """Angles phi = 2 pi xi1, theta = atan(sqrt(-sigma^2 log(1 - xi2))), isotropic in alpha_x."""
     ax, _, u1, u2 = a
     return _spherical(np.arctan(np.sqrt(-(ax * ax) * np.log(ONE - u2))), TWO * PI * u1)
 
 
 def cosine_hemisphere(a: np.ndarray) -> np.ndarray:
-    """phi = 2 pi xi1, theta = acos(sqrt(1 - xi2))."""
+    """Angles phi = 2 pi xi1, theta = acos(sqrt(1 - xi2))."""
     return _spherical(np.arccos(np.sqrt(ONE - a[1])), TWO * PI * a[0])
 
 
 def uniform_hemisphere(a: np.ndarray) -> np.ndarray:
-    """phi = 2 pi xi1, theta = acos(1 - xi2)."""
+    """Angles phi = 2 pi xi1, theta = acos(1 - xi2)."""
     return _spherical(np.arccos(ONE - a[1]), TWO * PI * a[0])
