@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from ..lib.errors import EtalonError, Refused
-from ..lib.wavefront.options import DIRECT, MASKING, SAMPLERS, STRATEGIES
+from ..lib.wavefront.options import DIRECT, MASKING, SAMPLERS, STRATEGIES, Options
 
 EXIT_CODES = "exit code: 0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 2 refused or bad input"
 BAD_INPUT = 2

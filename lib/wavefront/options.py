@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..departures.catalogue import SWITCHES
 from ..errors import EtalonError
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
@@ -47,8 +46,11 @@ class Options:
         ):
             if getattr(self, name) not in allowed:
                 raise EtalonError(f"{name} '{getattr(self, name)}' is unknown; choose one of {', '.join(allowed)}")
-        for name in self.departures:
-            if name not in SWITCHES:
+        if self.departures:
+            # Here, since the catalogue brings SciPy and all kernels with it, and help texts need neither.
+            from ..departures.catalogue import SWITCHES
+
+            for name in self.departures - SWITCHES:
                 raise EtalonError(f"departure '{name}' is unknown; choose from {', '.join(sorted(SWITCHES))}")
         if self.threads < 1:
             raise EtalonError(f"threads is {self.threads}; give at least 1")
