@@ -118,7 +118,7 @@ def _add_model(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--russian-roulette",
         action=argparse.BooleanOptionalAction,
-        default=True,
+        default=Options.russian_roulette,
         help="end faint paths early; the mean stays as it is",
     )
     group.add_argument("--seed", type=int, default=0, help="seed of all scramblings and of Cycles (%(default)s)")
