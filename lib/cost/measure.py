@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Error and seconds of many ways to render one scene, measured side by side within a budget."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+
+import numpy as np
+
+from ..compare import Renderer, versions
+from ..errors import Cancelled, EtalonError
+from ..film.film import finite_or_nan
+from ..film.rendering import Rendering
+from .ways import Way
+from .yardstick import Score, Yardstick
+
+PAIRS = 4
+# Of the budget, for the truth.
+TRUTH_SHARE = 0.3
+LEVEL_FACTOR = 4
+MOST_SAMPLES = 4096
+# Replicates of the truth and of the first calls are numbered from here, so that they are independent of all others.
+TRUTH, FIRST = 1 << 19, 1 << 20
+
+
+@dataclass(frozen=True)
+class Point:
+    """One way at `samples` per pixel: for each pair of replicates its score, for each replicate the seconds of rendering alone
+    and of the whole call (`wall`).
+    """
+
+    samples: int
+    scores: tuple[Score, ...]
+    seconds: np.ndarray
+    wall: np.ndarray
+
+    def column(self, name: str) -> np.ndarray:
+        """One field of the scores, a value a pair."""
+        return np.array([getattr(score, name) for score in self.scores])
+
+    @property
+    def pair_seconds(self) -> np.ndarray:
+        """Mean seconds of rendering alone in each pair."""
+        return self.seconds.reshape(-1, 2).mean(axis=1)
+
+
+@dataclass
+class Measured:
+    """All that was measured of one way; `setup` are the seconds from the command's start to its second render call, less that of
+    rendering: opening, export, building, and what the first call takes longer. `missing` says why there is no point, or ''.
+    """
+
+    way: Way
+    settings: dict[str, object] = field(default_factory=dict)
+    setup: float = 0.0
+    points: list[Point] = field(default_factory=list)
+    stages: dict[str, float] = field(default_factory=dict)
+    camera_samples: int = 0
+    stage_seconds: float = 0.0
+    nonfinite: int = 0
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The long render that all are measured against, and the relative squared error it still has."""
+
+    way: str
+    samples: int
+    replicates: int
+    seconds: float
+    relmse: float
+    excluded_pixels: int
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """All ways of one scene in one run; `stopped` is 'time', 'samples' or 'cancelled'."""
+
+    scene: str
+    size: tuple[int, int]
+    ways: list[Measured]
+    truth: Truth
+    yardstick: Yardstick
+    pairs: int
+    stopped: str
+    started: str
+    seconds: float
+    budget: float
+    versions: dict[str, str]
+
+    def __getitem__(self, key: str) -> Measured:
+        return next(m for m in self.ways if m.way.key == key)
+
+    def has(self, key: str) -> bool:
+        """Whether the way of that key was measured."""
+        return any(m.way.key == key and m.points for m in self.ways)
+
+
+class _Stop(Exception):
+    """Cancelled."""
+
+
+@dataclass
+class _Entry:
+    """A way whose renderer stands: seconds `spent` on all its levels and on the `latest`."""
+
+    measured: Measured
+    renderer: Renderer
+    spent: float = 0.0
+    latest: float = 0.0
+
+
+class _Run:
+    """One measurement under way."""
+
+    def __init__(self, budget: float, progress: Callable[[float], None], cancelled: Callable[[], bool]) -> None:
+        self.begin = time.monotonic()
+        self._budget, self._progress, self._cancelled = budget, progress, cancelled
+
+    @property
+    def elapsed(self) -> float:
+        return time.monotonic() - self.begin
+
+    @property
+    def left(self) -> float:
+        return self._budget - self.elapsed
+
+    def render(self, renderer: Renderer, replicate: int, samples: int) -> tuple[Rendering, float]:
+        """One replicate and the seconds of the whole call."""
+        self._progress(min(self.elapsed / self._budget, 1.0))
+        start = time.monotonic()
+        try:
+            rendering = renderer.render(replicate, samples, lambda fraction: None, self._cancelled)
+        except EtalonError:
+            if self._cancelled():
+                raise _Stop from None
+            raise
+        if self._cancelled():
+            raise _Stop
+        return rendering, time.monotonic() - start
+
+
+def measure(
+    scene: str,
+    ways: list[Way],
+    best: str,
+    budget: float,
+    pairs: int = PAIRS,
+    most_samples: int = MOST_SAMPLES,
+    progress: Callable[[float], None] = lambda fraction: None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Measurement:
+    """Measure `ways` of the scene named `scene` within `budget` seconds, the way `best` being the truth for all.
+
+    At 1, 4, 16 ... samples a pixel every way that its share of the time still allows renders `pairs` pairs of replicates, all ways in
+    turns, so that a machine that changes its pace does so for all. One sample a pixel is measured whatever it takes, unless the budget is
+    spent: ways that do not get that far say so in `missing`. Cancelling keeps the levels that are done. Raises Cancelled if
+    there is none, EtalonError where pairs are fewer than two or images differ in size.
+    """
+    if pairs < 2:
+        raise EtalonError(f"pairs is {pairs}; give at least 2, for an interval")
+    started = datetime.now(UTC).isoformat(timespec="seconds")
+    run = _Run(budget, progress, cancelled)
+    stopped = "samples"
+    measured = [Measured(way) for way in ways]
+    try:
+        entries = _first_calls(run, measured, best)
+        leader = next(e for e in entries if e.measured.way.key == best)
+        truth, yardstick = _truth(run, leader, pairs, budget)
+        if _levels(run, entries, yardstick, pairs, most_samples):
+            stopped = "time"
+    except _Stop:
+        if not any(m.points for m in measured):
+            raise Cancelled(f"{scene}: cancelled before anything was measured; nothing was written") from None
+        stopped = "cancelled"
+    height, width = yardstick.excluded.shape
+    return Measurement(
+        scene, (width, height), measured, truth, yardstick, pairs, stopped, started, run.elapsed, budget, versions()
+    )
+
+
+def _first_calls(run: _Run, measured: list[Measured], best: str) -> list[_Entry]:
+    """Build every renderer and call it once: what that takes longer than later calls belongs to the setup."""
+    entries = []
+    for m in sorted(measured, key=lambda m: m.way.key != best):
+        if entries and run.left < 0.5 * run._budget:
+            m.missing = "no time left to begin with it"
+            continue
+        start = time.monotonic()
+        renderer = m.way.make()
+        built = time.monotonic() - start
+        _, wall = run.render(renderer, FIRST, 1)
+        m.settings = dict(renderer.settings)
+        m.setup = m.way.opening + built + wall
+        entries.append(_Entry(m, renderer))
+    order = [m.way.key for m in measured]
+    return sorted(entries, key=lambda e: order.index(e.measured.way.key))
+
+
+def _truth(run: _Run, leader: _Entry, pairs: int, budget: float) -> tuple[Truth, Yardstick]:
+    """Two long renders a pair, of as many samples as its share of the time allows."""
+    begin = run.elapsed
+    _, again = run.render(leader.renderer, FIRST + 1, LEVEL_FACTOR)
+    per_sample = max(again / LEVEL_FACTOR, 1e-9)
+    samples = max(TRUTH_SHARE * budget / (2 * pairs * per_sample), LEVEL_FACTOR)
+    samples = min(2 ** int(math.log2(samples)), MOST_SAMPLES)
+    images = []
+    for k in range(2 * pairs):
+        rendering, _ = run.render(leader.renderer, TRUTH + k, samples)
+        images.append(finite_or_nan(rendering, rendering.nonfinite.shape))
+    yardstick = Yardstick(images)
+    way, excluded = leader.measured.way.label, int(yardstick.excluded.sum())
+    return Truth(way, samples, 2 * pairs, run.elapsed - begin, yardstick.noise, excluded), yardstick
+
+
+@dataclass
+class _Level:
+    """One way's replicates at one number of samples."""
+
+    scores: list[Score] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)
+    stages: dict[str, float] = field(default_factory=dict)
+    camera_samples: int = 0
+
+    def add(self, rendering: Rendering, wall: float) -> None:
+        """One replicate's clocks."""
+        self.seconds.append(rendering.seconds)
+        self.wall.append(wall)
+        self.camera_samples += rendering.camera_samples
+        for stage, seconds in rendering.stages.items():
+            self.stages[stage] = self.stages.get(stage, 0.0) + seconds
+
+
+def _levels(run: _Run, entries: list[_Entry], yardstick: Yardstick, pairs: int, most_samples: int) -> bool:
+    """Go through the levels; whether time, and not `most_samples`, ended it."""
+    share = max(run.left, 0.0) / len(entries)
+    alive, samples, first = list(entries), 1, 0
+    while alive and samples <= most_samples:
+        levels = [_Level() for _ in alive]
+        for pair in range(pairs):
+            for entry, level in zip(alive, levels, strict=True):
+                if not entry.measured.points and not level.scores and run.left < 0.0:
+                    entry.measured.missing = "no time left for one sample a pixel"
+                if not entry.measured.missing:
+                    _pair(run, entry, yardstick, samples, first + 2 * pair, pair, level)
+        for entry, level in zip(alive, levels, strict=True):
+            if level.scores:
+                _finish(entry, samples, level)
+        alive = [e for e in alive if e.measured.points and e.spent + LEVEL_FACTOR * e.latest <= share]
+        samples, first = LEVEL_FACTOR * samples, first + 2 * pairs
+    return samples <= most_samples
+
+
+def _pair(
+    run: _Run, entry: _Entry, yardstick: Yardstick, samples: int, replicate: int, pair: int, level: _Level
+) -> None:
+    images = []
+    for k in range(2):
+        rendering, wall = run.render(entry.renderer, replicate + k, samples)
+        images.append(finite_or_nan(rendering, yardstick.excluded.shape))
+        entry.measured.nonfinite += int(rendering.nonfinite.sum())
+        level.add(rendering, wall)
+    level.scores.append(yardstick.score(*images, pair))
+
+
+def _finish(entry: _Entry, samples: int, level: _Level) -> None:
+    """Keep a level; stages are those of the last one, which says most."""
+    m = entry.measured
+    if not m.points:
+        m.setup = max(m.setup - float(np.median(level.wall)), m.way.opening)
+    m.points.append(Point(samples, tuple(level.scores), np.array(level.seconds), np.array(level.wall)))
+    m.stages, m.stage_seconds, m.camera_samples = level.stages, sum(level.seconds), level.camera_samples
+    entry.latest = sum(level.wall)
+    entry.spent += entry.latest

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The relative squared error of images, from pairs of independent replicates and a truth that is itself an estimate.
+
+With weights w = 1 / (T^2 + e^2) and replicates a, b of one way, truths T', T'' of another run, all independent:
+
+    variance  E[w (a - b)^2 / 2]         needs no truth
+    bias^2    E[w (a - T')(b - T'')]     noise of neither image is left in the mean
+    relMSE    variance + bias^2          of one replicate
+
+Every pair has truths of its own, so that pairs are independent estimates and their spread is the error of their mean. Pixels
+share point sets, in Cycles as here, and count as nothing independent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Radiance below this share of the image's mean does not blow up relative errors.
+FLOOR = 0.01
+# The share of pixels with the largest errors that the trimmed mean leaves out.
+TRIMMED = 0.01
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a pair of replicates says of one image's error: each the mean over pixels and channels, in units of the weights.
+
+    `trimmed` and `median` are over pixels, of the squared error against the whole truth, its own noise taken off.
+    """
+
+    variance: float
+    bias: float
+    trimmed: float
+    median: float
+
+
+class Yardstick:
+    """The truth for `pairs` pairs: two independent images for each, (height, width, 3), in order.
+
+    `noise` is the relative squared error that their mean still has; `excluded` (height, width) marks pixels in which a sample was
+    not finite.
+    """
+
+    def __init__(self, images: list[np.ndarray]) -> None:
+        pieces = np.stack(images)
+        self.excluded = ~np.isfinite(pieces).all(axis=(0, 3))
+        pieces[:, self.excluded] = 0.0
+        self.mean = pieces.mean(axis=0)
+        used = ~self.excluded
+        self._weight = 1.0 / (self.mean**2 + max((FLOOR * self.mean[used].mean()) ** 2, 1e-300))
+        self._pieces = pieces
+        self.noise = self._average(pieces.var(axis=0, ddof=1) / len(pieces), used)
+
+    @property
+    def pairs(self) -> int:
+        """For how many pairs there are truths."""
+        return len(self._pieces) // 2
+
+    def score(self, a: np.ndarray, b: np.ndarray, pair: int) -> Score:
+        """The error of replicates `a` and `b` of one way; a pixel that is not finite in one of them does not count."""
+        used = np.isfinite(a).all(axis=2) & np.isfinite(b).all(axis=2) & ~self.excluded
+        a, b = (np.where(used[..., None], image, 0.0) for image in (a, b))
+        one, two = self._pieces[2 * pair], self._pieces[2 * pair + 1]
+        squares = [(self._weight * (image - self.mean) ** 2).mean(axis=2)[used] for image in (a, b)]
+        whole = np.mean([s.mean() for s in squares])
+        share = max(1.0 - self.noise / whole, 0.0) if whole > 0.0 else 0.0
+        return Score(
+            self._average(0.5 * (a - b) ** 2, used),
+            self._average((a - one) * (b - two), used),
+            share * float(np.mean([_trimmed(s) for s in squares])),
+            share * float(np.mean([np.median(s) for s in squares])),
+        )
+
+    def _average(self, image: np.ndarray, used: np.ndarray) -> float:
+        return float((self._weight * image).mean(axis=2)[used].mean())
+
+
+def _trimmed(values: np.ndarray) -> float:
+    kept = values.size - int(TRIMMED * values.size)
+    return float(np.partition(values, kept - 1)[:kept].mean())
