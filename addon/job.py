@@ -13,6 +13,7 @@ from pathlib import Path
 import bpy
 
 from ..lib.compare import CompareOptions, Comparison, Renderer, compare
+from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
 from ..lib.report import write_report
 from ..lib.scene.scene import Scene
@@ -59,7 +60,9 @@ def judge(
     with folder_beside(folder) as beside:
         reference = ReferenceRenderer(scene, choices.reference)
         covered = coverage(reference.kernel)
-        comparison = compare(scene, reference, candidate, covered, choices.verdict, progress, cancelled)
+        comparison = compare(
+            scene, reference, candidate, covered, choices.verdict, progress, cancelled, alternatives(reference)
+        )
         write_report(comparison, beside, repeat)
     return comparison
 

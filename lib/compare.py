@@ -14,12 +14,15 @@ import numpy as np
 import scipy
 
 from .. import __version__
+from .departures.effects import Alternatives, PairedEffects
 from .errors import EtalonError
 from .film.film import Film, finite_or_nan
 from .film.regions import Coverage, RegionMoments, Regions, image_regions
 from .film.rendering import Rendering
 from .scene.scene import Scene
 from .verdict.allocation import Cost, allocate, fit_cost, relative_noise
+from .verdict.attribution import ATTRIBUTION_SHARE, PAIRS, Attribution, Explanation
+from .verdict.outcome import Outcome
 from .verdict.sequential import SequentialTest, next_look
 from .verdict.verdict import Verdict, conclude
 
@@ -28,6 +31,8 @@ PILOT = 1 << 20
 # What the pilot may take of the time, for each side, and where it ends.
 PILOT_SHARE = 0.02
 PILOT_SAMPLES = 64
+# What is set aside of the time to find out why regions differ, where there are departures to ask.
+ASIDE_SHARE = 0.2
 
 
 class Renderer(Protocol):
@@ -93,8 +98,9 @@ class Side:
 class Comparison:
     """All that came of a comparison of the scene named `scene`.
 
-    `excluded` (height, width) marks pixels with non-finite samples on either side. `stopped` is 'decided', 'time', 'replicates'
-    or 'cancelled'. `seconds` counts everything, `pilot_seconds` the pilot alone; `started` is ISO 8601 in UTC.
+    `excluded` (height, width) marks pixels with non-finite samples on either side. `explanation` is there where regions differ
+    and departures were tried. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts everything,
+    `pilot_seconds` the pilot alone; `started` is ISO 8601 in UTC.
     """
 
     scene: str
@@ -104,6 +110,7 @@ class Comparison:
     regions: Regions
     excluded: np.ndarray
     verdict: Verdict
+    explanation: Explanation | None
     stopped: str
     started: str
     seconds: float
@@ -119,21 +126,26 @@ def compare(
     options: CompareOptions,
     progress: Callable[[float], None] = lambda fraction: None,
     cancelled: Callable[[], bool] = lambda: False,
+    among: Alternatives | None = None,
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
     `coverage` maps a kind of region ('material', 'object') to its (name, weights (height, width)) pairs. `progress` is told the
     share of the time (or of the replicates) that is spent. Cancelling keeps what both sides finished; EtalonError is raised if
-    that is nothing, or if the renderers disagree on the size of the image.
+    that is nothing, or if the renderers disagree on the size of the image. Where regions differ, the causes are
+    sought `among` departures, in a fifth of the time that is set aside for it, and sampling goes on until they are found or ruled out.
     """
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    meter = _Meter(options, progress, cancelled)
+    asked = among is not None and bool(among.departures)
+    meter = _Meter(options, progress, cancelled, ASIDE_SHARE if asked else 0.0)
     samples = _both(options.samples) or _pilot(reference, candidate, options, meter)
     pilot_seconds = meter.elapsed
     regions = image_regions(scene.camera.height, scene.camera.width, coverage)
     sides = tuple(_empty_side(r, regions, s) for r, s in zip((reference, candidate), samples, strict=True))
     excluded = np.zeros(regions.shape, bool)
-    test = SequentialTest(len(regions), options.tolerance, options.confidence)
+    held_back = ATTRIBUTION_SHARE if asked else 0.0
+    test = SequentialTest(len(regions), options.tolerance, options.confidence, held_back)
+    search = _Search(among, test, meter) if asked else None
     stopped = ""
     while not stopped:
         for index, renderer in enumerate((reference, candidate)):
@@ -149,10 +161,14 @@ def compare(
         stopped = meter.why_stop(n)
         if stopped or n == next_look(n - 1):
             test.look(sides[0].regions.moments, sides[1].regions.moments, last=bool(stopped))
-            if not test.undecided.any():
+            open_ = test.undecided.any()
+            if search is not None:
+                open_ = search.look(sides, excluded, last=bool(stopped)) or (open_ and not search.complete)
+            if not open_:
                 stopped = stopped or "decided"
     nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in sides}
-    verdict = conclude(test, sides[0].regions, sides[1].regions, nonfinite)
+    explanation = None if search is None else search.conclude(sides)
+    verdict = conclude(test, sides[0].regions, sides[1].regions, nonfinite, explanation)
     return Comparison(
         scene=scene.name,
         options=options,
@@ -161,11 +177,12 @@ def compare(
         regions=regions,
         excluded=excluded,
         verdict=verdict,
+        explanation=explanation,
         stopped=stopped,
         started=started,
         seconds=meter.elapsed,
         pilot_seconds=pilot_seconds,
-        versions=_versions(),
+        versions=versions(),
     )
 
 
@@ -186,7 +203,8 @@ def _both(samples: int | tuple[int, int] | None) -> tuple[int, int] | None:
     return (samples, samples) if isinstance(samples, int) else samples
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """What a report says about the software it was made with."""
     return {
         "etalon": __version__,
         "python": platform.python_version(),
@@ -196,13 +214,44 @@ def _versions() -> dict[str, str]:
     }
 
 
+class _Search:
+    """Attribution while sampling goes on: it asks for the effects of departures when a region is found to differ."""
+
+    def __init__(self, among: Alternatives, test: SequentialTest, meter: _Meter) -> None:
+        self._attribution = Attribution(among.departures, test, ATTRIBUTION_SHARE * (1 - test.confidence))
+        self._effects = PairedEffects(among, PAIRS, meter.aside, lambda: meter.spent_aside, meter.seconds_aside)
+        self._test, self._meter = test, meter
+
+    @property
+    def complete(self) -> bool:
+        """Whether all that differs is explained, and the rest agrees."""
+        return self._attribution.complete
+
+    def look(self, sides: tuple[Side, Side], excluded: np.ndarray, last: bool) -> bool:
+        """One look; whether more sampling may yet explain what differs."""
+        film, regions = sides[0].film, sides[0].regions.regions
+        self._effects.budget(film.samples, film.seconds / (film.moments.n * film.samples))
+        moments = sides[0].regions, sides[1].regions
+        self._attribution.look(*moments, lambda names: self._effects(names, regions, excluded), last)
+        differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
+        return differs and not (self._attribution.complete or self._attribution.hopeless)
+
+    def conclude(self, sides: tuple[Side, Side]) -> Explanation | None:
+        """What was found."""
+        return self._attribution.conclude(
+            sides[0].regions, sides[1].regions, self._effects.samples, self._meter.spent_aside
+        )
+
+
 class _Meter:
     """Time, limits and progress of one comparison."""
 
     def __init__(
-        self, options: CompareOptions, progress: Callable[[float], None], cancelled: Callable[[], bool]
+        self, options: CompareOptions, progress: Callable[[float], None], cancelled: Callable[[], bool], aside: float
     ) -> None:
         self._start = time.monotonic()
+        self.seconds_aside = None if options.time is None else aside * options.time
+        self.spent_aside = 0.0
         self._options = options
         self._progress = progress
         self._cancelled = cancelled
@@ -233,15 +282,25 @@ class _Meter:
         # What a cancelled renderer hands over may be half an image.
         return None if self._cancelled() else rendering
 
+    def aside(self, renderer: Renderer, replicate: int, samples: int) -> Rendering | None:
+        """One replicate on the time set aside, or None if it was cancelled."""
+        before = self.elapsed
+        rendering = self.pilot(renderer, replicate, samples)
+        self.spent_aside += self.elapsed - before
+        return rendering
+
     def why_stop(self, replicates: int) -> str:
         """Why sampling ends with `replicates` on both sides, or '' if it goes on; never depends on what was rendered."""
         if self._cancelled():
             return "cancelled"
         if self._options.replicates is not None and replicates >= self._options.replicates:
             return "replicates"
-        another = (self.elapsed - self._first) / replicates
-        if self._options.time is not None and replicates >= 2 and self.elapsed + another > self._options.time:
-            return "time"
+        if self._options.time is not None and replicates >= 2:
+            # What is set aside counts as spent from the start: how much of it is used depends on what was rendered.
+            sampling = self.elapsed - self.spent_aside
+            another = (sampling - self._first) / replicates
+            if sampling + another > self._options.time - self.seconds_aside:
+                return "time"
         return ""
 
     def _report(self, fraction: float) -> None:

@@ -32,37 +32,44 @@ class Combination:
 
 
 def combine(
-    candidate: Moments, reference: Moments, factor: np.ndarray | float, offset: np.ndarray | float = 0.0
+    candidate: Moments,
+    reference: Moments,
+    factor: np.ndarray | float,
+    offset: np.ndarray | float = 0.0,
+    shift: Moments | None = None,
 ) -> Combination:
-    """C - factor E - offset.
+    """C - factor (E + shift) - offset, of three independent means; `shift` may be missing.
 
     Welch, "The generalization of 'Student's' problem when several different population variances are involved" (1947), with
     Satterthwaite's degrees of freedom. All NaN where a side has fewer than two replicates.
     """
-    value = candidate.mean - factor * reference.mean - offset
-    if min(candidate.n, reference.n) < 2:
+    parts = [(candidate, 1.0), (reference, -factor)] + ([] if shift is None else [(shift, -factor)])
+    value = sum(weight * part.mean for part, weight in parts) - offset
+    if min(part.n for part, _ in parts) < 2:
         nothing = np.full(value.shape, np.nan)
         return Combination(value, nothing, nothing)
-    a = candidate.variance / candidate.n
-    b = factor * factor * reference.variance / reference.n
-    total = a + b
-    share = np.divide(a, total, out=np.full(value.shape, 0.5), where=total > 0)
-    df = 1.0 / (share * share / (candidate.n - 1) + (1 - share) ** 2 / (reference.n - 1))
+    variances = [weight * weight * part.variance / part.n for part, weight in parts]
+    total = sum(variances)
+    even = np.full(value.shape, 1.0 / len(parts))
+    shares = [np.divide(v, total, out=even.copy(), where=total > 0) for v in variances]
+    df = 1.0 / sum(share * share / (part.n - 1) for share, (part, _) in zip(shares, parts, strict=True))
     return Combination(value, np.sqrt(total), df)
 
 
 def tolerance_ends(
-    candidate: Moments, reference: Moments, tolerance: float, floor: float
+    candidate: Moments, reference: Moments, tolerance: float, floor: float, shift: Moments | None = None
 ) -> tuple[Combination, Combination]:
     """C - E minus, and plus, the allowed gap: the first is below zero and the second above where C is inside.
 
-    Which of |E| and `floor` is greater is read off the estimate; near the switch both forms agree to tolerance times noise.
+    With a `shift`, a mean of its own, E stands for the sum of both. Which of |E| and `floor` is greater is read off the
+    estimate; near the switch both forms agree to tolerance times noise.
     """
-    relative = np.abs(reference.mean) >= floor
-    slope = np.where(relative, tolerance * np.sign(reference.mean), 0.0)
+    mean = reference.mean if shift is None else reference.mean + shift.mean
+    relative = np.abs(mean) >= floor
+    slope = np.where(relative, tolerance * np.sign(mean), 0.0)
     step = np.where(relative, 0.0, tolerance * floor)
-    upper = combine(candidate, reference, 1 + slope, step)
-    lower = combine(candidate, reference, 1 - slope, -step)
+    upper = combine(candidate, reference, 1 + slope, step, shift)
+    lower = combine(candidate, reference, 1 - slope, -step, shift)
     return upper, lower
 
 

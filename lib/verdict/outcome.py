@@ -7,13 +7,17 @@ from enum import Enum
 
 
 class Outcome(Enum):
-    """What is claimed of a region or an image."""
+    """What is claimed of a region or an image.
+
+    EXPLAINED: it differs from the reference, and agrees with it once named departures are switched on there.
+    """
 
     EQUIVALENT = "EQUIVALENT"
     DIFFERENT = "DIFFERENT"
     UNDECIDED = "UNDECIDED"
+    EXPLAINED = "EXPLAINED"
 
     @property
     def exit_code(self) -> int:
-        """0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED; 2 is left to errors."""
-        return {Outcome.EQUIVALENT: 0, Outcome.DIFFERENT: 1, Outcome.UNDECIDED: 3}[self]
+        """0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 4 EXPLAINED; 2 is left to errors."""
+        return {Outcome.EQUIVALENT: 0, Outcome.DIFFERENT: 1, Outcome.UNDECIDED: 3, Outcome.EXPLAINED: 4}[self]

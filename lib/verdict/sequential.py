@@ -5,7 +5,8 @@ For each region there are two claims, inside and outside the tolerance; all 2 N 
 confidence). Look k spends a share w_k of it, with sum w_k <= 1: alpha spending (Lan and DeMets, "Discrete sequential boundaries for clinical
 trials", 1983), here by Bonferroni's inequality, so that it holds however looks, regions and channels depend on one another.
 The least p_k / w_k so far is then a p-value at every look, and Holm ("A simple sequentially rejective multiple test
-procedure", 1979) over all 2 N of them holds the level for the family.
+procedure", 1979) over all 2 N of them holds the level for the family. Where attribution follows (attribution.py), the level here is what
+that leaves.
 """
 
 from __future__ import annotations
@@ -58,11 +59,15 @@ class Look:
 
 
 class SequentialTest:
-    """The state of the decision on N regions; `floor` is fixed by the first look, from the mean of region 0, the whole image."""
+    """The state of the decision on N regions; `floor` is fixed by the first look, from the mean of region 0, the whole image.
 
-    def __init__(self, count: int, tolerance: float, confidence: float) -> None:
+    `held_back` is the share of the error level, 1 - `confidence`, that claims made elsewhere may spend.
+    """
+
+    def __init__(self, count: int, tolerance: float, confidence: float, held_back: float = 0.0) -> None:
         self.tolerance = tolerance
-        self.level = 1 - confidence
+        self.confidence = confidence
+        self.level = (1 - confidence) * (1 - held_back)
         self.floor = 0.0
         self.looks: list[Look] = []
         self.outcomes = np.full(count, Outcome.UNDECIDED)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..film.regions import RegionMoments
+from .attribution import Explanation
 from .claims import difference, interval
 from .forecast import Forecast, forecast
 from .outcome import Outcome
@@ -46,11 +47,17 @@ class Verdict:
 
 
 def conclude(
-    test: SequentialTest, reference: RegionMoments, candidate: RegionMoments, nonfinite: dict[str, int]
+    test: SequentialTest,
+    reference: RegionMoments,
+    candidate: RegionMoments,
+    nonfinite: dict[str, int],
+    explanation: Explanation | None = None,
 ) -> Verdict:
     """The verdict after the last look; `nonfinite` counts, by the side's name, the pixels with non-finite samples.
 
-    The image is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, else UNDECIDED: a pixel that
+    Regions that the `explanation` covers become EXPLAINED, and so does the image if all that was not EQUIVALENT is covered.
+
+    Else it is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, or UNDECIDED: a pixel that
     has no value agrees with nothing, and no sampling will give it one.
     """
     of_reference, of_candidate = reference.moments, candidate.moments
@@ -68,15 +75,23 @@ def conclude(
     elif undecided:
         reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")
     outcome = Outcome.DIFFERENT if different else Outcome.UNDECIDED if reasons else Outcome.EQUIVALENT
+    outcomes = test.outcomes.copy()
+    if explanation is not None:
+        covered = np.array([bool(causes) for causes in explanation.causes])
+        if explanation.complete and different and not any(nonfinite.values()):
+            outcome = Outcome.EXPLAINED
+        else:  # what is undecided may agree with the reference as it stands
+            covered &= outcomes == Outcome.DIFFERENT
+        outcomes[covered] = Outcome.EXPLAINED
     share = test.looks[-1].share
     low, high = interval(of_candidate, of_reference, test.floor, test.level * share / (6 * test.outcomes.size))
     return Verdict(
         outcome,
         tuple(reasons),
         test.tolerance,
-        1 - test.level,
+        test.confidence,
         test.floor,
-        test.outcomes.copy(),
+        outcomes,
         test.decided_at.copy(),
         of_reference.mean,
         of_candidate.mean,
@@ -85,5 +100,5 @@ def conclude(
         high,
         reference.regions.sizes - reference.sizes,
         tuple(test.looks),
-        forecast(test, of_reference, of_candidate),
+        None if outcome is Outcome.EXPLAINED else forecast(test, of_reference, of_candidate),
     )
