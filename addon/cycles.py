@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,7 @@ class CyclesRenderer:
         begin = time.perf_counter()
         total = nonfinite = 0
         done, rendering, reading = 0, 0.0, 0.0
-        with neutral(self.scene, **self._neutral), tempfile.TemporaryDirectory(prefix="etalon-") as folder:
+        with self._state(), tempfile.TemporaryDirectory(prefix="etalon-") as folder:
             path = Path(folder) / "cycles.exr"
             while done < samples:
                 if cancelled():
@@ -88,6 +89,12 @@ class CyclesRenderer:
         settings = time.perf_counter() - begin - rendering - reading
         stages = {"render": rendering, "read": reading, "settings": settings}
         return Rendering(total, nonfinite.astype(np.int64), rendering, stages, height * width * samples)
+
+    @contextmanager
+    def _state(self) -> Iterator[None]:
+        """The settings under which it renders."""
+        with neutral(self.scene, **self._neutral):
+            yield
 
     def _per_call(self) -> int:
         render = self.scene.render
