@@ -131,9 +131,8 @@ def _key(unit: Unit, options: tuple[str, ...]) -> str:
     return hashlib.sha256(json.dumps([__version__, stamp, *unit.arguments(), *options]).encode()).hexdigest()[:16]
 
 
-def run(path: Path) -> int:
-    """Run what PLAN.toml asks for and its journal lacks; return the exit code of the batch."""
-    plan = read_plan(path)
+def run(plan: BatchPlan) -> int:
+    """Run what the plan asks for and its journal lacks; return the exit code of the batch."""
     keyed = {_key(unit, plan.options): unit for unit in plan.units()}
     with folder_beside(plan.out):  # says at once when the folder cannot be written
         pass

@@ -120,9 +120,12 @@ def plan_text(scene: Scene, decided: Plan) -> str:
 
 def batch(arguments: Namespace) -> int:
     """Run a PLAN.toml."""
-    from .batch import run
+    from .batch import read_plan, run
 
-    return run(arguments.plan)
+    planned = read_plan(arguments.plan)
+    code = run(planned)
+    print(f"grid: {planned.out / 'batch.html'}")
+    return code
 
 
 def _reference_options(arguments: Namespace) -> Options:

@@ -59,6 +59,11 @@ def write_plan(folder, values, scenes=("glossy_spheres",)):
     return path
 
 
+def run(path):
+    """What `etalon batch` does with a plan."""
+    return batch.run(batch.read_plan(path))
+
+
 def calls(folder):
     """The command lines that were run."""
     return [json.loads(line) for line in (folder / "calls.txt").read_text().splitlines()]
@@ -72,13 +77,13 @@ def statuses(folder):
 
 
 def test_all_combinations_run_and_the_worst_verdict_counts(folder):
-    assert batch.run(write_plan(folder, [0, 1, 3], scenes=["glossy_spheres", "furnace"])) == 1
+    assert run(write_plan(folder, [0, 1, 3], scenes=["glossy_spheres", "furnace"])) == 1
     assert len(calls(folder)) == 6
     assert calls(folder)[1][:4] == ["compare", "glossy_spheres", '--set=objects["A"].x=1', "--time=5"]
 
 
 def test_a_crash_and_a_refusal_are_recorded_and_the_rest_go_on(folder):
-    assert batch.run(write_plan(folder, ["crash", "refuse", 0])) == 2
+    assert run(write_plan(folder, ["crash", "refuse", 0])) == 2
     recorded = statuses(folder)
     assert recorded["crash"][0] == "failed"
     assert recorded["refuse"] == ("refused", 2)
@@ -92,18 +97,18 @@ def test_a_crash_and_a_refusal_are_recorded_and_the_rest_go_on(folder):
 
 def test_the_same_command_runs_only_what_is_missing(folder):
     path = write_plan(folder, ["crash", 0])
-    batch.run(path)
-    batch.run(path)
+    run(path)
+    run(path)
     assert [call[2].rpartition("=")[2] for call in calls(folder)] == ['"crash"', "0", '"crash"']
 
 
 def test_a_finished_unit_whose_folder_was_removed_runs_again(folder):
     path = write_plan(folder, [0])
-    batch.run(path)
+    run(path)
     (verdict,) = (folder / "out").glob("*/verdict.json")
     verdict.unlink()
     verdict.parent.rmdir()
-    batch.run(path)
+    run(path)
     assert len(calls(folder)) == 2
 
 
@@ -119,16 +124,16 @@ def test_ctrl_c_keeps_what_is_finished_and_the_tables(folder, monkeypatch):
     (folder / "calls.txt").touch()
     monkeypatch.setattr(batch, "_run_unit", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        batch.run(path)
+        run(path)
     assert list(statuses(folder)) == [0, 1]
     assert "not run" in (folder / "out" / "batch.html").read_text()
     monkeypatch.setattr(batch, "_run_unit", run_unit)
-    assert batch.run(path) == 1
+    assert run(path) == 1
     assert len(calls(folder)) == 3
 
 
 def test_names_are_escaped_in_the_grid(folder):
-    batch.run(write_plan(folder, ["refuse"], scenes=["<script>alert(1)</script>"]))
+    run(write_plan(folder, ["refuse"], scenes=["<script>alert(1)</script>"]))
     page = (folder / "out" / "batch.html").read_text()
     assert "<script>alert" not in page
     assert "&lt;script&gt;" in page
@@ -136,7 +141,7 @@ def test_names_are_escaped_in_the_grid(folder):
 
 
 def test_a_scene_name_never_becomes_a_path(folder):
-    batch.run(write_plan(folder, [0], scenes=["../../escape"]))
+    run(write_plan(folder, [0], scenes=["../../escape"]))
     inside = [p.name for p in (folder / "out").iterdir() if p.is_dir()]
     assert len(inside) == 1
     assert inside[0].startswith("escape-")
@@ -158,20 +163,20 @@ def test_a_wrong_plan_is_told_by_name(tmp_path, text, complaint):
     path = tmp_path / "plan.toml"
     path.write_text(text)
     with pytest.raises(EtalonError, match=complaint):
-        batch.run(path)
+        run(path)
     assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_missing_plan_is_told_by_name(tmp_path):
     with pytest.raises(EtalonError, match=r"nowhere\.toml: cannot be read"):
-        batch.run(tmp_path / "nowhere.toml")
+        run(tmp_path / "nowhere.toml")
 
 
 def test_a_foreign_journal_is_left_alone(folder):
     (folder / "out").mkdir()
     (folder / "out" / "journal.sqlite").write_text("a shopping list, long enough to be no empty database " * 20)
     with pytest.raises(EtalonError, match="is not a journal"):
-        batch.run(write_plan(folder, [0]))
+        run(write_plan(folder, [0]))
 
 
 def test_ending_a_process_ends_its_children_too():
