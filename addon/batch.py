@@ -25,8 +25,8 @@ from ..lib.report.batch import Row, write_csv, write_grid
 from .process import end, etalon_command, start
 from .results import folder_beside
 
-VERDICTS = {0: "EQUIVALENT", 1: "DIFFERENT", 3: "UNDECIDED"}
-_SEVERITY = {0: 0, 3: 1, 1: 2}
+VERDICTS = {0: "EQUIVALENT", 1: "DIFFERENT", 3: "UNDECIDED", 4: "EXPLAINED"}
+_SEVERITY = {0: 0, 4: 1, 3: 2, 1: 3}
 _JOURNAL = """
 create table if not exists units (
     key text primary key, scene text, assignments text, status text, exit_code integer, seconds real, message text, folder text

@@ -15,7 +15,7 @@ from typing import NoReturn
 from ..lib.errors import EtalonError, Refused
 from ..lib.wavefront.options import DIRECT, MASKING, SAMPLERS, STRATEGIES, Options
 
-EXIT_CODES = "exit code: 0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 2 refused or bad input"
+EXIT_CODES = "exit code: 0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 4 EXPLAINED, 2 refused or bad input"
 BAD_INPUT = 2
 INTERNAL_ERROR = 70
 INTERRUPTED = 130
@@ -53,7 +53,7 @@ process of its own; one that crashes is recorded as failed and the rest go on. F
 OUT/journal.sqlite, so that the same command, after Ctrl-C or a crash, runs only what is missing. OUT holds a folder for
 each comparison, batch.csv and batch.html.
 
-exit code: the worst of all comparisons: 0 all EQUIVALENT, 1 some DIFFERENT, 3 some UNDECIDED, 2 some refused or failed"""
+exit code: the worst of all comparisons: 0 all EQUIVALENT, 4 some EXPLAINED, 1 some DIFFERENT, 3 some UNDECIDED, 2 some refused or failed"""
 
 
 class Parser(argparse.ArgumentParser):
@@ -177,6 +177,25 @@ def _others(commands: argparse._SubParsersAction) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     batch.add_argument("plan", type=Path, metavar="PLAN.toml", help="what to run")
+    stability = commands.add_parser(
+        "stability",
+        help="measure the reference's own errors, and those of the same equations in float32",
+        description="Every equation against 50 digits over its whole domain, identities, and scenes at the edge, one line a case.",
+        epilog="exit code: 0 every bound held, 1 the reference broke one, 2 bad input",
+    )
+    stability.add_argument(
+        "--points", type=count, default=200, metavar="N", help="places for each equation (%(default)s)"
+    )
+    stability.add_argument(
+        "--no-scenes", action="store_true", help="leave out the scenes at the edge, which need Blender"
+    )
+    stability.add_argument(
+        "--out",
+        type=Path,
+        default=Path("etalon-out/stability"),
+        metavar="FOLDER",
+        help="folder for stability.html and stability.json (%(default)s)",
+    )
 
 
 def parser(prog: str = "etalon") -> argparse.ArgumentParser:

@@ -20,7 +20,7 @@ from .results import folder_beside
 TICK = 0.1  # seconds between two looks at the job
 
 PICTURES = {"Reference": "reference.png", "Cycles": "cycles.png", "Relative difference": "difference.png"}
-ICONS = {"EQUIVALENT": "CHECKMARK", "DIFFERENT": "ERROR", "UNDECIDED": "QUESTION"}
+ICONS = {"EQUIVALENT": "CHECKMARK", "DIFFERENT": "ERROR", "UNDECIDED": "QUESTION", "EXPLAINED": "INFO"}
 
 
 @dataclass

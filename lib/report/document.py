@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..compare import Comparison, Side
-from .words import forecast_seconds, sentences, worst_channel
+from .words import forecast_seconds, furthest_share, sentences, unexplained, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field changes its meaning or goes; a reader compares it before it reads on.
-VERSION = 1
+VERSION = 2
 
 
 def document(comparison: Comparison, command: str) -> dict[str, Any]:
@@ -40,6 +40,8 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
                 "interval": [verdict.low[0, channel], verdict.high[0, channel]],
             },
             "regions": [_region(comparison, k) for k in range(len(comparison.regions))],
+            "departures": _departures(comparison),
+            "unexplained": None if comparison.explanation is None else len(unexplained(comparison)),
             "forecast": _forecast(comparison),
             "looks": [asdict(look) for look in verdict.looks],
             "reference": _side(comparison.reference),
@@ -87,7 +89,39 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
         "difference": verdict.difference[k],
         "low": verdict.low[k],
         "high": verdict.high[k],
+        "causes": [] if comparison.explanation is None else comparison.explanation.causes[k],
+        "rest": None if comparison.explanation is None else comparison.explanation.rest[k],
     }
+
+
+def _departures(comparison: Comparison) -> list[dict[str, Any]]:
+    """Every departure that was tried, with the region in which it changes the reference most."""
+    why, regions, found = comparison.explanation, comparison.regions, []
+    for k, departure in enumerate(() if why is None else why.departures):
+        explained = [i for i, causes in enumerate(why.causes) if departure.name in causes]
+        where, channel = _largest(why.effect[k])
+        found.append(
+            {
+                "name": departure.name,
+                "statement": departure.statement,
+                "source": departure.source,
+                "versions": departure.versions,
+                "chosen": departure.name in why.chosen,
+                "share": furthest_share(comparison, k),
+                "largest": {"region": where, "channel": "RGB"[channel], "effect": why.effect[k, where, channel]},
+                "regions": [
+                    {"region": i, "kind": regions.kinds[i], "name": regions.names[i], "share": why.share[k, i]}
+                    for i in explained
+                ],
+            }
+        )
+    return found
+
+
+def _largest(effect: np.ndarray) -> tuple[int, int]:
+    """Region and channel where the size of an effect (N, 3) is largest; (0, 0) where it is not known."""
+    size = np.nan_to_num(np.abs(effect), nan=-1.0, posinf=-1.0)
+    return tuple(int(i) for i in np.unravel_index(np.argmax(size), size.shape))
 
 
 def _forecast(comparison: Comparison) -> dict[str, Any] | None:

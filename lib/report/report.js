@@ -1,8 +1,8 @@
 "use strict";
 const view = JSON.parse(document.getElementById("view").textContent);
 const { width, height, step, floor, tolerance, names } = view;
-const OUTCOMES = ["EQUIVALENT", "DIFFERENT", "UNDECIDED"];
-const MAP_COLORS = { EQUIVALENT: [27, 127, 92], DIFFERENT: [200, 62, 36], UNDECIDED: [214, 176, 50] };
+const OUTCOMES = ["EQUIVALENT", "EXPLAINED", "DIFFERENT", "UNDECIDED"];
+const MAP_COLORS = { EQUIVALENT: [27, 127, 92], DIFFERENT: [200, 62, 36], UNDECIDED: [214, 176, 50], EXPLAINED: [64, 119, 190] };
 const element = (id) => document.getElementById(id);
 
 const [reference, candidate] = [0, 1].map((side) => {

@@ -42,9 +42,13 @@ def title(comparison: Comparison) -> str:
     total = verdict.outcomes.size
     if verdict.outcome is Outcome.EQUIVALENT:
         return f"{names[0]} agrees with {names[1]} to within {limit} in all {total} regions."
+    count = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
     if verdict.outcome is Outcome.DIFFERENT:
-        count = verdict.count(Outcome.DIFFERENT)
         return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {total} regions."
+    if verdict.outcome is Outcome.EXPLAINED:
+        causes = comparison.explanation.chosen
+        known = "a known departure" if len(causes) == 1 else "known departures"
+        return f"{names[0]} agrees with {names[1]} to within {limit}, but for {known} from the book: {listed(causes)}."
     return f"Whether {names[0]} agrees with {names[1]} to within {limit} is not decided."
 
 
@@ -52,8 +56,9 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
     """The verdict, what it rests on, where the differences are, and what deciding the rest would cost."""
     verdict = comparison.verdict
     said = [title(comparison), _basis(comparison)]
-    if verdict.outcome is Outcome.DIFFERENT:
+    if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
+    said += _why(comparison)
     said += [f"{reason[0].upper()}{reason[1:]}." for reason in verdict.reasons if verdict.outcome is Outcome.UNDECIDED]
     if verdict.outcome is not Outcome.UNDECIDED and np.any(comparison.excluded):
         said.append(f"{int(comparison.excluded.sum())} pixels with non-finite samples are excluded.")
@@ -67,11 +72,35 @@ def worst_channel(difference: np.ndarray) -> np.ndarray:
 
 
 def furthest(comparison: Comparison) -> list[int]:
-    """The DIFFERENT regions to name: what the user named first, by size of the difference, else blocks."""
+    """The DIFFERENT regions to name, or the EXPLAINED ones if there is none: what the user named first, the largest difference first."""
     verdict = comparison.verdict
     size = np.take_along_axis(np.abs(verdict.difference), worst_channel(verdict.difference)[:, None], 1)[:, 0]
-    different = np.flatnonzero(verdict.outcomes == Outcome.DIFFERENT)
+    different = unexplained(comparison)
+    if not different:
+        different = np.flatnonzero(verdict.outcomes == Outcome.EXPLAINED).tolist()
     return sorted(different, key=lambda k: (comparison.regions.kinds[k] == "block", -size[k]))[:FURTHEST]
+
+
+def unexplained(comparison: Comparison) -> list[int]:
+    """The regions that differ and that no departure explains."""
+    return np.flatnonzero(comparison.verdict.outcomes == Outcome.DIFFERENT).tolist()
+
+
+def furthest_share(comparison: Comparison, departure: int) -> float:
+    """The effect of a departure, by its number, as a part of the difference in the region furthest off that it is a cause of.
+
+    Where it is a cause of nothing, of the region furthest off; NaN where its effect is not known.
+    """
+    why, verdict = comparison.explanation, comparison.verdict
+    size = np.take_along_axis(np.abs(verdict.difference), worst_channel(verdict.difference)[:, None], 1)[:, 0]
+    caused = np.array([why.departures[departure].name in causes for causes in why.causes])
+    among = caused if caused.any() else np.isin(verdict.outcomes, [Outcome.DIFFERENT, Outcome.EXPLAINED])
+    return float(why.share[departure, np.argmax(np.where(among & np.isfinite(size), size, -1.0))])
+
+
+def listed(names: tuple[str, ...]) -> str:
+    """Names as a person lists them."""
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
 def forecast_seconds(comparison: Comparison) -> tuple[float, float, float] | None:
@@ -96,6 +125,25 @@ def _basis(comparison: Comparison) -> str:
     )
 
 
+def _why(comparison: Comparison) -> list[str]:
+    """What was found of the causes: each one's part, and what is left without one."""
+    why = comparison.explanation
+    if why is None:
+        return []
+    number = {departure.name: k for k, departure in enumerate(why.departures)}
+    said = []
+    for name in why.chosen:
+        share = furthest_share(comparison, number[name])
+        said.append(
+            f"Why: {name} ({percent(share, sign=False)} of the difference). {why.departures[number[name]].statement}"
+        )
+    left = len(unexplained(comparison))
+    if left:
+        tried = listed(tuple(number))
+        said.append(f"Unexplained: {left} regions differ for no known reason; tried: {tried}.")
+    return said
+
+
 def _region(comparison: Comparison, k: int) -> str:
     verdict, regions = comparison.verdict, comparison.regions
     channel = worst_channel(verdict.difference[k : k + 1])[0]
@@ -114,7 +162,9 @@ def _forecast(comparison: Comparison) -> str:
     low, median, high = ends
     count = comparison.verdict.forecast.regions
     most = f"and {seconds(high)}" if high < 1e8 else "and no upper end yet"
-    samples = comparison.candidate.film.samples * comparison.candidate.film.moments.n * comparison.verdict.forecast.factor
+    samples = (
+        comparison.candidate.film.samples * comparison.candidate.film.moments.n * comparison.verdict.forecast.factor
+    )
     drawn = f", {samples:.2g} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
     likely = f"about {seconds(median)}{drawn}" if median < 1e8 else "longer than can be told"
     return f"Deciding the {count} open regions takes {likely} (90 % sure: between {seconds(low)} {most})."

@@ -43,7 +43,9 @@ def write_report(comparison: Comparison, folder: Path, command: str = "") -> Non
         finally:
             shutil.rmtree(beside, ignore_errors=True)
     except OSError as error:
-        raise EtalonError(f"{folder}: cannot be written ({error.strerror}); make room or name another folder") from error
+        raise EtalonError(
+            f"{folder}: cannot be written ({error.strerror}); make room or name another folder"
+        ) from error
 
 
 def relative_difference(comparison: Comparison) -> np.ndarray:
