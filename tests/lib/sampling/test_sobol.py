@@ -131,7 +131,7 @@ def test_pixels_are_independent(seed):
     """Neighbours and pixels a row apart, over replicates: means of pixels do not go together."""
     pixels = [0, 1, 2, 3, 32, 64, 512, 513]
     means = []
-    for r in range(500):
+    for r in range(250):
         u1, u2 = pairs(SobolSampler(seed, r, 4), pixels, 2)
         # A function that stratification does not make constant.
         means.append((np.sin(9.0 * u1) * u2).mean(axis=1))
@@ -148,19 +148,19 @@ def test_replicates_are_independent(seed):
 def test_any_number_of_samples_is_unbiased(samples, seed):
     """Part of a net, in random order: the mean of a rough function over replicates is its integral."""
     means = []
-    for r in range(300):
+    for r in range(150):
         u1, u2 = pairs(SobolSampler(seed, r, samples), np.arange(64), 1)
         means.append(((u1 < 0.3) & (u2 > 0.6)).mean() + (u1 * u2).mean())
     error = stats.sem(means)
-    assert error < 2e-3
-    assert abs(np.mean(means) - 0.12 - 0.25) < stats.t.ppf(1.0 - 0.5 * sidak(LEVEL, 4), 299) * error
+    assert error < 4e-3
+    assert abs(np.mean(means) - 0.12 - 0.25) < stats.t.ppf(1.0 - 0.5 * sidak(LEVEL, 4), 149) * error
 
 
 def test_a_net_integrates_better_than_random_points(seed):
     """Owen: variance falls as n^-3 for a smooth function; at 256 points that is hundreds of times less."""
     variances = []
     for make in (SobolSampler, RandomSampler):
-        u1, u2 = (np.concatenate(x) for x in zip(*(pairs(make(seed, r, 256), [r], 1) for r in range(200)), strict=True))
+        u1, u2 = (np.concatenate(x) for x in zip(*(pairs(make(seed, r, 256), [r], 1) for r in range(100)), strict=True))
         variances.append((np.exp(u1) * np.cos(u2)).mean(axis=1).var())
     assert variances[0] < variances[1] / 100.0
 

@@ -145,7 +145,7 @@ def test_blades_have_their_corners_where_blender_has_them(rng):
 
 
 @KINDS
-@pytest.mark.parametrize("depth", [2.0, 3.0, 4.5])
+@pytest.mark.parametrize("depth", [2.0, 3.0])
 def test_circle_of_confusion_rendered(kind, depth, seed):
     """A small patch at `depth` is smeared over a disk of radius R |f - d| / d (R |f - d| / f orthographic), measured in the plane of focus
     (perspective: seen from the pinhole) : total light and second moments of the image."""
@@ -163,9 +163,9 @@ def test_circle_of_confusion_rendered(kind, depth, seed):
     patch = quad((-size / 2, -size / 2, -depth), (size, 0.0, 0.0), (0.0, size, 0.0))
     step = 2.0 * half / 60
     at = (np.arange(60) + 0.5) * step - half
-    images = replicates(scene(patch, emission(1.0), camera), 16, 64, seed=seed)[..., 0] * step * step / light
+    images = replicates(scene(patch, emission(1.0), camera), 12, 32, seed=seed)[..., 0] * step * step / light
     total = images.sum(axis=(1, 2))
     second = (images.sum(axis=1) * at**2).sum(axis=1), (images.sum(axis=2) * at**2).sum(axis=1)
-    assert_mean(total[:, None], 1.0, 0.02)
+    assert_mean(total[:, None], 1.0, 0.03)
     for moment in second:  # Sheppard: a pixel adds its own variance, where the image is wide beside it
-        assert_mean(moment[:, None], blur**2 / 4.0 + spread + step**2 / 12.0, 0.03, rounding=1e-3 if blur else 0.1)
+        assert_mean(moment[:, None], blur**2 / 4.0 + spread + step**2 / 12.0, 0.05, rounding=1e-3 if blur else 0.1)
