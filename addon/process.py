@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Other processes: how to start another `etalon`, and how to end one that Ctrl-C must not reach first."""
+"""Other processes: how to start another `etalon`, how to talk to one, and how to end it."""
 
 from __future__ import annotations
 
@@ -23,6 +23,24 @@ def start(command: list[str], **pipes: int) -> subprocess.Popen[str]:
     if sys.platform == "win32":
         return subprocess.Popen(command, text=True, creationflags=subprocess.CREATE_NEW_PROCESS_GROUP, **pipes)
     return subprocess.Popen(command, text=True, start_new_session=True, **pipes)
+
+
+def send(process: subprocess.Popen[str], line: str) -> None:
+    """Write `line` to the process's standard input at once; raises OSError if nobody reads it any more.
+
+    Python ignores SIGPIPE and gets that error; inside Blender the signal would end Blender. Nothing stays in a buffer
+    that could be written later, without this guard.
+    """
+    if sys.platform == "win32":
+        os.write(process.stdin.fileno(), line.encode())
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
+    try:
+        os.write(process.stdin.fileno(), line.encode())
+    finally:
+        if signal.SIGPIPE in signal.sigpending():
+            signal.sigwait({signal.SIGPIPE})
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end(process: subprocess.Popen[str]) -> None:

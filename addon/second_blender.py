@@ -16,7 +16,7 @@ from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.film.rendering import Rendering
 from ..lib.scene import archive
 from ..lib.scene.scene import Scene
-from .process import end, start
+from .process import end, send, start
 from .second_blender_worker import MARK
 
 _WORKER = Path(__file__).with_name("second_blender_worker.py")
@@ -55,9 +55,8 @@ class SecondBlender:
     ) -> Rendering:
         """One replicate; raises EtalonError if the process ends before it has one, as it does when it is closed."""
         try:
-            self._process.stdin.write(json.dumps({"replicate": replicate, "samples": samples}) + "\n")
-            self._process.stdin.flush()
-        except (OSError, ValueError) as error:
+            send(self._process, json.dumps({"replicate": replicate, "samples": samples}) + "\n")
+        except OSError as error:
             raise self._gone() from error
         for reply in self._replies():
             if "error" in reply:

@@ -4,13 +4,11 @@
 import csv
 import json
 import sqlite3
-import subprocess
 import sys
 from contextlib import closing
 
 import pytest
 from etalon.addon import batch
-from etalon.addon.process import end, start
 from etalon.lib.errors import EtalonError
 
 # Notes each call, then ends as the value of --set says; the file it stands in for has the layout of a real verdict.json.
@@ -177,14 +175,3 @@ def test_a_foreign_journal_is_left_alone(folder):
     (folder / "out" / "journal.sqlite").write_text("a shopping list, long enough to be no empty database " * 20)
     with pytest.raises(EtalonError, match="is not a journal"):
         run(write_plan(folder, [0]))
-
-
-def test_ending_a_process_ends_its_children_too():
-    grandchild = "import sys; print(1, flush=True); sys.stdin.read()"
-    child = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {grandchild!r}])"
-    process = start([sys.executable, "-c", child], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    assert process.stdout.readline() == "1\n"
-    end(process)
-    assert process.stdout.read() == ""  # the pipe is closed: nobody holds it any more
-    process.stdin.close()
-    process.stdout.close()
