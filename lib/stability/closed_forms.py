@@ -9,6 +9,8 @@ from types import ModuleType
 
 import numpy as np
 
+from ..bsdfs.fresnels import F82
+from ..bsdfs.microfacet import MicrofacetReflection
 from ..lights.sphere import SphereSampler
 from ..lights.spherical_rectangle import SphericalRectangle
 from ..lights.spread import Spread
@@ -129,6 +131,23 @@ def _spreads(rng: np.random.Generator, count: int) -> np.ndarray:
     return np.where(rng.random((1, count)) < 0.3, near_straight, 10.0 ** rng.uniform(-6.0, 0.4, (1, count)))
 
 
+def _lobes(rng: np.random.Generator, count: int) -> np.ndarray:
+    """wi, wo and alphas, most of them where the lobe shines: wi mirrors wo about one of its normals."""
+    alpha, wo = domain.alphas(rng, count), domain.directions(rng, count)
+    m = domain.lobe_normals(rng, alpha)
+    wi = 2.0 * (wo * m).sum(axis=0) * m - wo
+    wi[2] = np.abs(wi[2]) + 1e-300
+    return np.concatenate([wi, wo, alpha])
+
+
+def _curves(rng: np.random.Generator, count: int) -> np.ndarray:
+    return np.concatenate([domain.cosines(rng, count), rng.random((2, count))])
+
+
+def _glossy(distribution: ModuleType) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda a: MicrofacetReflection(a[3:6], a[6], a[7], distribution, "correlated", "visible").evaluate(a[:3])[0]
+
+
 def _rectangle(a: np.ndarray) -> np.ndarray:
     return SphericalRectangle(*a).solid_angle
 
@@ -227,11 +246,24 @@ def closed_forms() -> list[Function]:
             "height_correlated",
             cycles="height_correlated",
         ),
+        Function(FAMILY, "GGX bound", (*_VECTOR, *_ALPHAS), _views, _of_direction(ggx.bound), exact.ggx_bound, BOUND),
+        _entry("GGX lobe", (*three[:6], *_ALPHAS), _lobes, _glossy(ggx), "ggx_glossy", True),
+        _entry("Beckmann lobe", (*three[:6], *_ALPHAS), _lobes, _glossy(beckmann), "beckmann_glossy", True),
         _entry(
             "Fresnel, dielectric", ("cos", "eta"), _dielectrics, lambda a: fresnel.dielectric(*a), "dielectric", True
         ),
         _entry("Fresnel, conductor", ("cos", "eta", "k"), _metals, lambda a: fresnel.conductor(*a), "conductor", True),
         _entry("Fresnel, Schlick", ("cos", "f0"), _f0, lambda a: fresnel.schlick(*a), "schlick", cycles="schlick"),
+        Function(
+            FAMILY,
+            "Fresnel, F82",
+            ("cos", "f0", "tint"),
+            _curves,
+            lambda a: F82(a[1], a[2])(a[0]),
+            exact.f82,
+            BOUND,
+            cycles=Single(cycles_single.f82),
+        ),
         _entry("Fresnel, Cook-Torrance", ("cos", "f0"), _f0, lambda a: fresnel.cook_torrance(*a), "cook_torrance"),
         _entry(
             "density of a visible normal",

@@ -6,6 +6,8 @@ Isotropic lobes take Cycles' isotropic form, which knows the microfacet normal b
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .single import HALF, ONE, PI, TWO
@@ -53,6 +55,35 @@ def beckmann_lambda(a: np.ndarray) -> np.ndarray:
     v = ONE / np.sqrt(s)
     fit = ((np.float32(0.396) * v - np.float32(1.259)) * v + ONE) / ((np.float32(2.181) * v + np.float32(3.535)) * v)
     return np.where(s < np.float32(0.39), ZERO, fit)
+
+
+def _glossy(a: np.ndarray, density: Callable, smith: Callable) -> np.ndarray:
+    wi, wo, alphas = a[:3], a[3:6], a[6:]
+    m = wi + wo
+    m = m * (ONE / np.sqrt((m * m).sum(axis=0)))
+    common = density(np.concatenate([m, alphas])) / wo[2] * (HALF * HALF)
+    return common / (ONE + smith(np.concatenate([wi, alphas])) + smith(np.concatenate([wo, alphas])))
+
+
+def ggx_glossy(a: np.ndarray) -> np.ndarray:
+    """kernel/closure/bsdf_microfacet.h, bsdf_microfacet_eval."""
+    return _glossy(a, ggx_density, ggx_lambda)
+
+
+def beckmann_glossy(a: np.ndarray) -> np.ndarray:
+    """The same, with the rational Lambda."""
+    return _glossy(a, beckmann_density, beckmann_lambda)
+
+
+def f82(a: np.ndarray) -> np.ndarray:
+    """kernel/closure/bsdf_util.h: mix(mix(F0, 1, m^5) - B c m^6)."""
+    c, f0, tint = a
+    edge = np.float32(6.0 / 7.0)
+    at_edge = f0 + (ONE - f0) * edge**5
+    b = at_edge * (np.float32(7.0) / edge**6) * (ONE - tint)
+    m = ONE - c
+    m5 = (m * m) * (m * m) * m
+    return np.clip(f0 + (ONE - f0) * m5 - b * c * (m5 * m), ZERO, ONE)
 
 
 def dielectric(a: np.ndarray) -> np.ndarray:

@@ -7,6 +7,8 @@ are what it has instead.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from mpmath import mp, mpc, mpf
 
 Values = tuple[mpf, ...]
@@ -48,6 +50,30 @@ def beckmann_lambda_rational(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values
         return (mpf(0),)
     a = 1 / mp.sqrt(s)
     return ((1 - mpf("1.259") * a + mpf("0.396") * a * a) / (mpf("3.535") * a + mpf("2.181") * a * a),)
+
+
+def ggx_bound(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
+    """Eto and Tokuyoshi 2023, eq. 5 and 6."""
+    a2, s2 = min(ax, ay) ** 2, (1 + mp.sqrt(x * x + y * y)) ** 2
+    return ((1 - a2) * s2 / (s2 + a2 * z * z),)
+
+
+def _glossy(density: Callable[..., Values], smith: Callable[..., Values], w: Values) -> Values:
+    wi, wo, ax, ay = w[:3], w[3:6], w[6], w[7]
+    m = [a + b for a, b in zip(wi, wo, strict=True)]
+    length = mp.sqrt(mp.fdot(m, m))
+    d = density(*(c / length for c in m), ax, ay)[0]
+    return (d / (4 * wo[2] * (1 + smith(*wi, ax, ay)[0] + smith(*wo, ax, ay)[0])),)
+
+
+def ggx_glossy(*w: mpf) -> Values:
+    """D G / (4 |o.n|) of wi, wo and both alphas, height-correlated: a glossy lobe times its cosine."""
+    return _glossy(ggx_density, ggx_lambda, w)
+
+
+def beckmann_glossy(*w: mpf) -> Values:
+    """The same for Beckmann."""
+    return _glossy(beckmann_density, beckmann_lambda, w)
 
 
 def torrance_sparrow(*w: mpf) -> Values:
@@ -95,6 +121,13 @@ def schlick(c: mpf, f0: mpf) -> Values:
 def cook_torrance(c: mpf, f0: mpf) -> Values:
     """The dielectric whose index gives f0."""
     return (_amplitudes(c, (1 + mp.sqrt(f0)) / (1 - mp.sqrt(f0))) if f0 < 1 else mpf(1),)
+
+
+def f82(c: mpf, f0: mpf, tint: mpf) -> Values:
+    """Kutz, Hasan and Edmondson 2021, eq. 2."""
+    seventh = mpf(float(1.0 / 7.0))
+    b = schlick(seventh, f0)[0] * (1 - tint) / (seventh * (1 - seventh) ** 6)
+    return (min(max(f0 + (1 - f0) * (1 - c) ** 5 - b * c * (1 - c) ** 6, mpf(0)), mpf(1)),)
 
 
 def pdf_visible(*a: mpf) -> Values:

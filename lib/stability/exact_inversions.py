@@ -8,7 +8,7 @@ from functools import lru_cache
 from mpmath import mp, mpf
 from scipy.special import erfcinv
 
-from .exact import Values, rectangle
+from .exact import Values, ggx_bound, rectangle
 
 
 def _circle(u: mpf) -> tuple[mpf, mpf]:
@@ -34,12 +34,21 @@ def beckmann_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
     return _normal(ax * tangent * c, ay * tangent * s)
 
 
+def ggx_bounded(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
+    """Eto and Tokuyoshi 2023: the cap ends at -k z."""
+    return _cap(x, y, z, ax, ay, u1, u2, ggx_bound(x, y, z, ax, ay)[0])
+
+
 def ggx_visible(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
     """Dupuy and Benyoub 2023."""
+    return _cap(x, y, z, ax, ay, u1, u2, mpf(1))
+
+
+def _cap(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf, k: mpf) -> Values:
     x, y = x * ax, y * ay
     length = mp.sqrt(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
-    cap = 1 - u2 * (1 + z)
+    cap = 1 - u2 * (1 + k * z)
     sine = mp.sqrt(max(1 - cap * cap, mpf(0)))
     c, s = _circle(u1)
     h = ((x + sine * c) * ax, (y + sine * s) * ay, z + cap)

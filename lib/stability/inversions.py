@@ -133,6 +133,15 @@ def inversions() -> list[Function]:
             "13 ns more, a third, for the few normals that gain",
         ),
         entry(
+            "GGX bounded visible normals",
+            seen,
+            _seen_lobes,
+            lambda a: ggx.sample_bounded(a[:3], *a[3:]),
+            "ggx_bounded",
+            slack=_end_of_cap,
+            excuse="as for GGX visible normals, where the bound is loose",
+        ),
+        entry(
             "Beckmann visible normals",
             seen,
             _seen_lobes,

@@ -143,8 +143,8 @@ def _ratio(error: mp.mpf, room: mp.mpf) -> float:
 
 
 def _last_place(value: mp.mpf, bits: int) -> mp.mpf:
-    """The distance between neighbouring numbers of `bits` bits at `value`, no less than that of the smallest ones."""
-    least = -1074 if bits == 53 else -149
+    """The distance between neighbouring numbers of `bits` bits at `value`; below the smallest normal number all are as good as 0."""
+    least = -1022 if bits == 53 else -126
     if not value:
         return mp.ldexp(1, least)
     _, exponent = mp.frexp(abs(value))

@@ -7,6 +7,8 @@ tan^2 theta (cos^2 phi / alpha_x^2 + sin^2 phi / alpha_y^2) (Heitz 2014, eq. 81)
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.special import erf
 
@@ -54,6 +56,23 @@ def beckmann_lambda(a: np.ndarray) -> np.ndarray:
     """(erf(a) - 1) / 2 + exp(-a^2) / (2 a sqrt(pi))."""
     cot = ONE / np.sqrt(_squared_slope(a))
     return (erf(cot) - ONE) / TWO + np.exp(-cot * cot) / (TWO * cot * np.sqrt(PI))
+
+
+def _glossy(a: np.ndarray, density: Callable, smith: Callable) -> np.ndarray:
+    wi, wo, alphas = a[:3], a[3:6], a[6:]
+    m = (wi + wo) / np.sqrt(((wi + wo) ** 2).sum(axis=0))
+    g = ONE / (ONE + smith(np.concatenate([wi, alphas])) + smith(np.concatenate([wo, alphas])))
+    return density(np.concatenate([m, alphas])) * g / (FOUR * np.abs(wo[2]) * np.abs(wi[2])) * np.abs(wi[2])
+
+
+def ggx_glossy(a: np.ndarray) -> np.ndarray:
+    """D G / (4 |o.n| |i.n|), times |i.n| for the estimator."""
+    return _glossy(a, ggx_density, ggx_lambda)
+
+
+def beckmann_glossy(a: np.ndarray) -> np.ndarray:
+    """The same."""
+    return _glossy(a, beckmann_density, beckmann_lambda)
 
 
 def torrance_sparrow(a: np.ndarray) -> np.ndarray:

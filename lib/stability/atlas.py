@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the atlas and writes what it found: a line a case, stability.json, stability.html."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from dataclasses import asdict
+from itertools import groupby
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from ..errors import EtalonError
+from .case import Case
+from .closed_forms import closed_forms
+from .identities import identities
+from .inversions import inversions
+from .measure import measure
+
+POINTS = 200
+"""Places for each function: a minute in all."""
+FORMAT = "etalon-stability"
+VERSION = 1
+
+
+def equations(points: int = POINTS) -> Iterator[Case]:
+    """Every closed form, inversion and identity, as it is done; `points` places for each function."""
+    for function in (*closed_forms(), *inversions()):
+        yield measure(function, points)
+    yield from identities()
+
+
+def number(value: float | None) -> str:
+    """An error for a person: two digits, a dash where there is none."""
+    if value is None:
+        return "-"
+    if not math.isfinite(value):
+        return "not finite"
+    return "0" if value == 0.0 else f"{value:.2g}" if value < 1e5 else f"{value:.1e}"
+
+
+def line(case: Case) -> str:
+    """A case on one line: what it is, worst error and bound, the float32 forms, where."""
+    verdict = "ok  " if case.passed else "FAIL"
+    held = (
+        f"{number(case.judged)} of {number(case.worst)}"
+        if case.excuse and case.judged is not None
+        else number(case.worst)
+    )
+    forms = f"printed {number(case.printed)}, Cycles {number(case.cycles)}; " if _has_forms(case) else ""
+    return f"{verdict} {case.name}: {held} (at most {number(case.bound)}) {case.unit}; {forms}{case.where}"
+
+
+def write(cases: list[Case], folder: Path) -> None:
+    """stability.json and stability.html in `folder`, each complete or not there; EtalonError where it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
+        try:
+            (beside / "stability.json").write_text(_json(cases), encoding="utf-8")
+            (beside / "stability.html").write_text(_html(cases), encoding="utf-8")
+            for path in sorted(beside.iterdir()):
+                os.replace(path, folder / path.name)
+        finally:
+            shutil.rmtree(beside, ignore_errors=True)
+    except OSError as error:
+        raise EtalonError(
+            f"{folder}: cannot be written ({error.strerror}); make room or name another folder"
+        ) from error
+
+
+def _has_forms(case: Case) -> bool:
+    return case.printed is not None or case.cycles is not None
+
+
+def _json(cases: list[Case]) -> str:
+    rows = [{**asdict(case), "passed": case.passed} for case in cases]
+    for row in rows:
+        row.update({k: str(v) for k, v in row.items() if isinstance(v, float) and not math.isfinite(v)})
+    document = {"format": FORMAT, "version": VERSION, "passed": all(case.passed for case in cases), "cases": rows}
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _html(cases: list[Case]) -> str:
+    here = Path(__file__).parent
+    environment = Environment(
+        loader=FileSystemLoader([here, here.parent / "report"]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = number
+    families = [(family, list(group)) for family, group in groupby(cases, key=lambda case: case.family)]
+    return environment.get_template("stability.html").render(cases=cases, families=families)
