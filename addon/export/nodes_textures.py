@@ -65,7 +65,7 @@ def _mapping(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> 
     )
 
 
-def _refuse_mapping(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> None:
+def refuse_mapping(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> None:
     """Old files may carry a hidden mapping inside a texture node, which Cycles applies."""
     for name, neutral in _NEUTRAL_MAPPING.items():
         value = getattr(node.texture_mapping, name)
@@ -80,7 +80,7 @@ def _interpolation(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> st
 
 
 def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
-    _refuse_mapping(reader, node, scope)
+    refuse_mapping(reader, node, scope)
     if node.projection != "FLAT":
         reader.refuse(node, scope, f", projection {node.projection.title()},", "choose Flat")
     key = (*scope.path, node.as_pointer())
@@ -108,7 +108,7 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
 
 
 def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
-    _refuse_mapping(reader, node, scope)
+    refuse_mapping(reader, node, scope)
     if node.projection != "EQUIRECTANGULAR":
         reader.refuse(node, scope, ", projection Mirror Ball,", "choose Equirectangular")
     if not reader.is_world and not valid_link(node.inputs[0]):
@@ -123,7 +123,7 @@ def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope
 
 
 def _checker(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
-    _refuse_mapping(reader, node, scope)
+    refuse_mapping(reader, node, scope)
     return ex.Checker(
         reader.read_or(node.inputs["Vector"], scope, ex.Coordinates("GENERATED")),
         reader.read(node.inputs["Color1"], scope),

@@ -7,6 +7,8 @@ import bpy
 
 from ...lib.scene import expressions as ex
 from .nodes import Scope, TreeReader
+from .nodes_converters import CONVERTERS
+from .nodes_procedural import PROCEDURAL
 from .nodes_textures import TEXTURES
 
 _CONTENT_BY_TYPE = {"FLOAT": "Float", "VECTOR": "Vector", "RGBA": "Color"}
@@ -81,6 +83,8 @@ def _refuse_angle(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> Non
 
 VALUES = {
     **TEXTURES,
+    **PROCEDURAL,
+    **CONVERTERS,
     "ShaderNodeRGB": _rgb,
     "ShaderNodeValue": _value,
     "ShaderNodeMath": _math,

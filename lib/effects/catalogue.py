@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.expressions import ONE, Constant, EnvironmentTexture, Expression, ImageTexture
+from ..scene.expressions import ONE, Checker, Constant, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import (
     Anisotropic,
@@ -25,6 +25,7 @@ from ..scene.materials import (
 )
 from ..scene.scene import Scene
 from ..textures.fold import fold, walk
+from ..textures.patterns import PATTERNS
 
 Answer = tuple[bool, str]
 
@@ -133,16 +134,21 @@ def _environment(scene: Scene) -> Answer:
     )
 
 
-def _image_textures(scene: Scene) -> Answer:
-    names = []
-    for k in np.unique(scene.mesh.material_index):
-        material = scene.materials[k]
-        sockets = [
-            v for x in material.lobes for v in (x.weight, *vars(x.closure).values()) if isinstance(v, Expression)
-        ]
-        if any(isinstance(node, ImageTexture) for socket in sockets for node in walk(fold(socket))):
-            names.append(material.name)
-    return _named(names, "material", "no socket reads an image")
+def _socket(kinds: tuple[type, ...], none: str) -> Callable[[Scene], Answer]:
+    """Whether a socket of a material that is seen holds a node of one of `kinds`."""
+
+    def called_for(scene: Scene) -> Answer:
+        names = []
+        for k in np.unique(scene.mesh.material_index):
+            material = scene.materials[k]
+            sockets = [
+                v for x in material.lobes for v in (x.weight, *vars(x.closure).values()) if isinstance(v, Expression)
+            ]
+            if any(isinstance(node, kinds) for socket in sockets for node in walk(fold(socket))):
+                names.append(material.name)
+        return _named(names, "material", none)
+
+    return called_for
 
 
 def _light_selection(scene: Scene) -> Answer:
@@ -191,7 +197,13 @@ EFFECTS: tuple[Effect, ...] = (
     Effect("surface", "translucency", "samples the cosine on the far side", _closure(Translucent)),
     Effect("surface", "transparent surfaces", "lets rays and shadow rays pass", _closure(Transparent)),
     Effect("surface", "emission", "adds radiance at hits", _emits),
-    Effect("texture", "image textures", "fetches texels", _image_textures),
+    Effect("texture", "image textures", "fetches texels", _socket((ImageTexture,), "no socket reads an image")),
+    Effect(
+        "texture",
+        "procedural textures",
+        "hashes cells and mixes slopes",
+        _socket((Checker, *PATTERNS), "no socket reads a pattern"),
+    ),
     Effect(
         "light",
         "point lights",

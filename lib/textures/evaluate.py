@@ -13,10 +13,12 @@ from ..scene import expressions as ex
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
 from .checker import checker
 from .color_spaces import luminance
+from .converters import CONVERTERS, as_value
 from .images import ImageSet, equirectangular
 from .mapping import mapping
 from .math_node import math
 from .mix import mix
+from .patterns import PATTERNS
 from .ramp import color_ramp
 
 
@@ -98,7 +100,8 @@ def _layer_weight(node: ex.LayerWeight, read: Evaluator) -> np.ndarray:
 
 def _gamma(node: ex.Gamma, read: Evaluator) -> np.ndarray:
     color, gamma = read(node.color), read(node.gamma)
-    return np.where(color > 0.0, np.where(color > 0.0, color, 1.0) ** gamma, color)
+    powers = np.where(color > 0.0, np.where(color > 0.0, color, 1.0) ** gamma, color)
+    return np.where(gamma == 0.0, 1.0, powers)  # so in Cycles, below 0 too
 
 
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
@@ -112,14 +115,12 @@ def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:
 
 
 def _vector_to_value(node: ex.VectorToValue, read: Evaluator) -> np.ndarray:
-    return _as_value(read(node.vector).sum(axis=0) / 3)
-
-
-def _as_value(row: np.ndarray) -> np.ndarray:
-    return row if row.size > 1 else row[0]
+    return as_value(read(node.vector).sum(axis=0) / 3)
 
 
 _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
+    **CONVERTERS,
+    **PATTERNS,
     ex.Constant: _constant,
     ex.Coordinates: lambda node, read: read.context.coordinates(node.kind, node.uv_map),
     ex.Mapping: lambda node, read: mapping(
@@ -137,7 +138,7 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ex.BeneathLayer: _beneath_layer,
     ex.CoatTint: lambda node, read: coat_tint(read(node.ior), read(node.tint), read(node.weight), read.context.cos_wo),
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
-    ex.ColorToValue: lambda node, read: _as_value(luminance(read(node.color))),
+    ex.ColorToValue: lambda node, read: as_value(luminance(read(node.color))),
     ex.VectorToValue: _vector_to_value,
     ex.ValueToColor: _value_to_color,
 }

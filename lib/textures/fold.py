@@ -9,8 +9,10 @@ from dataclasses import fields, replace
 import numpy as np
 
 from ..scene import expressions as ex
+from .converters import CONVERTERS
 from .evaluate import evaluate
 from .images import ImageSet
+from .patterns import PATTERNS
 
 _POINTWISE = (
     ex.Mapping,
@@ -22,6 +24,8 @@ _POINTWISE = (
     ex.ColorToValue,
     ex.VectorToValue,
     ex.ValueToColor,
+    *CONVERTERS,
+    *PATTERNS,
 )
 """Nodes whose result depends on nothing but their inputs."""
 

@@ -242,7 +242,7 @@ REFUSED = {
     "Principled BSDF), socket 'Thin Film Thickness'": principled(Thin_Film_Thickness=200.0),
     "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
-    "Noise Texture": colored(lambda t: node(t, "TexNoise")),
+    "Gabor Texture": colored(lambda t: node(t, "TexGabor")),
     "Glossy BSDF), socket 'Normal' (linked)": lambda t: node(t, "BsdfGlossy", {"Normal": bump(t)}),
     "Diffuse BSDF), socket 'Normal' (linked)": lambda t: node(t, "BsdfDiffuse", {"Normal": bump(t)}),
     "socket 'Tangent' (linked)": lambda t: node(t, "BsdfGlossy", {"Anisotropy": 0.5, "Tangent": bump(t)}),

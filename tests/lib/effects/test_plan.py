@@ -11,6 +11,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.scene.camera import Aperture
 from etalon.lib.scene.expressions import (
     ZERO,
+    Checker,
     Constant,
     Coordinates,
     EnvironmentTexture,
@@ -63,6 +64,7 @@ def with_uvs(the_scene):
 
 
 TEXTURED = ImageTexture(Coordinates("UV"), 0)
+PATTERNED = Checker(Coordinates("UV"), color(0.2), color(0.8), HALF)
 PLAIN = of(Diffuse(color(0.5)))
 # Effect -> scenes that call for it, scenes that do not (the same without the cause, or with a cause that adds nothing).
 CASES = {
@@ -110,6 +112,10 @@ CASES = {
     "image textures": (
         [with_uvs(of(Diffuse(TEXTURED))), with_uvs(scene(cube(), Material("m", (Lobe(Diffuse(), TEXTURED),)), CAMERA))],
         [with_uvs(PLAIN)],
+    ),
+    "procedural textures": (
+        [with_uvs(of(Diffuse(PATTERNED)))],
+        [with_uvs(PLAIN), with_uvs(of(Diffuse(TEXTURED)))],
     ),
     "point lights": (
         [replace(PLAIN, lights=(POINT,)), replace(PLAIN, lights=(SpotLight("s", (0, 0, 3.0), 0.0, (1.0,) * 3, CONE),))],

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Expressions that change values, vectors and colours at a point: Blender's Converter and Color nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .expressions import Expression
+
+
+@dataclass(frozen=True)
+class Component(Expression):
+    """One of the three numbers of a vector or colour, a value; `index` 0, 1 or 2."""
+
+    vector: Expression
+    index: int
+
+
+@dataclass(frozen=True)
+class Combine(Expression):
+    """A vector or colour of three values."""
+
+    x: Expression
+    y: Expression
+    z: Expression
+
+
+@dataclass(frozen=True)
+class ColorModel(Expression):
+    """A colour in another model; `kind`: 'RGB_TO_HSV', 'HSV_TO_RGB', 'RGB_TO_HSL', 'HSL_TO_RGB'."""
+
+    color: Expression
+    kind: str
+
+
+@dataclass(frozen=True)
+class MapRange(Expression):
+    """Blender's Map Range on values, or on vectors by component; all sockets of one kind.
+
+    `interpolation`: 'LINEAR', 'STEPPED', 'SMOOTHSTEP' or 'SMOOTHERSTEP'; `clamp` to the range of results (the first two).
+    """
+
+    value: Expression
+    from_min: Expression
+    from_max: Expression
+    to_min: Expression
+    to_max: Expression
+    steps: Expression
+    interpolation: str = "LINEAR"
+    clamp: bool = False
+
+
+@dataclass(frozen=True)
+class VectorMath(Expression):
+    """Blender's Vector Math; `operation` by Blender's identifier. A value for DOT_PRODUCT, DISTANCE and LENGTH, else a vector."""
+
+    operation: str
+    a: Expression
+    b: Expression
+    c: Expression
+    scale: Expression
+
+
+@dataclass(frozen=True)
+class VectorRotate(Expression):
+    """`vector` turned about `axis` through `center` by `angle` radians."""
+
+    vector: Expression
+    center: Expression
+    axis: Expression
+    angle: Expression
+
+
+@dataclass(frozen=True)
+class HueSaturation(Expression):
+    """Blender's Hue/Saturation/Value node."""
+
+    hue: Expression
+    saturation: Expression
+    value: Expression
+    factor: Expression
+    color: Expression
+
+
+@dataclass(frozen=True)
+class BrightContrast(Expression):
+    """Blender's Brightness/Contrast node; the result is at least 0."""
+
+    color: Expression
+    brightness: Expression
+    contrast: Expression
+
+
+@dataclass(frozen=True)
+class Curves(Expression):
+    """Curves over the channels of `color` (RGB and Vector Curves), or over a value where there is one table (Float Curve).
+
+    Each of `tables` holds the curve at evenly spaced points from `low` to `high`, linear between them; beyond them it goes on
+    straight if `extrapolate`, else stays. `factor` mixes the result with the input.
+    """
+
+    factor: Expression
+    color: Expression
+    tables: tuple[tuple[float, ...], ...]
+    low: float = 0.0
+    high: float = 1.0
+    extrapolate: bool = True
+
+
+@dataclass(frozen=True)
+class Blackbody(Expression):
+    """Colour of a black body of `temperature` kelvin with luminance 1, linear Rec. 709, as Cycles fits it; at least 0."""
+
+    temperature: Expression
