@@ -163,6 +163,30 @@ def _render(commands: argparse._SubParsersAction) -> None:
     _add_model(parser)
 
 
+def _cost(commands: argparse._SubParsersAction) -> None:
+    parser = commands.add_parser(
+        "cost",
+        help="measure what accuracy costs in time, or forecast it",
+        description="Error against seconds for every way to sample the scene, for Cycles, and for Cycles' denoiser.",
+    )
+    _add_scene(parser, "a reference scene or a .blend file")
+    parser.add_argument(
+        "--time", type=positive, metavar="S", help="budget in seconds (300; 30 for the pilots of a forecast)"
+    )
+    parser.add_argument(
+        "--target", type=fraction, metavar="ERROR", help="say how long each way takes to this relative RMSE, such as 1%%"
+    )
+    parser.add_argument(
+        "--verify", action="store_true", help="then run the cheapest way and show what came beside the forecast"
+    )
+    parser.add_argument("--ways", metavar="KEY,...", help="measure only these ways; their keys stand in cost.json (all)")
+    parser.add_argument(
+        "--out", type=Path, metavar="FOLDER", help="folder for cost.html, .json, .csv and pictures (etalon-out/SCENE)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of all scramblings and of Cycles (%(default)s)")
+    parser.add_argument("--threads", type=count, default=os.cpu_count() or 1, metavar="N", help="threads (%(default)s)")
+
+
 def _others(commands: argparse._SubParsersAction) -> None:
     scenes = commands.add_parser("scenes", help="list the reference scenes, or save one as a .blend")
     scenes.add_argument("--save", nargs=2, metavar=("NAME", "FILE.blend"), help="build scene NAME and save it")
@@ -212,6 +236,7 @@ def parser(prog: str = "etalon") -> argparse.ArgumentParser:
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     _compare(commands)
     _render(commands)
+    _cost(commands)
     _others(commands)
     return top
 

@@ -128,6 +128,33 @@ def batch(arguments: Namespace) -> int:
     return code
 
 
+def cost(arguments: Namespace) -> int:
+    """Measure error against time."""
+    from .cost import run
+
+    return run(arguments)
+
+
+def stability(arguments: Namespace) -> int:
+    """Run the stability atlas, one line a case, and write its report."""
+    from ..lib.stability import atlas
+
+    cases = []
+    for case in atlas.equations(arguments.points):
+        print(atlas.line(case), flush=True)
+        cases.append(case)
+    if not arguments.no_scenes:
+        with ended_by_interrupt():
+            from .edge import edge_cases
+        for case in edge_cases():
+            print(atlas.line(case), flush=True)
+            cases.append(case)
+    atlas.write(cases, arguments.out)
+    broken = [case.name for case in cases if not case.passed]
+    print(f"{len(cases) - len(broken)} of {len(cases)} held; report: {arguments.out / 'stability.html'}")
+    return 1 if broken else 0
+
+
 def _reference_options(arguments: Namespace) -> Options:
     return Options(
         strategy=arguments.strategy,
@@ -154,4 +181,12 @@ def _exported(arguments: Namespace) -> Scene:
         return job.export(bpy.context.scene)
 
 
-COMMANDS = {"compare": compare, "render": render, "scenes": scenes, "plan": plan, "batch": batch}
+COMMANDS = {
+    "compare": compare,
+    "render": render,
+    "scenes": scenes,
+    "plan": plan,
+    "cost": cost,
+    "batch": batch,
+    "stability": stability,
+}

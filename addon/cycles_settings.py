@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles as its user has set it, and with its denoiser: what trades error for time, measured beside the least biased state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+
+from ..lib.cost.ways import Bias, Way
+from .cycles import CHUNK, CyclesRenderer
+from .neutral import Changes
+
+# What a user trades for time or noise. All else, such as the pixel filter, says which image is wanted and stays neutral.
+TRADED = (
+    "use_adaptive_sampling",
+    "sampling_pattern",
+    "scrambling_distance",
+    "auto_scrambling_distance",
+    "max_bounces",
+    "diffuse_bounces",
+    "glossy_bounces",
+    "transmission_bounces",
+    "transparent_max_bounces",
+    "sample_clamp_direct",
+    "sample_clamp_indirect",
+    "blur_glossy",
+    "caustics_reflective",
+    "caustics_refractive",
+    "use_guiding",
+    "use_fast_gi",
+)
+
+
+def traded(scene: bpy.types.Scene) -> dict[str, Any]:
+    """The user's values of TRADED, as far as this Blender has them; read them before `neutral` holds the scene."""
+    return {name: getattr(scene.cycles, name) for name in TRADED if hasattr(scene.cycles, name)}
+
+
+class CyclesWith(CyclesRenderer):
+    """Cycles in its neutral state but for `values` of `scene.cycles`; each replicate is one render call, as a user's is.
+
+    Adaptive sampling may stop earlier than the samples that it is asked for.
+    """
+
+    def __init__(self, scene: bpy.types.Scene, values: dict[str, Any], *, seed: int, threads: int) -> None:
+        super().__init__(scene, seed=seed, threads=threads)
+        self._values = values
+        self.settings |= {f"cycles.{name}": value for name, value in values.items()}
+
+    @contextmanager
+    def _state(self) -> Iterator[None]:
+        with super()._state():
+            changes = Changes()
+            try:
+                for name, value in self._values.items():
+                    changes.set(self.scene.cycles, name, value)
+                yield
+            finally:
+                changes.undo()
+
+    def _per_call(self) -> int:
+        return CHUNK
+
+
+def cycles_ways(scene: bpy.types.Scene, users: dict[str, Any], seed: int, threads: int, opening: float) -> list[Way]:
+    """Cycles in its least biased state and at the user's values (from `traded`), each without and with its denoiser.
+
+    What the denoiser, the noise threshold of adaptive sampling and clamping do to an error is only known where it is measured.
+    """
+    denoised = {"use_denoising": True}
+    rungs: tuple[tuple[str, str, dict[str, Any], Bias], ...] = (
+        ("cycles", "Cycles, least biased", {}, Bias.FLOOR),
+        ("cycles-denoised", "Cycles, least biased, denoised", denoised, Bias.UNKNOWN),
+        ("cycles-user", "Cycles, the file's settings", users, Bias.UNKNOWN),
+        ("cycles-user-denoised", "Cycles, the file's settings, denoised", users | denoised, Bias.UNKNOWN),
+    )
+    ways = []
+    for key, label, values, bias in rungs:
+
+        def make(values: dict[str, Any] = values) -> CyclesRenderer:
+            if not values:
+                return CyclesRenderer(scene, seed=seed, threads=threads)
+            return CyclesWith(scene, values, seed=seed, threads=threads)
+
+        ways.append(Way(key, label, "Cycles", make, bias, None, opening))
+    return ways

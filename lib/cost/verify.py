@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A forecast put to the test: render the way that it calls cheapest, and look at the clock and at the error."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..errors import EtalonError
+from ..film.film import finite_or_nan
+from .estimates import of_mean
+from .forecast import Forecast, forecast
+from .measure import Measured, Measurement
+from .ways import Bias
+
+# Its replicates are numbered from here.
+VERIFY = 1 << 18
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What was forecast for the way of that `key`, and what came: mean `seconds` of two renders of `samples`, relative RMSE of one.
+
+    `to_target` are the seconds that the target would have taken, the variance falling as 1/N between what was reached and it.
+    """
+
+    key: str
+    label: str
+    forecast: Forecast
+    samples: int
+    seconds: float
+    whole: float
+    error: float
+    to_target: float
+
+    @property
+    def held(self) -> bool:
+        """Whether the seconds lie in the forecast's interval."""
+        return self.forecast.seconds.low <= self.seconds <= self.forecast.seconds.high
+
+
+def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast]:
+    """The way with the least forecast seconds of rendering; raises EtalonError where none reaches the target."""
+    told = {m.way.key: forecast(m, target) for m in measurement.ways if m.points}
+    reached = {key: f for key, f in told.items() if f.reached}
+    if not reached:
+        raise EtalonError(f"{measurement.scene}: no way reaches an error of {target:.3g}; give a larger --target")
+    key = min(reached, key=lambda k: reached[k].seconds.median)
+    return key, reached[key]
+
+
+def _floor(measured: Measured) -> float:
+    """The squared bias that the pilots found, if they did."""
+    found = of_mean(measured.points[-1].column("bias"))
+    return found.value if measured.way.bias is Bias.FLOOR and found.low > 0.0 else 0.0
+
+
+def verify(
+    measurement: Measurement,
+    target: float,
+    progress: Callable[[float], None] = lambda fraction: None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Verification:
+    """Run the cheapest way to `target` twice: their difference gives the variance, the truth of the pilots the bias."""
+    key, told = cheapest(measurement, target)
+    measured = measurement[key]
+    renderer = measured.way.make()
+    renderer.render(VERIFY - 1, 1, lambda fraction: None, cancelled)
+    samples = int(told.samples.median)
+    images, seconds, walls = [], [], []
+    for k in range(2):
+
+        def share(fraction: float, k: int = k) -> None:
+            progress((k + fraction) / 2)
+
+        start = time.monotonic()
+        rendering = renderer.render(VERIFY + k, samples, share, cancelled)
+        walls.append(time.monotonic() - start)
+        seconds.append(rendering.seconds)
+        images.append(finite_or_nan(rendering, measurement.yardstick.excluded.shape))
+    score = measurement.yardstick.score(*images, 0)
+    floor = max(score.bias, 0.0) if measured.way.bias is Bias.UNKNOWN else _floor(measured)
+    allowed = target**2 - floor
+    mean = sum(seconds) / 2
+    return Verification(
+        key,
+        measured.way.label,
+        told,
+        samples,
+        mean,
+        measured.setup + sum(walls) / 2,
+        math.sqrt(score.variance + floor),
+        mean * score.variance / allowed if allowed > 0.0 else math.inf,
+    )

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The folder a measurement leaves: cost.html, cost.json, cost.csv, and the pictures as PNG and SVG."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from ..report.words import percent, seconds
+from .document import Extras, document, write_csv
+from .measure import Measurement
+from .plots import error_figure, save, stage_figure
+
+_REPORT = Path(__file__).parent.parent / "report"  # its style sheet is this page's too
+
+
+def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[str, Any]:
+    """Write all files into `folder`, which must be there; returns what cost.json holds."""
+    figures = document(measurement, extras)
+    text = json.dumps(figures, indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "cost.json").write_text(text + "\n", encoding="utf-8")
+    write_csv(figures, folder / "cost.csv")
+    pictures = {"error": save(error_figure(figures), folder, "cost")}
+    if any(len(way.get("stages", ())) > 3 for way in figures["ways"]):
+        pictures["stages"] = save(stage_figure(figures), folder, "stages")
+    environment = Environment(
+        loader=FileSystemLoader([Path(__file__).parent, _REPORT]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(percent=percent, seconds=seconds, within=within, took=took)
+    page = environment.get_template("cost.html").render(
+        figures=figures, pictures={name: Markup(svg) for name, svg in pictures.items()}
+    )
+    (folder / "cost.html").write_text(page, encoding="utf-8")
+    return figures
+
+
+def within(estimate: dict[str, float | None], scale: float = 1.0) -> str:
+    """An estimate with its interval, both times `scale`, three digits each."""
+    value, low, high = (estimate[key] for key in ("value", "low", "high"))
+    if value is None:
+        return "—"
+    if low is None or high is None:
+        return f"{scale * value:.3g}"
+    return f"{scale * value:.3g} ({scale * low:.3g} to {scale * high:.3g})"
+
+
+def took(span: dict[str, float | None]) -> str:
+    """A forecast span of seconds: median (low to high), 'never' where it is not reached."""
+    if span["median"] is None:
+        return "not reached" if span["low"] is None else f"not reached, at best {seconds(span['low'])}"
+    high = seconds(span["high"]) if span["high"] is not None else "never"
+    return f"{seconds(span['median'])} ({seconds(span['low'])} to {high})"
+
+
+def table(figures: dict[str, Any]) -> str:
+    """The forecasts for a terminal, cheapest first."""
+    rows = [["", *(f"to {100 * t:g} %" for t in figures["targets"])]]
+    ways = [way for way in figures["ways"] if way["points"]]
+    for way in sorted(ways, key=lambda way: _order(way["to_error"])):
+        rows.append([way["label"], *(took(told["seconds"]) for told in way["to_error"])])
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    missing = [f"{way['label']}: {way['missing']}" for way in figures["ways"] if way["missing"]]
+    return "\n".join([*lines, *missing])
+
+
+def _order(told: list[dict[str, Any]]) -> list[float]:
+    """Forecasts from the last target on, those not reached last."""
+    medians = [entry["seconds"]["median"] for entry in reversed(told)]
+    return [math.inf if median is None else median for median in medians]
