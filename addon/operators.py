@@ -130,6 +130,8 @@ class CompareWithCycles(bpy.types.Operator):
         session.take()
         if session.comparison is not None:
             self.report({"INFO"}, f"Étalon: {session.comparison.verdict.outcome.value}")
+        elif not session.errors:
+            self.report({"INFO"}, "Étalon: cancelled before there was anything to compare")
         for error in session.errors:
             self.report({"ERROR"}, error)
         return self._leave(context, {"FINISHED"})

@@ -49,11 +49,11 @@ class _Panel:
         box.label(text=verdict.outcome.value, icon=ICONS[verdict.outcome.value])
         for sentence in sentences(session.comparison):
             _draw_text(box, sentence, characters, icon="BLANK1")
+        box.operator(OpenReport.bl_idname)
+        _draw_text(box, str(session.folder), characters, icon="FILE_FOLDER")
         for title, picture in session.pictures.items():
             box.label(text=title)
             box.template_icon(icon_value=picture.icon_id, scale=8.0)
-        box.operator(OpenReport.bl_idname)
-        _draw_text(box, str(session.folder), characters, icon="FILE_FOLDER")
 
 
 def _draw_text(layout: bpy.types.UILayout, text: str, characters: int, icon: str) -> None:
