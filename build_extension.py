@@ -25,11 +25,11 @@ FILES = ("__init__.py", "LICENSE", "blender_manifest.toml")
 NUMPY = {"3.11": "1.24.3", "3.13": "2.2.4"}
 NOT_BUNDLED = ("numpy", "openimageio", "bpy")
 
-# pip's names of each of Blender's platforms: the oldest system that Blender itself asks for, and those before it.
+# pip's names of each of Blender's platforms: the oldest system that Blender and embreex run on, and those before it.
 PLATFORMS = {
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
-    "macos-arm64": ("macosx_12_0_arm64",),
-    "macos-x64": ("macosx_12_0_x86_64",),
+    "macos-arm64": ("macosx_13_0_arm64",),
+    "macos-x64": ("macosx_13_0_x86_64",),
     "windows-x64": ("win_amd64",),
 }
 
