@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ..film.moments import Moments
-from .claims import WAYS_TO_DIFFER, Combination, tolerance_ends
+from .claims import WAYS_TO_DIFFER, Combination, combine, tolerance_ends
 from .sequential import GROWTH, SequentialTest, look_share
 
 COVERAGE = 0.9
@@ -30,14 +30,30 @@ class Forecast:
     regions: int
 
 
-def passing_probability(z: np.ndarray, q: float, growth: float) -> np.ndarray:
+def spread_of_differences(gap: np.ndarray, error: np.ndarray, least: float) -> float:
+    """Variance tau^2 of the true differences over regions, as if drawn from N(0, tau^2); never below `least`^2.
+
+    `gap` and its standard `error` (K,), the estimates: the method of moments of DerSimonian and Laird, "Meta-analysis in clinical
+    trials" (1986), with mean zero.
+    """
+    known = np.isfinite(gap) & (error > 0)
+    precision = 1.0 / error[known] ** 2
+    if not known.any():
+        return least**2
+    excess = float((gap[known] ** 2 * precision).sum()) - np.count_nonzero(known)
+    return max(excess / float(precision.sum()), least**2)
+
+
+def passing_probability(z: np.ndarray, gap: np.ndarray, share: np.ndarray, q: float, growth: float) -> np.ndarray:
     """Probability that a statistic, now `z` standard errors, is `q` or more once there are `growth` > 1 times the data.
 
-    With the score process S(f) = theta f + W(f), S(1) = z, and theta unknown (flat prior), S(f) is N(z f, f (f - 1)) and must
-    reach q sqrt(f): predictive power (Spiegelhalter, Freedman and Blackburn, "Monitoring clinical trials: conditional or
-    predictive power?", 1986).
+    Predictive power (Spiegelhalter, Freedman and Blackburn, "Monitoring clinical trials: conditional or predictive power?", 1986) with a
+    normal prior about zero for the true difference: `gap` is the part of z that is the estimated difference, and `share` =
+    tau^2 / (tau^2 + error^2) is what of it is expected to be there in new data (1: all of it, a flat prior).
     """
-    return ndtr((z * np.sqrt(growth) - q) / np.sqrt(growth - 1))
+    fresh = (growth - 1.0) / growth
+    mean = np.sqrt(growth) * (z - gap * fresh * (1.0 - share))
+    return ndtr((mean - q) / np.sqrt(fresh * ((growth - 1.0) * share + 1.0)))
 
 
 def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Forecast | None:
@@ -50,15 +66,22 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
     if not open_regions.any() or min(reference.n, candidate.n) < 2:
         return None
     upper, lower = tolerance_ends(candidate, reference, test.tolerance, test.floor)
-    inside = np.concatenate([_errors(upper, -1), _errors(lower, +1)], axis=1)[open_regions]
-    nearest, farthest = inside.min(axis=1), (-inside).max(axis=1)
+    inside = np.concatenate([_errors(upper.value, upper, -1), _errors(lower.value, lower, +1)], axis=1)[open_regions]
+    gap, share = _prior(test, reference, candidate)
+    gaps = np.concatenate([_errors(gap, upper, -1), _errors(gap, lower, +1)], axis=1)[open_regions]
+    shares = np.concatenate([share, share], axis=1)[open_regions]
+    rows = np.arange(inside.shape[0])
+    worst, best = inside.argmin(axis=1), (-inside).argmax(axis=1)
     df = float(np.median(np.stack([upper.df, lower.df])[:, open_regions]))
     quantiles = {"low": np.inf, "factor": np.inf, "high": np.inf}
     for growth in 1 + np.geomspace(1e-2, _MOST_GROWTH, 400):
         looks = len(test.looks) + max(1, round(np.log(growth) / np.log(GROWTH)))
         p = test.level * look_share(looks, last=False) / test.claims_left
-        equivalent = passing_probability(nearest, -stdtrit(df * growth, p), growth)
-        different = passing_probability(farthest, -stdtrit(df * growth, p / WAYS_TO_DIFFER), growth)
+        near, far = (rows, worst), (rows, best)
+        enough = -stdtrit(df * growth, p)
+        equivalent = passing_probability(inside[near], gaps[near], shares[near], enough, growth)
+        enough = -stdtrit(df * growth, p / WAYS_TO_DIFFER)
+        different = passing_probability(-inside[far], -gaps[far], shares[far], enough, growth)
         decided = np.minimum(equivalent + different, 1.0)
         reached = {
             "low": decided.min() >= (1 - COVERAGE) / 2,
@@ -70,8 +93,18 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
     return Forecast(quantiles["factor"], quantiles["low"], GROWTH * quantiles["high"], int(open_regions.sum()))
 
 
-def _errors(end: Combination, sign: int) -> np.ndarray:
-    """How many standard errors a combination lies on the inner side of its end of the tolerance, (K, 3)."""
-    value = sign * end.value
+def _prior(test: SequentialTest, reference: Moments, candidate: Moments) -> tuple[np.ndarray, np.ndarray]:
+    """Estimated differences C - E (K, 3), and what share of each is expected to last."""
+    plain = combine(candidate, reference, 1.0)
+    scale = np.maximum(np.abs(reference.mean), test.floor)
+    scale = np.where(scale > 0, scale, 1.0)
+    gap, error = plain.value / scale, plain.error / scale
+    variance = [spread_of_differences(gap[:, k], error[:, k], test.tolerance / 10) for k in range(gap.shape[1])]
+    return plain.value, variance / (np.array(variance) + error**2)
+
+
+def _errors(value: np.ndarray, end: Combination, sign: int) -> np.ndarray:
+    """`value` in standard errors of an end of the tolerance, towards its inner side, (K, 3)."""
+    value = sign * value
     far = np.where(value == 0, 0.0, np.copysign(np.inf, value))
     return np.divide(value, end.error, out=far, where=end.error > 0)
