@@ -219,7 +219,7 @@ class _Search:
 
     def __init__(self, among: Alternatives, test: SequentialTest, meter: _Meter) -> None:
         self._attribution = Attribution(among.departures, test, ATTRIBUTION_SHARE * (1 - test.confidence))
-        self._effects = PairedEffects(among, PAIRS, meter.aside, lambda: meter.spent_aside, meter.seconds_aside)
+        self._effects = PairedEffects(among, meter.aside, lambda: meter.spent_aside, meter.seconds_aside)
         self._test, self._meter = test, meter
 
     @property
@@ -230,9 +230,9 @@ class _Search:
     def look(self, sides: tuple[Side, Side], excluded: np.ndarray, last: bool) -> bool:
         """One look; whether more sampling may yet explain what differs."""
         film, regions = sides[0].film, sides[0].regions.regions
-        self._effects.budget(film.samples, film.seconds / (film.moments.n * film.samples))
+        self._effects.budget(film.samples, PAIRS, film.seconds / (film.moments.n * film.samples))
         moments = sides[0].regions, sides[1].regions
-        self._attribution.look(*moments, lambda names: self._effects(names, regions, excluded), last)
+        self._attribution.look(*moments, lambda names, count: self._effects(names, count, regions, excluded), last)
         differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
         return differs and not (self._attribution.complete or self._attribution.hopeless)
 

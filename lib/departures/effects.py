@@ -19,7 +19,7 @@ from .catalogue import Departure, relevant
 # Pairs are numbered from here, apart from every other replicate.
 FIRST = 1 << 21
 # What the effects of single departures may take of the time that is set aside; the rest is left to sets of them.
-SINGLES_SHARE = 0.6
+SINGLES_SHARE = 0.4
 
 
 @dataclass(frozen=True)
@@ -45,56 +45,59 @@ def alternatives(reference: ReferenceRenderer) -> Alternatives:
 class PairedEffects:
     """Calling it with a set of names gives what they add to each region, (pairs, N, 3), one row for each pair of replicates.
 
-    `render(renderer, replicate, samples)` does the work and may give None, and so does the call then; it does too once `seconds`
-    (None: no limit) are spent, as told by `spent`.
+    `render(renderer, replicate, samples)` does the work, and may give None. Pairs are kept, and more are made as they are asked for,
+    until `seconds` (None: no limit) are spent, as told by `spent`.
     """
 
     def __init__(
         self,
         among: Alternatives,
-        pairs: int,
         render: Callable[[Any, int, int], Rendering | None],
         spent: Callable[[], float],
         seconds: float | None,
     ) -> None:
-        self._among, self._count = among, pairs
-        self._render, self._spent, self._seconds = render, spent, seconds
+        self._among, self._render = among, render
+        self._spent, self._seconds = spent, seconds
+        self._renderers: dict[frozenset[str], Any] = {}
         self._plain: list[np.ndarray] = []
+        self._effects: dict[frozenset[str], list[np.ndarray]] = {}
         self.samples = 0
 
-    def budget(self, samples: int, cost: float) -> None:
-        """Settle the samples per pixel, once: `samples`, halved until the time suffices; a replicate of one takes `cost` seconds."""
+    def budget(self, samples: int, pairs: int, cost: float) -> None:
+        """Settle the samples per pixel, once: `samples`, halved until `pairs` of each departure alone fit into the time.
+
+        A replicate of one sample takes `cost` seconds.
+        """
         if self.samples:
             return
         self.samples = samples
-        renderings = self._count * (len(self._among.departures) + 1)
+        renderings = pairs * (len(self._among.departures) + 1)
         while self._seconds is not None and self.samples > 1:
             if renderings * self.samples * cost <= SINGLES_SHARE * self._seconds:
                 return
             self.samples = (self.samples + 1) // 2
 
-    def __call__(self, names: frozenset[str], regions: Regions, excluded: np.ndarray) -> np.ndarray | None:
-        """The effects of `names` on `regions` without the pixels `excluded` (height, width)."""
-        if self._seconds is not None and self._spent() > self._seconds:
-            return None
-        if not self._plain:
-            plain = self._images(frozenset(), regions.shape)
-            if plain is None:
-                return None
-            self._plain = plain
-        changed = self._images(names, regions.shape)
-        if changed is None:
+    def __call__(self, names: frozenset[str], count: int, regions: Regions, excluded: np.ndarray) -> np.ndarray | None:
+        """The effects of `names` on `regions` without the pixels `excluded` (height, width); None without a pair of them."""
+        effects = self._effects.setdefault(names, [])
+        while len(effects) < count and (self._seconds is None or self._spent() < self._seconds):
+            k = len(effects)
+            if k == len(self._plain):
+                plain = self._image(frozenset(), k, regions.shape)
+                if plain is None:
+                    break
+                self._plain.append(plain)
+            changed = self._image(names, k, regions.shape)
+            if changed is None:
+                break
+            effects.append(changed - self._plain[k])
+        if not effects:
             return None
         blank = RegionMoments(regions, Moments.empty((len(regions), 3)), excluded.ravel())
-        pairs = zip(changed, self._plain, strict=True)
-        return np.stack([blank.add(with_them - without).moments.mean for with_them, without in pairs])
+        return np.stack([blank.add(effect).moments.mean for effect in effects[:count]])
 
-    def _images(self, names: frozenset[str], shape: tuple[int, int]) -> list[np.ndarray] | None:
-        renderer = self._among.renderer(names)
-        images = []
-        for k in range(self._count):
-            rendering = self._render(renderer, FIRST + k, self.samples)
-            if rendering is None:
-                return None
-            images.append(finite_or_nan(rendering, shape))
-        return images
+    def _image(self, names: frozenset[str], pair: int, shape: tuple[int, int]) -> np.ndarray | None:
+        if names not in self._renderers:
+            self._renderers[names] = self._among.renderer(names)
+        rendering = self._render(self._renderers[names], FIRST + pair, self.samples)
+        return None if rendering is None else finite_or_nan(rendering, shape)

@@ -30,7 +30,7 @@ from .sequential import SequentialTest, holm, look_share
 
 ATTRIBUTION_SHARE = 0.1
 LARGEST_SET = 3
-# Pairs of replicates behind each effect: enough for a variance, and the effect's own noise is small beside the candidate's.
+# Pairs of replicates behind each effect at first, enough for a variance; a set that may do gets half as many as the candidate has replicates.
 PAIRS = 8
 # At most so many sets of a size are rendered at one look, the most promising first.
 SETS_PER_LOOK = 4
@@ -38,7 +38,7 @@ SETS_PER_LOOK = 4
 DROP_LEVEL = 1e-3
 
 Names = frozenset[str]
-Effects = Callable[[Names], np.ndarray | None]
+Effects = Callable[[Names, int], np.ndarray | None]
 
 
 def set_share(size: int, count: int) -> float:
@@ -54,7 +54,8 @@ class Explanation:
     with them switched on. `causes` (N) are the names that explain each region, the fewest again, empty where nothing does.
     `effect` (M, N, 3) is what each departure alone adds to the reference, relative to it, and `share` (M, N) what part that is
     of the difference in the channel furthest off; both NaN where the departure was not rendered. `rest` (N, 3) is the relative
-    difference that remains with `chosen`. `replicates` pairs of `samples` per pixel stand behind each effect, in `seconds` altogether.
+    difference that remains with `chosen`. At least `PAIRS` pairs of replicates of `samples` per pixel stand behind each effect, in
+    `seconds` altogether.
     """
 
     departures: tuple[Departure, ...]
@@ -64,13 +65,12 @@ class Explanation:
     effect: np.ndarray
     share: np.ndarray
     rest: np.ndarray
-    replicates: int
     samples: int
     seconds: float
 
 
 class Attribution:
-    """The search, look by look. `effects` gives the (PAIRS, N, 3) differences of a set's pairs, None when cancelled."""
+    """The search, look by look. `effects` gives the differences of a set's pairs, (count, N, 3) or fewer; None where there are none."""
 
     def __init__(self, departures: Sequence[Departure], test: SequentialTest, level: float) -> None:
         self.departures = tuple(departures)
@@ -80,7 +80,6 @@ class Attribution:
         self._looks = 0
         self._pairs: dict[Names, np.ndarray] = {}
         self._evidence: dict[Names, np.ndarray] = {}
-        self._since: dict[Names, int] = {}
 
     @property
     def _wanted(self) -> np.ndarray:
@@ -96,14 +95,29 @@ class Attribution:
         sides = reference.moments, candidate.moments
         for size in range(1, min(LARGEST_SET, len(self._names)) + 1):
             all_tried = self._try(size, sides, effects)
+            open_ = [names for names in self._of_size(size) if not self._ruled_out(names, sides)]
             for names in self._of_size(size):
-                p = p_equivalent(*self._ends(sides, self._moments(names)))
-                self._evidence[names] = np.minimum(self._evidence.get(names, np.inf), p / share)
-            self.complete = any(self.explained(names)[self._wanted].all() for names in self._of_size(size))
-            open_ = any(not self._ruled_out(names, sides) for names in self._of_size(size))
+                self._weigh(names, names in open_, sides, share, effects)
+            self.complete = any(self.explained(names)[self._wanted].all() for names in open_)
             if self.complete or open_ or not all_tried:
                 return
         self.hopeless = True
+
+    def _weigh(self, names: Names, open_: bool, sides: tuple[Moments, Moments], share: float, effects: Effects) -> None:
+        """Take the evidence of this look for a set.
+
+        It is weighed on the first PAIRS, or on all that are due if it may do for the whole image: two numbers of pairs, neither of
+        which depends on what was seen, and either p-value counts double.
+        """
+        if open_:
+            more = effects(names, max(PAIRS, sides[1].n // 2))
+            self._pairs[names] = self._pairs[names] if more is None else more
+        # A set that takes what agreed out of the tolerance is no explanation of the rest; not to claim one is always allowed.
+        if (self._outside(names, sides) & ~self._wanted).any():
+            self._evidence.pop(names, None)
+            return
+        p = 2.0 * p_equivalent(*self._ends(sides, self._moments(names, None if open_ else PAIRS)))
+        self._evidence[names] = np.minimum(self._evidence.get(names, np.inf), p / share)
 
     def explained(self, names: Names) -> np.ndarray:
         """The regions (N,) of which agreement with the departures `names` is claimed."""
@@ -149,7 +163,6 @@ class Attribution:
             effect,
             share,
             rest,
-            PAIRS,
             samples,
             seconds,
         )
@@ -167,21 +180,27 @@ class Attribution:
     def _of_size(self, size: int) -> list[Names]:
         return [names for names in self._pairs if len(names) == size]
 
-    def _moments(self, names: Names) -> Moments:
-        """Of the effect of `names`, as rendered or, where it was not, as the sum of what each does alone."""
+    def _moments(self, names: Names, most: int | None = None) -> Moments:
+        """Of the effect of `names`, as rendered (`most` pairs) or, where it was not, as the sum of what each does alone."""
         pairs = self._pairs.get(names)
         if pairs is None:
-            pairs = sum(self._pairs[frozenset([name])] for name in names)
+            alone = [self._pairs[frozenset([name])] for name in names]
+            pairs = sum(one[: min(map(len, alone))] for one in alone)
+        pairs = pairs[:most]
         mean = pairs.mean(axis=0)
         return Moments(len(pairs), mean, ((pairs - mean) ** 2).sum(axis=0))
 
     def _ends(self, sides: tuple[Moments, Moments], shift: Moments) -> tuple:
         return tolerance_ends(sides[1], sides[0], self._test.tolerance, self._test.floor, shift)
 
+    def _outside(self, names: Names, sides: tuple[Moments, Moments]) -> np.ndarray:
+        """The regions (N,) that are outside the tolerance with `names`, as far as what to try next is concerned."""
+        p = p_different(*self._ends(sides, self._moments(names)))
+        return p * p.size <= DROP_LEVEL
+
     def _ruled_out(self, names: Names, sides: tuple[Moments, Moments]) -> bool:
-        """Whether some region is outside the tolerance with `names`, as far as what to try next is concerned."""
-        p = p_different(*self._ends(sides, self._moments(names)))[self._wanted]
-        return bool((p * p.size <= DROP_LEVEL).any())
+        """Whether any region is outside with `names`."""
+        return bool(self._outside(names, sides).any())
 
     def _try(self, size: int, sides: tuple[Moments, Moments], effects: Effects) -> bool:
         """Render the effects of sets of one size: all single ones, of the others those whose sum may do; whether none is left."""
@@ -194,7 +213,7 @@ class Attribution:
             sets = sorted(sets, key=lambda names: self._left(names, sides))
             most = SETS_PER_LOOK
         for names in sets[:most]:
-            pairs = effects(names)
+            pairs = effects(names, PAIRS)
             if pairs is None:
                 return False
             self._pairs[names] = pairs

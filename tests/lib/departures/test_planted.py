@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Planted cases: a candidate that is the reference with one or two departures on, under other seeds. Attribution must name exactly those.
+
+Each scene lets every departure act on cells of its own, well beyond the tolerance.
+"""
+
+import functools
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from etalon.lib.compare import CompareOptions, compare
+from etalon.lib.departures.catalogue import SWITCHES, relevant
+from etalon.lib.departures.effects import Alternatives, alternatives
+from etalon.lib.report.words import sentences
+from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, ImageTexture, LayerWeight
+from etalon.lib.scene.images import Image
+from etalon.lib.scene.lights import AreaLight, SunLight
+from etalon.lib.scene.materials import Diffuse
+from etalon.lib.verdict.outcome import Outcome
+from etalon.lib.wavefront.options import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.tests import scenes
+
+ANGLES = np.radians([64.0, 78.0, 87.1])
+REPLICATES = 27
+# Of the default run; the other pairs are slow ones.
+PAIRS = (("rational Beckmann Lambda", "rational Beckmann density"), ("multiple-scattering tables", "Oren-Nayar colour"))
+
+
+def furnace():
+    """A white world over facets that see nothing of each other, and a sun that the middle ones mirror to the camera."""
+    inside = (0.2, 0.2, 0.2, 1.0), (0.9, 0.9, 0.9, 1.0)
+    ramp = ColorRamp(LayerWeight(Constant(0.5), output="FACING"), (0.5610, 0.5620), inside)
+    checker = np.ones((2, 2, 4), np.float32)
+    checker[[0, 1], [0, 1], :3] = 0.6
+    materials = [
+        scenes.glossy(0.36, distribution="BECKMANN"),
+        scenes.glossy(0.21**2, 0.9, distribution="MULTI_GGX"),
+        scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0),
+        scenes.material(Diffuse(ramp)),
+        scenes.material(Diffuse(ImageTexture(Coordinates("POSITION"), 0))),
+    ]
+    twice = 2.0 * ANGLES[1]
+    sun = SunLight("sun", (np.sin(twice), 0.0, np.cos(twice)), 0.0, (0.5, 0.5, 0.5))
+    count = len(materials)
+    geometry, camera = scenes.fan(ANGLES, count), scenes.fan_camera(ANGLES, count)
+    return scenes.scene(geometry, materials, camera, (sun,), 1.0, images=(Image("checker", checker, "SRGB"),))
+
+
+def slope():
+    """Two floors: one smooth, under a sun below its face but above its normals, one rough, under another sun."""
+    parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
+    tilted = np.repeat(np.array([[np.sin(0.5)], [0.0], [np.cos(0.5)]]), 4, axis=1)
+    parts[0] = scenes.Part(parts[0].vertices, parts[0].triangles, 0, tilted)
+    suns = [((np.cos(0.2), 0.0, -np.sin(0.2)), 0.05), ((0.0, 0.6, 0.8), 0.0)]
+    suns = [SunLight(f"sun {k}", place, angle, (1.0, 1.0, 1.0)) for k, (place, angle) in enumerate(suns)]
+    materials = [scenes.diffuse(0.8), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0)]
+    return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), suns)
+
+
+def soft_box():
+    """A floor under an area light whose slats let hardly anything pass aside."""
+    edges = (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)
+    light = AreaLight("narrow", (0.0, 0.0, 4.0), *edges, (0.0, 0.0, -1.0), "RECTANGLE", (1.0, 1.0, 1.0), 0.1)
+    camera = scenes.orthographic(2, 2, 1.0, (0.0, 0.0, 3.0))
+    return scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0), camera, (light,))
+
+
+class Cached:
+    """A renderer that remembers its replicates, so that cases share what they have in common."""
+
+    settings: dict = {}  # noqa: RUF012
+
+    def __init__(self, name, renderer):
+        self.name, self._renderer, self._done = name, renderer, {}
+
+    def render(self, replicate, samples, progress, cancelled):
+        key = replicate, samples
+        if key not in self._done:
+            self._done[key] = self._renderer.render(replicate, samples)
+        return self._done[key]
+
+
+@functools.cache
+def prepared(make):
+    """The scene, its reference, and what may depart, all with remembered replicates."""
+    scene = make()
+    reference = ReferenceRenderer(scene, Options(threads=1))
+    found = alternatives(reference)
+    renderer = functools.cache(lambda names: Cached("alternative", found.renderer(names)))
+    return scene, Cached("reference", reference), Alternatives(found.departures, renderer)
+
+
+# Scene: tolerance, samples per pixel, and the cells that are too noisy to tell anything.
+SCENES = {furnace: (1.5e-3, 512, {3, 8}), slope: (1e-2, 128, set()), soft_box: (3e-4, 4096, set())}
+
+
+def cells(make):
+    """Every pixel as a region of its own."""
+    camera = prepared(make)[0].camera
+    shape = camera.height, camera.width
+    told = [k for k in range(shape[0] * shape[1]) if k not in SCENES[make][2]]
+    return {"cell": [(f"{k}", np.eye(shape[0] * shape[1])[k].reshape(shape)) for k in told]}
+
+
+def judged(make, candidate):
+    scene, reference, among = prepared(make)
+    tolerance, samples, _ = SCENES[make]
+    options = CompareOptions(tolerance, time=None, samples=samples, replicates=REPLICATES)
+    return compare(scene, reference, candidate, cells(make), options, among=among)
+
+
+def planted(make, names, seed):
+    scene, _, _ = prepared(make)
+    options = Options(threads=1, seed=seed, departures=frozenset(names))
+    return Cached("candidate", ReferenceRenderer(scene, options))
+
+
+def cases():
+    """Each scene's departures, alone and in pairs."""
+    for make in SCENES:
+        names = [d.name for d in relevant(make())]
+        for size in (1, 2):
+            for chosen in combinations(names, size):
+                default = size == 1 or make is not furnace or chosen in PAIRS
+                marks = () if default else pytest.mark.slow
+                yield pytest.param(make, chosen, id=f"{make.__name__}: {' + '.join(chosen)}", marks=marks)
+
+
+@pytest.mark.parametrize(("make", "names"), list(cases()))
+def test_attribution_names_exactly_what_was_planted(make, names, seed):
+    found = judged(make, planted(make, names, seed))
+    assert found.explanation.chosen == names
+    assert found.verdict.outcome is Outcome.EXPLAINED
+
+
+def test_every_switch_is_planted():
+    assert {name for case in cases() for name in case.values[1]} == SWITCHES
+
+
+def test_nothing_is_named_where_nothing_was_planted(seed):
+    found = judged(slope, planted(slope, (), seed))
+    assert found.explanation is None
+    assert found.verdict.outcome is Outcome.EQUIVALENT
+
+
+class Brighter:
+    """A candidate that is brighter than the reference, for no reason that the catalogue knows."""
+
+    name = "brighter"
+    settings: dict = {}  # noqa: RUF012
+
+    def __init__(self, renderer, factor):
+        self._renderer, self._factor = renderer, np.asarray(factor)
+
+    def render(self, *how):
+        rendering = self._renderer.render(*how)
+        return replace(rendering, radiance=rendering.radiance * self._factor)
+
+
+def test_what_no_departure_explains_stays_different(seed):
+    found = judged(slope, Brighter(planted(slope, (), seed), 1.05))
+    assert found.verdict.outcome is Outcome.DIFFERENT
+    assert found.explanation.chosen == ()
+    assert not any(found.explanation.causes)
+    assert found.stopped == "decided"  # all that could explain it is ruled out: no need to go on
+    assert "no known reason" in " ".join(sentences(found))
+
+
+def test_half_an_explanation_names_the_regions_that_it_covers(seed):
+    name = "Oren-Nayar colour"
+    left = np.where(np.arange(4) < 2, 1.05, 1.0)[:, None]
+    found = judged(slope, Brighter(planted(slope, (name,), seed), left))
+    assert found.verdict.outcome is Outcome.DIFFERENT
+    assert found.explanation.chosen == (name,)
+    told = dict(
+        zip(found.regions.names, zip(found.explanation.causes, found.verdict.outcomes, strict=True), strict=True)
+    )
+    assert all(told[cell] == ((name,), Outcome.EXPLAINED) for cell in "2367")
+    assert all(told[cell] == ((), Outcome.DIFFERENT) for cell in "0145")
+
+
+def test_shares_add_up(seed):
+    """On the rough floor all of the difference is the one departure's, and nothing is left."""
+    name = "Oren-Nayar colour"
+    found = judged(slope, planted(slope, (name,), seed))
+    k = [d.name for d in found.explanation.departures].index(name)
+    cell = found.regions.names.index("2")
+    assert found.explanation.share[k, cell] == pytest.approx(1.0, abs=1e-9)
+    assert np.abs(found.explanation.rest[cell]).max() < 1e-9
