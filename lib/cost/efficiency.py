@@ -27,18 +27,22 @@ def efficiency(measured: Measured, measure: str = "mean") -> Estimate:
     """1 / (relMSE x seconds of rendering alone) at the way's last point, s^-1; NaN where there is none."""
     if not measured.points:
         return Estimate(math.nan)
-    return of_geometric_mean(_pairs(measured, measure))
+    return of_geometric_mean(_pairs(measured, measured.points[-1], measure))
 
 
 def ratio(measured: Measured, other: Measured, measure: str = "mean") -> Estimate:
-    """Efficiency of `measured` over that of `other`, pair by pair: what slows the machine for a while slows both."""
-    if not measured.points or not other.points:
+    """Efficiency of `measured` over that of `other` at the largest number of samples that both have.
+
+    Pair by pair: what slows the machine for a while slows both.
+    """
+    shared = min(len(measured.points), len(other.points)) - 1
+    if shared < 0:
         return Estimate(math.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return of_geometric_mean(_pairs(measured, measure) / _pairs(other, measure))
+        values = _pairs(measured, measured.points[shared], measure) / _pairs(other, other.points[shared], measure)
+    return of_geometric_mean(values)
 
 
-def _pairs(measured: Measured, measure: str) -> np.ndarray:
-    point = measured.points[-1]
+def _pairs(measured: Measured, point: Point, measure: str) -> np.ndarray:
     with np.errstate(divide="ignore"):
         return 1.0 / (relmse(measured, point, measure) * point.pair_seconds)

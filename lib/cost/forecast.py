@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
+from .estimates import of_mean
 from .measure import Measured, Point
 from .ways import Bias
 
@@ -68,7 +69,7 @@ def forecast(measured: Measured, target: float, seed: int = 0) -> Forecast | Non
         n = _crossing(logs, total, np.full(DRAWS, 2.0 * math.log(target)), np.full(DRAWS, np.inf))
     else:
         variance = np.stack([_positive(p.column("variance"), rng) for p in points], axis=1)
-        floor = _any(points[-1].column("bias"), rng) if measured.way.bias is Bias.FLOOR else np.zeros(DRAWS)
+        floor = _any(points[-1].column("bias"), rng) if found_floor(measured) > 0.0 else np.zeros(DRAWS)
         allowed = target**2 - np.maximum(floor, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             goal = np.where(allowed > 0.0, np.log(np.maximum(allowed, 1e-300)), -np.inf)
@@ -77,6 +78,12 @@ def forecast(measured: Measured, target: float, seed: int = 0) -> Forecast | Non
     seconds = _seconds(points, samples, rng)
     outside = max(float(np.median(points[-1].wall - points[-1].seconds)), 0.0)
     return Forecast(target, Range.of(samples), Range.of(seconds), Range.of(measured.setup + seconds + outside))
+
+
+def found_floor(measured: Measured) -> float:
+    """The squared bias of a way that ends in a floor, 0 where its 95 % interval holds 0: a floor that was not found is taken for none."""
+    found = of_mean(measured.points[-1].column("bias"))
+    return found.value if measured.way.bias is Bias.FLOOR and found.low > 0.0 else 0.0
 
 
 def _positive(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -105,13 +105,12 @@ class _Stop(Exception):
     """Cancelled."""
 
 
-@dataclass
+@dataclass(eq=False)
 class _Entry:
-    """A way whose renderer stands: seconds `spent` on all its levels and on the `latest`."""
+    """A way whose renderer stands, and the seconds of all its replicates at the latest level."""
 
     measured: Measured
     renderer: Renderer
-    spent: float = 0.0
     latest: float = 0.0
 
 
@@ -157,9 +156,9 @@ def measure(
 ) -> Measurement:
     """Measure `ways` of the scene named `scene` within `budget` seconds, the way `best` being the truth for all.
 
-    At 1, 4, 16 ... samples a pixel every way that its share of the time still allows renders `pairs` pairs of replicates, all ways in
-    turns, so that a machine that changes its pace does so for all. One sample a pixel is measured whatever it takes, unless the budget is
-    spent: ways that do not get that far say so in `missing`. Cancelling keeps the levels that are done. Raises Cancelled if
+    At 1, 4, 16 ... samples a pixel as many ways as the time that is left still allows, the quick ones first, render `pairs` pairs of
+    replicates, all in turns, so that a machine that changes its pace does so for all. One sample a pixel is measured whatever it takes, unless
+    the budget is spent: ways that do not get that far say so in `missing`. Cancelling keeps the levels that are done. Raises Cancelled if
     there is none, EtalonError where pairs are fewer than two or images differ in size.
     """
     if pairs < 2:
@@ -239,7 +238,6 @@ class _Level:
 
 def _levels(run: _Run, entries: list[_Entry], yardstick: Yardstick, pairs: int, most_samples: int) -> bool:
     """Go through the levels; whether time, and not `most_samples`, ended it."""
-    share = max(run.left, 0.0) / len(entries)
     alive, samples, first = list(entries), 1, 0
     while alive and samples <= most_samples:
         levels = [_Level() for _ in alive]
@@ -252,9 +250,20 @@ def _levels(run: _Run, entries: list[_Entry], yardstick: Yardstick, pairs: int, 
         for entry, level in zip(alive, levels, strict=True):
             if level.scores:
                 _finish(entry, samples, level)
-        alive = [e for e in alive if e.measured.points and e.spent + LEVEL_FACTOR * e.latest <= share]
+        alive = _affordable(alive, run.left)
         samples, first = LEVEL_FACTOR * samples, first + 2 * pairs
     return samples <= most_samples
+
+
+def _affordable(entries: list[_Entry], left: float) -> list[_Entry]:
+    """Those whose next level fits into the seconds `left`, quick ones first, in their old order."""
+    chosen: list[_Entry] = []
+    for entry in sorted((e for e in entries if e.measured.points), key=lambda e: e.latest):
+        left -= LEVEL_FACTOR * entry.latest
+        if left < 0.0:
+            break
+        chosen.append(entry)
+    return [e for e in entries if e in chosen]
 
 
 def _pair(
@@ -277,4 +286,3 @@ def _finish(entry: _Entry, samples: int, level: _Level) -> None:
     m.points.append(Point(samples, tuple(level.scores), np.array(level.seconds), np.array(level.wall)))
     m.stages, m.stage_seconds, m.camera_samples = level.stages, sum(level.seconds), level.camera_samples
     entry.latest = sum(level.wall)
-    entry.spent += entry.latest

@@ -42,6 +42,16 @@ def _amount(value: float, _position: int | None = None) -> str:
     return f"{value:.10g}" if value < 1e4 else f"{value:.0e}"
 
 
+def _within_decade(value: float, _position: int | None = None) -> str:
+    """Labels at 2 and 5, for axes that span little more than a decade."""
+    digit = round(value / 10.0 ** math.floor(math.log10(value) + 1e-9))
+    return _amount(value) if digit in (2, 5) else ""
+
+
+def _nothing(_value: float, _position: int | None = None) -> str:
+    return ""
+
+
 def error_figure(figures: dict[str, Any]) -> Figure:
     """Error of one image against seconds, of rendering alone on the left and of the whole command on the right.
 
@@ -98,7 +108,8 @@ def _dress(axes: Axes, title: str) -> None:
     axes.set_axisbelow(True)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(FuncFormatter(_amount))
-        axis.set_minor_formatter(FuncFormatter(lambda value, position: ""))
+        low, high = axis.get_view_interval()
+        axis.set_minor_formatter(FuncFormatter(_within_decade if high < 50.0 * low else _nothing))
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 

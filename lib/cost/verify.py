@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 from ..errors import EtalonError
 from ..film.film import finite_or_nan
-from .estimates import of_mean
-from .forecast import Forecast, forecast
-from .measure import Measured, Measurement
+from .forecast import Forecast, forecast, found_floor
+from .measure import Measurement
 from .ways import Bias
 
 # Its replicates are numbered from here.
@@ -51,12 +50,6 @@ def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast]:
     return key, reached[key]
 
 
-def _floor(measured: Measured) -> float:
-    """The squared bias that the pilots found, if they did."""
-    found = of_mean(measured.points[-1].column("bias"))
-    return found.value if measured.way.bias is Bias.FLOOR and found.low > 0.0 else 0.0
-
-
 def verify(
     measurement: Measurement,
     target: float,
@@ -81,7 +74,7 @@ def verify(
         seconds.append(rendering.seconds)
         images.append(finite_or_nan(rendering, measurement.yardstick.excluded.shape))
     score = measurement.yardstick.score(*images, 0)
-    floor = max(score.bias, 0.0) if measured.way.bias is Bias.UNKNOWN else _floor(measured)
+    floor = max(score.bias, 0.0) if measured.way.bias is Bias.UNKNOWN else found_floor(measured)
     allowed = target**2 - floor
     mean = sum(seconds) / 2
     return Verification(
