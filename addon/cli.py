@@ -174,12 +174,17 @@ def _cost(commands: argparse._SubParsersAction) -> None:
         "--time", type=positive, metavar="S", help="budget in seconds (300; 30 for the pilots of a forecast)"
     )
     parser.add_argument(
-        "--target", type=fraction, metavar="ERROR", help="say how long each way takes to this relative RMSE, such as 1%%"
+        "--target",
+        type=fraction,
+        metavar="ERROR",
+        help="say how long each way takes to this relative RMSE, such as 1%%",
     )
     parser.add_argument(
         "--verify", action="store_true", help="then run the cheapest way and show what came beside the forecast"
     )
-    parser.add_argument("--ways", metavar="KEY,...", help="measure only these ways; their keys stand in cost.json (all)")
+    parser.add_argument(
+        "--ways", metavar="KEY,...", help="measure only these ways; their keys stand in cost.json (all)"
+    )
     parser.add_argument(
         "--out", type=Path, metavar="FOLDER", help="folder for cost.html, .json, .csv and pictures (etalon-out/SCENE)"
     )

@@ -21,6 +21,7 @@ from .closed_forms import closed_forms
 from .identities import identities
 from .inversions import inversions
 from .measure import measure
+from .watertight import watertightness
 
 POINTS = 200
 """Places for each function: a minute in all."""
@@ -29,10 +30,11 @@ VERSION = 1
 
 
 def equations(points: int = POINTS) -> Iterator[Case]:
-    """Every closed form, inversion and identity, as it is done; `points` places for each function."""
+    """Every closed form, inversion and identity, and rays at edges, as it is done; `points` places for each function."""
     for function in (*closed_forms(), *inversions()):
         yield measure(function, points)
     yield from identities()
+    yield from watertightness()
 
 
 def number(value: float | None) -> str:
