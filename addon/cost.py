@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import time
 from argparse import Namespace
+from dataclasses import asdict
 from pathlib import Path
 
 from ..lib.cost.document import TARGETS, Extras
@@ -90,7 +91,7 @@ def _chosen(ways: list[Way], keys: str | None) -> list[Way]:
 
 def _verdict(v: Verification) -> str:
     return (
-        f"{v.label}: forecast {took(v.forecast.seconds.__dict__)} with {v.samples} samples a pixel to {100 * v.forecast.target:g} %; "
+        f"{v.label}: forecast {took(asdict(v.forecast.seconds))} with {v.samples} samples a pixel to {100 * v.forecast.target:g} %; "
         f"it took {v.seconds:.2f} s ({'inside' if v.held else 'outside'} the interval) "
         f"and the error is {100 * v.error:.3g} %; exactly {100 * v.forecast.target:g} % would have taken {v.to_target:.2f} s"
     )

@@ -41,8 +41,8 @@ class Verification:
 
 
 def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast]:
-    """The way with the least forecast seconds of rendering; raises EtalonError where none reaches the target."""
-    told = {m.way.key: forecast(m, target) for m in measurement.ways if m.points}
+    """The way with the least forecast seconds of rendering, other models aside; raises EtalonError where none reaches the target."""
+    told = {m.way.key: forecast(m, target) for m in measurement.ways if m.points and m.way.group != "model"}
     reached = {key: f for key, f in told.items() if f.reached}
     if not reached:
         raise EtalonError(f"{measurement.scene}: no way reaches an error of {target:.3g}; give a larger --target")

@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..report.words import percent, seconds
+from ..report.words import seconds
 from .document import Extras, document, write_csv
 from .measure import Measurement
 from .plots import error_figure, save, stage_figure
@@ -35,7 +35,8 @@ def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[s
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(percent=percent, seconds=seconds, within=within, took=took)
+    filters = {f.__name__: f for f in (seconds, digits, interval, middle, ends, took)}
+    environment.filters.update(filters)
     page = environment.get_template("cost.html").render(
         figures=figures, pictures={name: Markup(svg) for name, svg in pictures.items()}
     )
@@ -43,22 +44,38 @@ def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[s
     return figures
 
 
-def within(estimate: dict[str, float | None], scale: float = 1.0) -> str:
-    """An estimate with its interval, both times `scale`, three digits each."""
-    value, low, high = (estimate[key] for key in ("value", "low", "high"))
-    if value is None:
-        return "—"
-    if low is None or high is None:
-        return f"{scale * value:.3g}"
-    return f"{scale * value:.3g} ({scale * low:.3g} to {scale * high:.3g})"
+def digits(estimate: dict[str, float | None], scale: float = 1.0) -> str:
+    """The value of an estimate times `scale`, three digits."""
+    return "—" if estimate["value"] is None else _short(scale * estimate["value"])
+
+
+def interval(estimate: dict[str, float | None], scale: float = 1.0) -> str:
+    """The ends of its interval, or nothing."""
+    low, high = estimate["low"], estimate["high"]
+    return "" if low is None or high is None else f"{_short(scale * low)} to {_short(scale * high)}"
+
+
+def _short(value: float) -> str:
+    return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
+
+
+def middle(span: dict[str, float | None]) -> str:
+    """The median of a forecast span of seconds."""
+    return "not reached" if span["median"] is None else seconds(span["median"])
+
+
+def ends(span: dict[str, float | None]) -> str:
+    """The ends of a forecast span; nothing where it is out of reach."""
+    if span["low"] is None:
+        return ""
+    if span["median"] is None:
+        return f"at best {seconds(span['low'])}"
+    return f"{seconds(span['low'])} to {'never' if span['high'] is None else seconds(span['high'])}"
 
 
 def took(span: dict[str, float | None]) -> str:
-    """A forecast span of seconds: median (low to high), 'never' where it is not reached."""
-    if span["median"] is None:
-        return "not reached" if span["low"] is None else f"not reached, at best {seconds(span['low'])}"
-    high = seconds(span["high"]) if span["high"] is not None else "never"
-    return f"{seconds(span['median'])} ({seconds(span['low'])} to {high})"
+    """Median and ends of a forecast span in one phrase."""
+    return f"{middle(span)} ({ends(span)})" if ends(span) else middle(span)
 
 
 def table(figures: dict[str, Any]) -> str:

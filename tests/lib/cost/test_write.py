@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report of a measurement: complete files that agree with each other, names escaped, gaps told."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from etalon.lib.cost.document import Extras
+from etalon.lib.cost.estimates import Estimate
+from etalon.lib.cost.measure import measure
+from etalon.lib.cost.models import Form, measure_forms
+from etalon.lib.cost.verify import VERIFY, cheapest, verify
+from etalon.lib.cost.ways import Bias, Way, reference_ways
+from etalon.lib.cost.write import digits, interval, table, took, write_cost
+from etalon.lib.errors import EtalonError
+from etalon.tests.lib.cost.synthetic import RELATIVE, Synthetic, way
+
+NAME = "<script>alert(1)</script> & $x_"
+
+
+@pytest.fixture
+def measurement(seed):
+    ways = [
+        way("mis", seed=seed),
+        way("torrance-sparrow", Bias.FLOOR, seed=seed + 1, bias=0.2),
+        way("cycles", Bias.FLOOR, seed=seed + 2, seconds=2e-3),
+        way("cycles-denoised", Bias.UNKNOWN, seed=seed + 3, variance=0.01, bias=0.2),
+    ]
+    return measure(NAME, ways, "mis", 30.0, most_samples=16)
+
+
+def test_the_folder(measurement, tmp_path):
+    """JSON without NaN, CSV with its points, pictures, a page in which the scene's name is text."""
+    forms = (Form("Fresnel", "Schlick", "exact", 0.1, 0.2, 1.0, 30.0),)
+    figures = write_cost(measurement, Extras(forms, command="etalon cost <x>"), tmp_path)
+    assert {p.name for p in tmp_path.iterdir()} == {"cost.html", "cost.json", "cost.csv", "cost.png", "cost.svg"}
+    text = (tmp_path / "cost.json").read_text(encoding="utf-8")
+    assert json.loads(text, parse_constant=pytest.fail) == json.loads(json.dumps(figures))
+    with (tmp_path / "cost.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(w["points"]) for w in figures["ways"]) == 12
+    first = figures["ways"][0]["points"][0]
+    assert float(rows[0]["error"]) == first["error"]["value"] == pytest.approx(np.sqrt(RELATIVE), rel=0.1)
+    page = (tmp_path / "cost.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+    assert "etalon cost &lt;x&gt;" in page
+    assert page.count("<svg") == 1
+    assert (tmp_path / "cost.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_stages_are_drawn_where_there_are_clocks(measurement, tmp_path):
+    for m in measurement.ways[:1]:
+        m.stages = {"intersect": 1.0, "shade": 2.0, "lights": 0.5, "film": 0.5}
+    write_cost(measurement, Extras(), tmp_path)
+    assert (tmp_path / "stages.svg").exists()
+    assert "Where the time goes" in (tmp_path / "cost.html").read_text(encoding="utf-8")
+
+
+def test_gaps_are_told(measurement, tmp_path):
+    """A way without a point says why, in the table and on the page; without Cycles there is no ratio to it."""
+    late = measurement["cycles"]
+    late.points, late.missing = [], "no time left to begin with it"
+    figures = write_cost(measurement, Extras(targets=(0.1,)), tmp_path)
+    assert figures["ways"][0]["ratio_to_cycles"] is None
+    assert "cycles: no time left" in table(figures)
+    assert "no time left" in (tmp_path / "cost.html").read_text(encoding="utf-8")
+
+
+def test_the_table_has_the_cheapest_first(measurement, tmp_path):
+    figures = write_cost(measurement, Extras(targets=(0.1,)), tmp_path)
+    lines = table(figures).splitlines()
+    assert lines[0].split() == ["to", "10", "%"]
+    assert lines[1].startswith("mis")
+    assert lines[2].startswith("cycles ")
+    # Both are biased by 20 %.
+    assert all("not reached" in line for line in lines[3:])
+    assert len(lines) == 5
+
+
+def test_words():
+    assert took({"median": None, "low": None, "high": None}) == "not reached"
+    assert took({"median": None, "low": 5.0, "high": None}) == "not reached (at best 5 s)"
+    assert took({"median": 60.0, "low": 30.0, "high": None}) == "60 s (30 s to never)"
+    estimate = Estimate(0.5, 0.25, 1.0).__dict__
+    assert (digits(estimate, 100), interval(estimate, 100)) == ("50", "25 to 100")
+    assert (digits({"value": None, "low": None, "high": None}), interval({"value": 1, "low": None, "high": 1})) == (
+        "—",
+        "",
+    )
+
+
+def test_verification(measurement, seed):
+    """The cheapest way that is no other model is run as forecast, and its error found anew."""
+    key, told = cheapest(measurement, 0.1)
+    assert key == "mis"
+    seen = []
+
+    class Watched(Synthetic):
+        def render(self, replicate, samples, progress=None, cancelled=None):
+            seen.append((replicate, samples))
+            return super().render(replicate, samples)
+
+    fresh = measurement["mis"]
+    fresh.way = Way("mis", "mis", "sampling", lambda: Watched(seed + 9), Bias.NONE)
+    came = verify(measurement, 0.1)
+    assert seen[-2:] == [(VERIFY, came.samples), (VERIFY + 1, came.samples)]
+    assert came.samples == told.samples.median
+    assert came.error == pytest.approx(np.sqrt(RELATIVE / came.samples), rel=0.1)
+    # 1 / N = 0.1^2 takes 100 ms.
+    assert came.to_target == pytest.approx(0.1 * RELATIVE, rel=0.2)
+
+
+def test_nothing_reaches_it(measurement):
+    measurement.ways[:] = [measurement["cycles-denoised"]]
+    with pytest.raises(EtalonError, match="larger --target"):
+        cheapest(measurement, 1e-4)
+
+
+def test_forms_of_the_model():
+    """Known sizes: Walter's fit of Lambda is 0.3 % off in G1, Cook-Torrance is exact for glass, float32 has seven digits."""
+    found = {(f.equation, f.form): f for f in measure_forms()}
+    assert found["G1 of Beckmann", "rational Lambda"].largest_error == pytest.approx(3.1e-3, rel=0.1)
+    assert found["Fresnel, glass", "Cook-Torrance"].largest_error < 1e-13
+    assert 1e-3 < found["Fresnel, gold", "Schlick"].mean_error < 0.02
+    for name in ("D of GGX", "G1 of GGX", "D of Beckmann", "G1 of Beckmann"):
+        assert 1e-9 < found[name, "float32"].mean_error < 1e-5
+    assert all(f.nanoseconds > 0.0 for f in found.values())
+
+
+def test_reference_ways_are_the_integrator_s_strategies():
+    """Every way has a key and options of its own, and the truth's is among them."""
+    ways = reference_ways(None, 0, 1, 0.0)
+    assert ways[0].key == "mis"
+    assert len({w.key for w in ways}) == len(ways)
+    assert {w.key for w in ways if w.bias is Bias.FLOOR} == {"separable", "torrance-sparrow"}
+    assert [w.key for w in ways if w.rate] == ["random-mis"]
