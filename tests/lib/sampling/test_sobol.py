@@ -127,6 +127,15 @@ def test_dimensions_are_independent_jointly(seed):
         assert stats.chisquare(counts.ravel(), ddof=14).pvalue > sidak(LEVEL, 3)
 
 
+def test_dimensions_are_padded_within_a_pixel(seed):
+    """In one pixel two dimensions are paired at random: mean products scatter by 1 / (144 n), as for independent orders, not as on a curve."""
+    sampler = SobolSampler(seed, 0, 64)
+    for a, b in ((0, 1), (2, 5), (3, 7)):
+        for k in range(2):
+            u, v = (pairs(sampler, np.arange(2000), d)[k] - 0.5 for d in (a, b))
+            assert 0.7 < 144.0 * 64.0 * (u * v).mean(axis=1).var() < 1.4
+
+
 def test_pixels_are_independent(seed):
     """Neighbours and pixels a row apart, over replicates: means of pixels do not go together."""
     pixels = [0, 1, 2, 3, 32, 64, 512, 513]
