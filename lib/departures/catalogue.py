@@ -11,6 +11,7 @@ from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Refraction
 from ..scene.scene import Scene
 from ..textures.fold import fold, is_constant, walk
+from .scene import NARROW
 
 SEEN = ("4.3", "4.5", "5.0", "5.2")
 
@@ -90,7 +91,7 @@ def _srgb_textures(scene: Scene) -> bool:
 
 
 def _narrow_spread(scene: Scene) -> bool:
-    return any(isinstance(light, AreaLight) and 0.0 < light.spread <= 0.1 for light in scene.lights)
+    return any(isinstance(light, AreaLight) and 0.0 < light.spread <= NARROW for light in scene.lights)
 
 
 DEPARTURES: tuple[Departure, ...] = (

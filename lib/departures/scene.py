@@ -17,8 +17,8 @@ from ..textures.fold import inputs
 from ..textures.ramp import color_ramp
 
 _RAMP_CELLS = 256
-# Half spreads (radians) up to which Cycles takes the first term of the series.
-_NARROW = 0.05
+# Spreads (radians) up to which Cycles takes the first term of the series; it compares in single precision.
+NARROW = float(np.float32(0.1))
 
 
 def departed(scene: Scene, departures: Set[str]) -> Scene:
@@ -54,7 +54,7 @@ def narrow_factor(spread: float) -> float:
 
 
 def _narrowed(light: Light) -> Light:
-    if not isinstance(light, AreaLight) or not 0.0 < light.spread <= 2.0 * _NARROW:
+    if not isinstance(light, AreaLight) or not 0.0 < light.spread <= NARROW:
         return light
     factor = narrow_factor(light.spread)
     return replace(light, radiance=tuple(c * factor for c in light.radiance))

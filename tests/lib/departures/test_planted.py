@@ -94,7 +94,7 @@ def prepared(make):
 
 
 # Scene: tolerance, samples per pixel, and the cells that are too noisy to tell anything.
-SCENES = {furnace: (1.5e-3, 512, {3, 8}), slope: (1e-2, 128, set()), soft_box: (3e-4, 4096, set())}
+SCENES = {furnace: (1.5e-3, 1024, {3, 8}), slope: (1e-2, 128, set()), soft_box: (3e-4, 4096, set())}
 
 
 def cells(make):

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which side is right: each departure against quadrature, a closed form or a law of conservation, never against a renderer."""
+
+import mpmath
+import numpy as np
+import pytest
+from etalon.lib.bsdfs.compensated import EXACT, multiple_scattering
+from etalon.lib.bsdfs.oren_nayar import OrenNayar
+from etalon.lib.departures.scene import narrow_factor, tabulated_ramp
+from etalon.lib.lights.spread import Spread
+from etalon.lib.microfacets import albedo, beckmann
+from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, Math, VectorToValue
+from etalon.lib.scene.images import Image
+from etalon.lib.scene.world import World
+from etalon.lib.textures.color_spaces import srgb_decode
+from etalon.lib.textures.images import ImageSet
+from etalon.lib.textures.ramp import color_ramp
+from etalon.tests import scenes
+from etalon.tests.replicates import assert_mean, replicates
+from scipy.special import roots_legendre
+
+
+def towards(cos):
+    cos = np.atleast_1d(np.asarray(cos, float))
+    return np.stack([np.sqrt(1.0 - cos * cos), np.zeros_like(cos), cos])
+
+
+@pytest.mark.parametrize("angle", [36.0, 60.0, 78.0])
+def test_what_microfacets_show_of_themselves_is_what_there_is_to_see(angle):
+    """The visible part of all facets projects onto wo as the surface itself does: integral of D max(o.m, 0) = (1 + Lambda) o.n.
+
+    Heitz 2014, eq. 5 and 14. Over slopes x, y of a Beckmann surface of alpha 1 it is a Gaussian integral, here to 30 digits.
+    """
+    theta = mpmath.radians(angle)
+    cos, sin = mpmath.cos(theta), mpmath.sin(theta)
+    seen = mpmath.quad(
+        lambda x: mpmath.exp(-x * x) / mpmath.sqrt(mpmath.pi) * (cos - sin * x), [-mpmath.inf, 0, cos / sin]
+    )
+    projected = float(seen / cos)
+    wo = towards(float(cos))
+    assert 1.0 + beckmann.smith_lambda(wo, 1.0, 1.0)[0] == pytest.approx(projected, rel=1e-14)
+    fit = 1.0 + beckmann.smith_lambda_rational(wo, 1.0, 1.0)[0]
+    assert 1e-4 < abs(fit / projected - 1.0) < 3.2e-3
+
+
+def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():
+    """Single scattering, by quadrature, times the compensation is 1 in a white furnace."""
+    cos, alpha = np.array([0.05, 0.3, 0.9]), np.array([0.21, 0.5, 0.9]) ** 2
+    single = albedo.integrate_albedo(cos, alpha)
+    white = np.ones((3, 1))
+    exact = single * multiple_scattering(cos, alpha, white, EXACT)[0]
+    tabulated = (
+        single
+        * multiple_scattering(cos, alpha, white, (albedo.directional_albedo_cycles, albedo.average_albedo_cycles))[0]
+    )
+    assert exact == pytest.approx(1.0, abs=2e-5)
+    assert abs(tabulated[0] - 1.0) > 5e-3
+
+
+@pytest.mark.parametrize("color", [0.1, 0.5, 0.8, 1.0])
+def test_light_carries_the_colour_once_for_each_scattering(color):
+    """A walk that leaves with probability E(o) at first and Eavg at every scattering after that, times the colour each time."""
+    roughness, cos_o = 1.0, 0.4
+    a = 1.0 / (np.pi + roughness * (np.pi / 2.0 - 2.0 / 3.0))
+    average = np.pi * a + roughness * a * (2.0 * np.pi - 5.6) / 3.0
+    x, weight = roots_legendre(96)
+    mu, phi = np.meshgrid(0.5 + 0.5 * x, np.pi * (1.0 + x), indexing="ij")
+    weight = (0.5 * np.pi * np.outer(weight, weight)).ravel()
+    mu, phi = mu.ravel(), phi.ravel()
+    wi = np.stack([np.sqrt(1.0 - mu * mu) * np.cos(phi), np.sqrt(1.0 - mu * mu) * np.sin(phi), mu])
+    wo = np.repeat(towards(cos_o), mu.size, axis=1)
+
+    def reflected(shade, **how):
+        return (OrenNayar(wo, roughness, np.full((3, 1), shade), **how).evaluate(wi)[0][0] * weight).sum()
+
+    # Of the white surface nothing is lost, so what it does not give at once, 1 - E, is what small colours lack.
+    first = reflected(1e-9) / 1e-9
+    bounces = np.arange(400)
+    later = (average * color**2 * (color * (1.0 - average)) ** bounces).sum()
+    walk = color * first + (1.0 - first) * later
+    assert reflected(color) == pytest.approx(walk, rel=2e-4)
+    if color < 1.0:
+        assert reflected(color, first=3) < walk * (1.0 - 1e-3)
+
+
+@pytest.mark.parametrize("spread", [1e-3, 0.02, 0.1])
+def test_a_narrow_light_sends_out_its_power(spread):
+    """The flux through all angles is that of the light without spread, pi times its radiance; Cycles' series keeps one term."""
+    h = mpmath.mpf(spread) / 2
+    falloff = mpmath.quad(lambda x: (mpmath.tan(h) - mpmath.tan(x)) * mpmath.cos(x) * mpmath.sin(x), [0, h])
+    exact = Spread(spread)(np.zeros(1))[0] / float(mpmath.tan(h)) * float(2 * falloff)
+    assert exact == pytest.approx(1.0, rel=1e-12)
+    assert float(3 / h**3 * 2 * falloff) == pytest.approx(narrow_factor(spread), rel=1e-9)
+    assert narrow_factor(0.1) > 1.0009
+
+
+def test_interpolation_keeps_the_light_of_a_texture():
+    """The mean over a repeated image is the mean of its texels' light, whatever lies between them; of code values it is not."""
+    codes = np.ones((2, 2, 4), np.float32)
+    codes[..., :3] = np.array([[0.1, 1.0], [0.6, 0.3]])[..., None]
+    image = Image("texels", codes, "SRGB")
+    x, weight = roots_legendre(32)  # each quarter of the image is bilinear
+    u = np.concatenate([0.125 + 0.125 * x + 0.25 * k for k in range(4)])
+    u, v = (grid.ravel() for grid in np.meshgrid(u, u))
+    weight = np.tile(weight / 8.0, 4)
+    weight = np.outer(weight, weight).ravel()
+    light = srgb_decode(codes[..., 0]).mean()
+    assert (ImageSet([image]).sample(0, u, v)[0] * weight).sum() == pytest.approx(light, rel=1e-6)
+    assert (ImageSet([image], decode_first=False).sample(0, u, v)[0] * weight).sum() < 0.9 * light
+
+
+def test_a_ramp_is_linear_between_its_stops():
+    ramp = ColorRamp(Constant(0.0), (0.3005, 0.3015), ((0.2,) * 3 + (1.0,), (0.9,) * 3 + (1.0,)))
+    factor = np.linspace(0.29, 0.31, 2001)
+    assert color_ramp(ramp, factor)[0] == pytest.approx(np.interp(factor, (0.3005, 0.3015), (0.2, 0.9)), abs=1e-12)
+    node = np.linspace(0.0, 1.0, 257)
+    table = np.interp(factor, node, np.interp(node, (0.3005, 0.3015), (0.2, 0.9)))
+    assert color_ramp(tabulated_ramp(ramp), factor)[0] == pytest.approx(table, abs=1e-12)
+    assert np.abs(table - color_ramp(ramp, factor)[0]).max() > 0.1
+
+
+def test_a_step_moves_to_the_next_node():
+    stops = ((0.0,) * 3 + (1.0,), (1.0,) * 4)
+    ramp = ColorRamp(Constant(0.0), (0.0, 0.5 + 0.3 / 256.0), stops, "CONSTANT")
+    assert color_ramp(ramp, np.array([0.5 + 0.4 / 256.0]))[0, 0] == 1.0
+    assert color_ramp(tabulated_ramp(ramp), np.array([0.5 + 0.4 / 256.0, 0.5 + 1.1 / 256.0]))[0] == pytest.approx(
+        [0.0, 1.0]
+    )
+
+
+def test_how_light_is_sampled_does_not_matter_without_the_departure(seed):
+    """A floor whose normals lean by 0.5 in a uniform world that both strategies sample: every way gives (1 + cos 0.5) / 2.
+
+    With light from below the face each way gives an answer of its own, light sampling the whole half-space of the normal.
+    """
+    lean = 0.5
+    floor = scenes.floor()
+    normals = np.repeat(np.array([[np.sin(lean)], [0.0], [np.cos(lean)]]), 4, axis=1)
+    floor = scenes.Part(floor.vertices, floor.triangles, 0, normals)
+    # White in every direction to twelve digits, but no constant.
+    direction = VectorToValue(Coordinates("GENERATED"))
+    one = Math("ADD", Math("MULTIPLY", direction, Constant(1e-12), Constant(0.0)), Constant(1.0), Constant(0.0))
+    scene = scenes.scene(floor, scenes.diffuse(1.0), scenes.orthographic(2, 2, 1.0, (0.0, 0.0, 5.0)), world=World(one))
+    book = 0.5 * (1.0 + np.cos(lean))
+    departing = frozenset(["light below the face"])
+    for direct, departed in (("mis", None), ("bsdf", book), ("lights", 1.0)):
+        assert_mean(replicates(scene, 8, 256, direct=direct, seed=seed), book, precision=5e-3)
+        shown = replicates(scene, 8, 256, direct=direct, seed=seed, departures=departing)
+        if departed is None:
+            assert (shown.mean(axis=0) > book + 0.01).all()
+            assert (shown.mean(axis=0) < 0.99).all()
+        else:
+            assert_mean(shown, departed, precision=5e-3)
