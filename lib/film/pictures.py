@@ -29,12 +29,12 @@ def srgb8(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
 
 
 def signed8(difference: np.ndarray, limit: float) -> np.ndarray:
-    """A signed difference (height, width) as uint8 colours: blue at -limit, white at 0, red at +limit, magenta where not finite."""
-    finite = np.isfinite(difference)
-    place = np.clip(np.where(finite, difference, 0.0) / limit, -1.0, 1.0)
+    """A signed difference (height, width) as uint8 colours: blue at -limit, white at 0, red at +limit, magenta where NaN."""
+    known = ~np.isnan(difference)
+    place = np.clip(np.where(known, difference, 0.0) / limit, -1.0, 1.0)
     out = np.stack([np.interp(place, (-1, 0, 1), (BELOW[c], EQUAL[c], ABOVE[c])) for c in range(3)], axis=2)
     out = np.rint(out).astype(np.uint8)
-    out[~finite] = NONFINITE
+    out[~known] = NONFINITE
     return out
 
 

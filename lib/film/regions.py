@@ -18,7 +18,7 @@ from .moments import Moments
 
 BLOCK = 16
 
-Coverage = Mapping[str, Iterable[tuple[str, np.ndarray]]]
+Coverage = Mapping[str, Iterable[tuple[str, np.ndarray | sparse.sparray]]]
 
 
 @dataclass(frozen=True)
@@ -52,25 +52,26 @@ class Regions:
 def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOCK) -> Regions:
     """The whole image, what `coverage` names, and blocks of `block` x `block` pixels (less at the right and lower edge).
 
-    `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs: the share of each pixel that a camera
-    ray meets first. What is nowhere visible makes no region. Raises EtalonError for weights of another size, negative or not finite.
+    `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs, dense or sparse: the share of
+    each pixel that a camera ray meets first. What is nowhere visible makes no region. Raises EtalonError for weights of another
+    size, negative or not finite.
     """
     pixels = np.arange(height * width)
     rows: list[sparse.csr_array] = [sparse.csr_array(np.ones((1, height * width)))]
     kinds, names, boxes = ["image"], ["whole image"], [(0, 0, width - 1, height - 1)]
     for kind, entries in coverage.items():
         for name, weights in entries:
-            weights = np.asarray(weights, float)
+            weights = sparse.csr_array(weights, dtype=float)
             if weights.shape != (height, width):
                 raise EtalonError(
                     f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
                 )
-            if not np.isfinite(weights).all() or (weights < 0).any():
+            if not np.isfinite(weights.data).all() or (weights.data < 0).any():
                 raise EtalonError(f"{name}: its coverage has negative or non-finite weights")
-            if not weights.any():
+            if not weights.data.any():
                 continue
-            y, x = np.nonzero(weights)
-            rows.append(sparse.csr_array(weights.reshape(1, -1)))
+            y, x = weights.nonzero()
+            rows.append(sparse.csr_array(weights.reshape((1, -1))))
             kinds.append(kind)
             names.append(name)
             boxes.append((x.min(), y.min(), x.max(), y.max()))

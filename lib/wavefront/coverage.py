@@ -1,45 +1,94 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What camera rays meet first: the share of each pixel that shows each material and each object."""
+"""What camera rays meet first: the share of each pixel that shows each material, at which angles, and each object."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from ..sampling.sobol import SobolSampler
 from .camera_rays import camera_rays
 from .kernel import Kernel
 from .render import tiles
+from .surface import SurfacePoints
 
 TILE_PATHS = 16384
+# Angles between the shading normal and the viewer, in degrees, at which bands of a material end: microfacet models part at grazing.
+BANDS = (30.0, 60.0, 80.0, 90.0)
+# What shows in fewer pixels than this makes no region of its own; blocks and its material still hold it.
+LEAST_PIXELS = 64.0
+
+Coverage = dict[str, list[tuple[str, sparse.csr_array]]]
 
 
-def coverage(kernel: Kernel, samples: int = 16) -> dict[str, list[tuple[str, np.ndarray]]]:
-    """Kind ('material', 'object') -> (name, share of each pixel (height, width)); what is not seen is left out."""
+def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> Coverage:
+    """Kind ('material', 'facing', 'object') -> (name, share of each pixel as a sparse (height, width) array).
+
+    'facing' splits each material into bands of the angle between shading normal and viewer. What covers fewer than `least` pixels in
+    all is left out.
+    """
     camera, mesh = kernel.scene.camera, kernel.scene.mesh
-    pixels = camera.width * camera.height
     sampler = SobolSampler(kernel.options.seed, -1, samples)
-    owners = {"material": (mesh.material_index, [m.name for m in kernel.scene.materials])}
-    owners["object"] = (mesh.object_index, [o.name for o in mesh.objects])
-    counts: dict[str, dict[int, np.ndarray]] = {kind: {} for kind in owners}
-    for tile in tiles(pixels, samples, TILE_PATHS):
-        index = np.arange(tile.first, tile.last)
-        row, column = np.divmod(index, camera.width)
-        pixel = np.repeat(np.arange(index.size), tile.stop - tile.start)
-        sample = np.tile(np.arange(tile.start, tile.stop), index.size)
-        view = sampler.tile(index)
-        dx, dy = view.pair(0, pixel, sample)
-        lens = view.pair(1, pixel, sample) if kernel.plan.needs("depth of field") else None
-        rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
-        triangle = kernel.caster.closest(rays.origin, rays.direction, rays.reach).triangle
-        hit = triangle >= 0
-        for kind, (owner, _) in owners.items():
-            met = owner[triangle[hit]]
-            for k in np.unique(met):
-                seen = np.bincount(pixel[hit][met == k], minlength=index.size)
-                image = counts[kind].setdefault(int(k), np.zeros(pixels))
-                image[tile.first : tile.last] += seen
+    materials = [material.name for material in kernel.scene.materials]
+    edges = np.cos(np.radians(BANDS[:-1]))
+    found: dict[str, list[np.ndarray]] = {"material": [], "facing": [], "object": []}
+    for tile in tiles(camera.width * camera.height, samples, TILE_PATHS):
+        pixel, points = _first_hits(kernel, tile.first, tile.last, sampler, tile.start, tile.stop)
+        material = np.take(mesh.material_index, points.triangle)
+        band = (points.cos_wo[:, None] < edges).sum(axis=1)
+        found["material"].append(_counted(material, pixel))
+        found["facing"].append(_counted(material * len(BANDS) + band, pixel))
+        found["object"].append(_counted(np.take(mesh.object_index, points.triangle), pixel))
+    starts = (0.0, *BANDS)
+    names = {
+        "material": materials,
+        "facing": [f"{m}, {a:g} to {b:g} degrees" for m in materials for a, b in zip(starts, BANDS, strict=False)],
+        "object": [item.name for item in mesh.objects],
+    }
     shape = (camera.height, camera.width)
     return {
-        kind: [(owners[kind][1][k], (image / samples).reshape(shape)) for k, image in sorted(found.items())]
-        for kind, found in counts.items()
+        kind: _regions(np.concatenate(rows, axis=1), names[kind], shape, samples, least) for kind, rows in found.items()
     }
+
+
+def _first_hits(
+    kernel: Kernel, first: int, last: int, sampler: SobolSampler, start: int, stop: int
+) -> tuple[np.ndarray, SurfacePoints]:
+    """Pixels (n,) of the camera rays that meet a face, and the points they meet."""
+    camera = kernel.scene.camera
+    index = np.arange(first, last)
+    row, column = np.divmod(index, camera.width)
+    pixel, sample = np.repeat(np.arange(index.size), stop - start), np.tile(np.arange(start, stop), index.size)
+    view = sampler.tile(index)
+    dx, dy = view.pair(0, pixel, sample)
+    lens = view.pair(1, pixel, sample) if kernel.plan.needs("depth of field") else None
+    rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
+    hits = kernel.caster.closest(rays.origin, rays.direction, rays.reach)
+    met = np.flatnonzero(hits.triangle >= 0)
+    direction = np.take(rays.direction, met, axis=1)
+    place = np.take(rays.origin, met, axis=1) + direction * hits.distance[met]
+    placed, ng, _ = kernel.caster.on_plane(hits.triangle[met], place)
+    u, v = (x[met].astype(np.float64) for x in (hits.u, hits.v))
+    return index[pixel[met]], SurfacePoints(kernel.tables, hits.triangle[met], u, v, placed, ng, -direction)
+
+
+def _counted(owner: np.ndarray, pixel: np.ndarray) -> np.ndarray:
+    """Distinct (owner, pixel) pairs and how often each occurs, (3, k)."""
+    span = int(pixel.max(initial=0)) + 1
+    keys, counts = np.unique(owner * np.int64(span) + pixel, return_counts=True)
+    return np.stack([*np.divmod(keys, span), counts])
+
+
+def _regions(
+    counted: np.ndarray, names: list[str], shape: tuple[int, int], samples: int, least: float
+) -> list[tuple[str, sparse.csr_array]]:
+    owner, pixel, count = counted
+    if owner.size == 0:
+        return []
+    owners, starts = np.unique(owner[order := np.argsort(owner, kind="stable")], return_index=True)
+    regions = []
+    for k, part in zip(owners, np.split(order, starts[1:]), strict=True):
+        if count[part].sum() >= least * samples:
+            place = np.divmod(pixel[part], shape[1])
+            regions.append((names[k], sparse.csr_array((count[part] / samples, place), shape=shape)))
+    return regions

@@ -10,8 +10,8 @@ from etalon.tests.scenes import cube, diffuse, icosphere, material, orthographic
 
 
 def found(the_scene, seed, samples=16):
-    shares = coverage(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)), samples)
-    return {kind: dict(entries) for kind, entries in shares.items()}
+    shares = coverage(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)), samples, least=0.0)
+    return {kind: {name: share.toarray() for name, share in entries} for kind, entries in shares.items()}
 
 
 def test_shares_are_areas(seed):
@@ -41,6 +41,22 @@ def test_objects_and_materials_fill_what_is_covered(seed):
     assert shares["object"]["object 2"][0, 0] == 1.0
 
 
+def test_bands_split_a_material_by_angle(seed):
+    """Of a sphere seen from afar, the part with angles below t covers sin^2 t of its disk; bands sum to the material."""
+    parts = icosphere(1.0, 5, 0)
+    shares = found(scene(parts, [material(name="ball")], orthographic(32, 32, 2.2, (0.0, 0.0, 3.0))), seed, 64)
+    whole = shares["material"]["ball"]
+    ends = np.sin(np.radians([0.0, 30.0, 60.0, 80.0, 90.0])) ** 2
+    bands = [shares["facing"][f"ball, {a} to {b} degrees"] for a, b in ((0, 30), (30, 60), (60, 80), (80, 90))]
+    np.testing.assert_allclose(sum(bands), whole, rtol=1e-12)
+    np.testing.assert_allclose([band.sum() / whole.sum() for band in bands], np.diff(ends), atol=0.01)
+
+
+def test_what_hardly_shows_makes_no_region(seed):
+    the_scene = scene(cube(0.5), [material(name="m")], orthographic(8, 8, 8.0, (0.0, 0.0, 3.0)))
+    assert coverage(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)), 4)["object"] == []
+
+
 def test_an_empty_view_shows_nothing(seed):
     away = scene(cube(0.5), diffuse(0.5), orthographic(2, 2, 1.0, (0.0, 0.0, 3.0), (0.0, 0.0, 1.0)))
-    assert found(away, seed) == {"material": {}, "object": {}}
+    assert found(away, seed) == {"material": {}, "facing": {}, "object": {}}
