@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ...lib.errors import SceneError
+from .mesh_attributes import read_attribute
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class LocalMesh:
 
     positions (3, v) float32; triangles (3, t) int32; slot (t,) int32, the material slot as stored; smooth (t,) bool;
     corner_normals (3 corners, 3, t) float32, or None when no face is smooth; uvs: map name -> (3 corners, 2, t) float32;
-    generated (3, v) float32, or None when nobody asks.
+    generated (3, v) float32, or None when nobody asks; attributes: name -> (3 corners, 6, t) float32.
     """
 
     positions: np.ndarray
@@ -28,12 +29,16 @@ class LocalMesh:
     corner_normals: np.ndarray | None
     uvs: dict[str, np.ndarray]
     generated: np.ndarray | None
+    attributes: dict[str, np.ndarray]
 
 
-def read_mesh(mesh: bpy.types.Mesh, name: str, uv_maps: Iterable[str], generated: bool) -> LocalMesh:
+def read_mesh(
+    mesh: bpy.types.Mesh, name: str, uv_maps: Iterable[str], generated: bool, attributes: Iterable[str] = ()
+) -> LocalMesh:
     """Read an evaluated mesh; `name` is the object's, for errors.
 
-    `uv_maps` are the maps wanted ('' is the active render map); one that the mesh lacks is zero, as in Cycles.
+    `uv_maps` are the maps wanted ('' is the active render map), `attributes` the others ('' is the active render colour); one that
+    the mesh lacks is zero, as in Cycles.
     Raises SceneError when a vertex is not finite.
     """
     corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
@@ -56,6 +61,7 @@ def read_mesh(mesh: bpy.types.Mesh, name: str, uv_maps: Iterable[str], generated
         corner_normals=_corner_normals(mesh, corners, vertex) if smooth.any() else None,
         uvs={uv_map: _uvs(mesh, uv_map, corners) for uv_map in uv_maps},
         generated=_generated(mesh) if generated else None,
+        attributes={wanted: read_attribute(mesh, wanted, corners, vertex, polygon) for wanted in attributes},
     )
 
 

@@ -69,6 +69,7 @@ _Add = Callable[[mt.Closure, _Weight], None]
 class _Principled:
     def __init__(self, reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
         self._reader, self._node, self._scope = reader, node, scope
+        self._normal = reader.normal(node, scope)
         self._distribution = node.distribution if node.distribution == "MULTI_GGX" else "GGX"
 
     def _socket(self, name: str, absent: ex.Expression = ex.ZERO) -> ex.Expression:
@@ -86,7 +87,6 @@ class _Principled:
         thin = self._node.inputs.get("Thin Wall")
         if thin is not None and (valid_link(thin) or thin.default_value):
             values.refuse(self._node, self._scope, ", socket 'Thin Wall',", "switch it off")
-        values.refuse_linked(self._node, self._scope, "Normal", "Coat Normal")
 
     def lobes(self, weight: ex.Expression) -> list[mt.Lobe]:
         self._refuse()
@@ -118,7 +118,7 @@ class _Principled:
         rest = rest.without(transmission)
         if fold(rest.value) != ex.ZERO:
             rest = self._specular(rest, add)
-            add(mt.Diffuse(self._socket("Base Color"), self._socket("Diffuse Roughness")), rest)
+            add(mt.Diffuse(self._socket("Base Color"), self._socket("Diffuse Roughness"), self._normal), rest)
         return found
 
     def _coat(self, rest: _Weight, add: _Add) -> _Weight:
@@ -128,9 +128,10 @@ class _Principled:
         ior, roughness = self._constant("Coat IOR"), self._socket("Coat Roughness")
         ior = ex.Constant(max(ior.value, 1.0))
         tint = self._socket("Coat Tint")
-        add(mt.Specular("MULTI_GGX", ior, ex.WHITE, roughness), rest.times(weight))
-        rest = rest.times(ex.BeneathLayer(ior, ex.WHITE, roughness, weight, "MULTI_GGX"))
-        return rest if tint == ex.WHITE else replace(rest, color=ex.CoatTint(ior, tint, weight))
+        normal = self._reader.normal(self._node, self._scope, "Coat Normal")
+        add(mt.Specular("MULTI_GGX", ior, ex.WHITE, roughness, normal=normal), rest.times(weight))
+        rest = rest.times(ex.BeneathLayer(ior, ex.WHITE, roughness, weight, "MULTI_GGX", normal))
+        return rest if tint == ex.WHITE else replace(rest, color=ex.CoatTint(ior, tint, weight, normal))
 
     def _constant(self, name: str) -> ex.Constant:
         """The content of a socket that may not vary from point to point."""
@@ -154,7 +155,7 @@ class _Principled:
 
     def _metal(self) -> mt.Metallic:
         base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
-        return mt.Metallic(self._distribution, "F82", base, edge, **self._stretch())
+        return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
 
     def _glass(self) -> mt.Glass:
         ior = self._constant("IOR") if self._distribution == "MULTI_GGX" else self._socket("IOR")
@@ -165,6 +166,7 @@ class _Principled:
             self._distribution,
             transmission=ex.Gamma(self._base_in_range(), _HALF),
             tint=self._socket("Specular Tint", ex.WHITE),
+            normal=self._normal,
         )
 
     def _base_in_range(self) -> ex.Expression:
@@ -180,6 +182,6 @@ class _Principled:
         if ior == 1.0:
             return rest
         eta, tint = ex.Constant(ior), self._socket("Specular Tint", ex.WHITE)
-        add(mt.Specular(self._distribution, eta, tint, **self._stretch()), rest)
-        below = ex.BeneathLayer(eta, tint, self._socket("Roughness"), ex.ONE, self._distribution)
+        add(mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch()), rest)
+        below = ex.BeneathLayer(eta, tint, self._socket("Roughness"), ex.ONE, self._distribution, self._normal)
         return rest.times(below)

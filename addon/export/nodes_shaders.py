@@ -10,7 +10,7 @@ import bpy
 from ...lib.scene import expressions as ex
 from ...lib.scene import materials as mt
 from ...lib.textures.fold import Folder, is_constant
-from .nodes import Scope, TreeReader
+from .nodes import Scope, TreeReader, valid_link
 from .nodes_principled import read_principled
 
 # Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
@@ -54,6 +54,10 @@ class ShaderReader:
         """The folded content of the node's socket called `name`."""
         return self.folder(self.values.read(node.inputs[name], scope))
 
+    def normal(self, node: bpy.types.Node, scope: Scope, name: str = "Normal") -> ex.Expression | None:
+        """What is linked to the node's normal; None where nothing is."""
+        return self.read(node, name, scope) if valid_link(node.inputs[name]) else None
+
     def tangent(self, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
         """Where the node's socket Tangent points."""
         source = self.values.trace(node.inputs["Tangent"], scope)
@@ -74,13 +78,12 @@ def _glow(values: TreeReader, source: object) -> mt.Emission:
 
 
 def _diffuse(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    reader.values.refuse_linked(node, scope, "Normal")
-    closure = mt.Diffuse(reader.read(node, "Color", scope), reader.read(node, "Roughness", scope))
+    color, roughness = reader.read(node, "Color", scope), reader.read(node, "Roughness", scope)
+    closure = mt.Diffuse(color, roughness, reader.normal(node, scope))
     return [reader.lobe(closure, weight)]
 
 
 def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    reader.values.refuse_linked(node, scope, "Normal")
     if node.distribution not in _DISTRIBUTIONS:
         what = f", distribution {node.distribution.replace('_', ' ').title()},"
         reader.values.refuse(node, scope, what, "choose another")
@@ -88,6 +91,7 @@ def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex
     closure = mt.Glossy(
         node.distribution, reader.read(node, "Color", scope), reader.read(node, "Roughness", scope), anisotropy
     )
+    closure = replace(closure, normal=reader.normal(node, scope))
     if is_constant(anisotropy) and abs(anisotropy.value) <= _LEAST_ANISOTROPY:
         closure = replace(closure, anisotropy=ex.ZERO)
     else:
@@ -96,7 +100,6 @@ def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex
 
 
 def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    reader.values.refuse_linked(node, scope, "Normal")
     _refuse_film(reader, node, scope)
     conductor = node.fresnel_type == "PHYSICAL_CONDUCTOR"
     closure = mt.Metallic(
@@ -105,6 +108,7 @@ def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: 
         reader.read(node, "IOR" if conductor else "Base Color", scope),
         reader.read(node, "Extinction" if conductor else "Edge Tint", scope),
         reader.read(node, "Roughness", scope),
+        normal=reader.normal(node, scope),
     )
     anisotropy = reader.folder(
         ex.Math("ADD", reader.values.read(node.inputs["Anisotropy"], scope), ex.ZERO, ex.ZERO, clamp=True)
@@ -116,8 +120,7 @@ def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: 
 
 
 def _translucent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    reader.values.refuse_linked(node, scope, "Normal")
-    return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope)), weight)]
+    return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope), reader.normal(node, scope)), weight)]
 
 
 def _emission(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
@@ -137,26 +140,26 @@ def _refuse_film(reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> No
 
 
 def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    reader.values.refuse_linked(node, scope, "Normal")
     _refuse_film(reader, node, scope)
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
+    normal = reader.normal(node, scope)
     if is_smooth(roughness):
-        return [reader.lobe(mt.Glass(color, ior), weight)]
+        return [reader.lobe(mt.Glass(color, ior, normal=normal), weight)]
     if node.distribution != "MULTI_GGX":
-        return [reader.lobe(mt.Glass(color, ior, roughness, node.distribution), weight)]
+        return [reader.lobe(mt.Glass(color, ior, roughness, node.distribution, normal=normal), weight)]
     if not is_constant(ior):
         reader.values.refuse(node, scope, ", socket 'IOR' (textured),", "unlink IOR, or choose GGX")
         ior = ex.ONE
-    glass = mt.Glass(ex.WHITE, ior, roughness, "MULTI_GGX", reflection=color, transmission=color)
+    glass = mt.Glass(ex.WHITE, ior, roughness, "MULTI_GGX", reflection=color, transmission=color, normal=normal)
     return [reader.lobe(glass, weight)]
 
 
 def _refraction(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    reader.values.refuse_linked(node, scope, "Normal")
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
+    normal = reader.normal(node, scope)
     if is_smooth(roughness):
-        return [reader.lobe(mt.Refraction(color, ior), weight)]
-    return [reader.lobe(mt.Refraction(color, ior, roughness, node.distribution), weight)]
+        return [reader.lobe(mt.Refraction(color, ior, normal=normal), weight)]
+    return [reader.lobe(mt.Refraction(color, ior, roughness, node.distribution, normal), weight)]
 
 
 def is_smooth(roughness: ex.Expression) -> bool:

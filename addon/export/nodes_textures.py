@@ -14,6 +14,13 @@ _SURFACE_COORDINATES = {
     "UV": ex.Coordinates("UV"),
     "Object": ex.Coordinates("OBJECT"),
 }
+_GEOMETRY = {
+    "Position": ex.Coordinates("POSITION"),
+    "Normal": ex.Coordinates("SHADING_NORMAL"),
+    "True Normal": ex.Coordinates("TRUE_NORMAL"),
+    "Incoming": ex.Coordinates("INCOMING"),
+    "Backfacing": ex.Backfacing(),
+}
 _DIRECTION = ex.Coordinates("GENERATED")
 _WORLD_COORDINATES = {"Generated": _DIRECTION, "Object": _DIRECTION}
 _INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
@@ -46,10 +53,49 @@ def _uv_map(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> e
     return ex.Coordinates("UV", node.uv_map)
 
 
+def _vertex_color(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if output == "Alpha":  # here, unlike in an Attribute node, nothing has an alpha of 0
+        there = ex.Attribute(node.layer_name, "PRESENCE")
+        return ex.Math("MULTIPLY", ex.Attribute(node.layer_name, "ALPHA"), there, ex.ZERO)
+    return ex.Attribute(node.layer_name)
+
+
+def _attribute(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if reader.is_world or node.attribute_type != "GEOMETRY":
+        kind = "in a world" if reader.is_world else f"type {node.attribute_type.replace('_', ' ').title()}"
+        reader.refuse(node, scope, f", {kind},", "choose the type Geometry on a surface")
+    elif not node.attribute_name:
+        reader.refuse(node, scope, " without a name", "name an attribute of the mesh")
+    return ex.Attribute(node.attribute_name, {"Fac": "FACTOR", "Alpha": "ALPHA"}.get(output, "COLOR"))
+
+
 def _geometry(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
-    if reader.is_world or output not in ("Position", "Backfacing"):
-        reader.refuse(node, scope, f", output '{output}',", "use Position or Backfacing of a surface")
-    return ex.Backfacing() if output == "Backfacing" else ex.Coordinates("POSITION")
+    known = {} if reader.is_world else _GEOMETRY
+    if output not in known:
+        reader.refuse(node, scope, f", output '{output}',", f"use {', '.join(_GEOMETRY)} of a surface")
+    return known.get(output, ex.BLACK)
+
+
+def _normal_map(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if getattr(node, "base", "DISPLACED") != "DISPLACED":
+        reader.refuse(node, scope, ", base Original,", "choose Displaced")
+    strength, color = (reader.read(node.inputs[name], scope) for name in ("Strength", "Color"))
+    invert = getattr(node, "convention", "OPENGL") == "DIRECTX"
+    return ex.NormalMap(color, strength, node.space, node.uv_map, invert)
+
+
+def _bump(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    height, strength, distance = (reader.read(node.inputs[name], scope) for name in ("Height", "Strength", "Distance"))
+    normal = reader.read(node.inputs["Normal"], scope) if valid_link(node.inputs["Normal"]) else None
+    if not valid_link(node.inputs["Height"]):
+        return normal or ex.Coordinates("SHADING_NORMAL")
+    return ex.Bump(height, strength, distance, normal, node.invert)
 
 
 def _mapping(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
@@ -137,6 +183,10 @@ TEXTURES = {
     "ShaderNodeTexCoord": _coordinates,
     "ShaderNodeUVMap": _uv_map,
     "ShaderNodeNewGeometry": _geometry,
+    "ShaderNodeNormalMap": _normal_map,
+    "ShaderNodeBump": _bump,
+    "ShaderNodeVertexColor": _vertex_color,
+    "ShaderNodeAttribute": _attribute,
     "ShaderNodeMapping": _mapping,
     "ShaderNodeTexImage": _image_texture,
     "ShaderNodeTexEnvironment": _environment_texture,

@@ -64,7 +64,7 @@ class Placements:
         group.instances.append(_Instance(len(self._objects), matrix, materials))
         self._objects.append(Object(name, matrix))
 
-    def join(self, uv_maps: frozenset[str], generated: bool) -> Mesh:
+    def join(self, uv_maps: frozenset[str], generated: bool, attributes: frozenset[str] = frozenset()) -> Mesh:
         """All instances as one mesh in world space; faces without area are left out."""
         groups = list(self._groups.values())
         vertices = sum(g.local.positions.shape[1] * len(g.instances) for g in groups)
@@ -80,6 +80,7 @@ class Placements:
             objects=tuple(self._objects),
             uvs={name: np.empty((3, 2, triangles), np.float32) for name in sorted(uv_maps)},
             generated=np.empty((3, vertices if generated else 0), np.float32),
+            attributes={name: np.empty((3, 6, triangles), np.float32) for name in sorted(attributes)},
         )
         first_vertex = first_triangle = 0
         for group in groups:
@@ -92,7 +93,7 @@ class Placements:
 
 def _bytes_of(local: LocalMesh) -> int:
     """Bytes that one instance takes in the joined arrays, corner normals included."""
-    vertex, triangle = 3 * 8, 3 * 4 + 4 + 4 + 1 + 36 + 24 * len(local.uvs)
+    vertex, triangle = 3 * 8, 3 * 4 + 4 + 4 + 1 + 36 + 24 * len(local.uvs) + 72 * len(local.attributes)
     if local.generated is not None:
         vertex += 3 * 4
     return vertex * local.positions.shape[1] + triangle * local.triangles.shape[1]
@@ -132,6 +133,9 @@ def _fill(mesh: Mesh, group: _Group, instances: list[_Instance], first_vertex: i
         _fill_normals(mesh, group, linear, mirrored, at_triangles)
     for name, values in mesh.uvs.items():
         values[:, :, at_triangles] = _mirrored_corners(local.uvs[name][:, :, None, :], mirrored).reshape(3, 2, -1)
+    for name, values in mesh.attributes.items():
+        corners = local.attributes[name][:, :, None, :]
+        values[:, :, at_triangles] = _mirrored_corners(corners, mirrored).reshape(3, 6, -1)
     if mesh.generated.size:
         mesh.generated[:, at_vertices] = np.tile(local.generated, (1, k))
 
@@ -210,4 +214,5 @@ def _without_degenerate(mesh: Mesh) -> Mesh:
         objects=mesh.objects,
         uvs={name: np.compress(keep, values, axis=2) for name, values in mesh.uvs.items()},
         generated=mesh.generated,
+        attributes={name: np.compress(keep, values, axis=2) for name, values in mesh.attributes.items()},
     )

@@ -135,7 +135,7 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Me
         # Addresses of evaluated meshes hold for as long as the depsgraph does.
         key = mesh.as_pointer()
         if key not in read:
-            read[key] = read_mesh(mesh, thing.name, needed.uv_maps, needed.generated)
+            read[key] = read_mesh(mesh, thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
             placements.add(thing.name, read[key], affine(instance.matrix_world), materials.of_slots(thing))
-    return placements.join(needed.uv_maps, needed.generated)
+    return placements.join(needed.uv_maps, needed.generated, needed.attributes)

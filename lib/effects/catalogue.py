@@ -8,7 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.expressions import ONE, Checker, Constant, EnvironmentTexture, Expression, ImageTexture
+from ..scene.expressions import (
+    ONE,
+    Attribute,
+    Bump,
+    Checker,
+    Constant,
+    EnvironmentTexture,
+    Expression,
+    ImageTexture,
+    NormalMap,
+)
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import (
     Anisotropic,
@@ -203,6 +213,11 @@ EFFECTS: tuple[Effect, ...] = (
         "procedural textures",
         "hashes cells and mixes slopes",
         _socket((Checker, *PATTERNS), "no socket reads a pattern"),
+    ),
+    Effect("texture", "normal maps", "turns the normal", _socket((NormalMap,), "no normal is mapped")),
+    Effect("texture", "bumps", "takes slopes of a height", _socket((Bump,), "no bump is linked")),
+    Effect(
+        "texture", "mesh attributes", "mixes corners' values", _socket((Attribute,), "no socket reads an attribute")
     ),
     Effect(
         "light",

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import SceneError
 from .camera import Camera
-from .expressions import Constant, Coordinates, EnvironmentTexture, ImageTexture
+from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .mesh import Mesh
@@ -67,6 +67,8 @@ def _check_mesh(mesh: Mesh, materials: int) -> None:
     _check_array("mesh", "smooth", mesh.smooth, (t,), "b")
     for name, uv in mesh.uvs.items():
         _check_array("mesh", f"UV map '{name}'", uv, (3, 2, t), "f")
+    for name, values in mesh.attributes.items():
+        _check_array("mesh", f"attribute '{name}'", values, (3, 6, t), "f")
     has_generated = mesh.generated.shape[-1] > 0
     _check_array("mesh", "generated", mesh.generated, (3, v if has_generated else 0), "f")
     has_normals = bool(mesh.smooth.any()) or mesh.corner_normals.shape[-1] > 0
@@ -157,6 +159,8 @@ def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
             _demand(0 <= node.image < len(scene.images), owner, f"image {node.image} is not in the scene")
         elif isinstance(node, Constant):
             _demand(all(map(math.isfinite, _numbers(node))), owner, "a constant is not finite")
+        elif isinstance(node, Attribute):
+            _demand(node.name in scene.mesh.attributes, owner, f"attribute '{node.name}' is missing")
         elif isinstance(node, Coordinates) and root is not scene.world:
             _demand(node.kind != "UV" or node.uv_map in scene.mesh.uvs, owner, f"UV map '{node.uv_map}' is missing")
             there = scene.mesh.generated.shape[-1] > 0 or scene.mesh.triangle_count == 0

@@ -27,12 +27,45 @@ class Constant(Expression):
 class Coordinates(Expression):
     """Texture coordinates of the point, a vector.
 
-    `kind`: 'UV' (the map `uv_map`, third component 0), 'GENERATED', 'OBJECT', 'NORMAL' or 'POSITION'. In the world,
-    'GENERATED' is the unit direction of the ray.
+    `kind`: 'UV' (the map `uv_map`, third component 0), 'GENERATED', 'OBJECT', 'NORMAL' (of the object's space), 'POSITION',
+    'SHADING_NORMAL', 'TRUE_NORMAL' or 'INCOMING' (to the viewer). In the world, 'GENERATED' is the unit direction of the ray.
     """
 
     kind: str
     uv_map: str = ""
+
+
+@dataclass(frozen=True)
+class Attribute(Expression):
+    """A named attribute of the mesh ('' is the active render colour), mixed from the corners; 0 where a mesh has none.
+
+    `output`: 'COLOR', or one of the values 'FACTOR', 'ALPHA' (1 where a mesh has none) and 'PRESENCE' (0 or 1).
+    """
+
+    name: str
+    output: str = "COLOR"
+
+
+@dataclass(frozen=True)
+class NormalMap(Expression):
+    """Blender's Normal Map node: a unit vector of the world. `space` by Blender's identifier ('TANGENT', 'OBJECT', ...)."""
+
+    color: Expression
+    strength: Expression
+    space: str = "TANGENT"
+    uv_map: str = ""
+    invert_green: bool = False
+
+
+@dataclass(frozen=True)
+class Bump(Expression):
+    """Blender's Bump node: the normal (`normal`, or the shading normal) of the surface raised by the value `height`."""
+
+    height: Expression
+    strength: Expression
+    distance: Expression
+    normal: Expression | None = None
+    invert: bool = False
 
 
 @dataclass(frozen=True)
@@ -162,6 +195,7 @@ class BeneathLayer(Expression):
     roughness: Expression
     weight: Expression
     distribution: str = "GGX"
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -171,6 +205,7 @@ class CoatTint(Expression):
     ior: Expression
     tint: Expression
     weight: Expression
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)

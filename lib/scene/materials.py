@@ -13,7 +13,10 @@ from .expressions import ONE, WHITE, ZERO, Constant, Expression
 
 
 class Closure:
-    """Base of all closures. A `color` among the fields multiplies all that the closure does."""
+    """Base of all closures.
+
+    A `color` among the fields multiplies all that the closure does; `normal` is a unit vector of the world (None: the shading normal).
+    """
 
 
 class Anisotropic(Closure):
@@ -31,6 +34,7 @@ class Diffuse(Closure):
 
     color: Expression = WHITE
     roughness: Expression = ZERO
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,7 @@ class Glossy(Anisotropic):
     anisotropy: Expression = ZERO
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,7 @@ class Metallic(Anisotropic):
     anisotropy: Expression = ZERO
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -93,6 +99,7 @@ class Specular(Anisotropic):
     anisotropy: Expression = ZERO
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -115,6 +122,7 @@ class Translucent(Closure):
     """Lambert on the far side of the surface."""
 
     color: Expression = WHITE
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -133,6 +141,7 @@ class Glass(Closure):
     reflection: Expression = WHITE
     transmission: Expression = WHITE
     tint: Expression = WHITE
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -143,6 +152,7 @@ class Refraction(Closure):
     ior: Expression = ONE
     roughness: Expression = ZERO
     distribution: str = "GGX"
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)

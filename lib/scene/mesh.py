@@ -24,7 +24,8 @@ class Mesh:
     smooth (t,) bool; corner_normals (3 corners, 3, t) float32 in world space, to be mixed as they are and then normalised (not all
     are of unit length), or (3, 3, 0) when no face is smooth;
     uvs: map name -> (3 corners, 2, t) float32, the maps that materials use ('' is the active render map); generated (3, v) float32, or (3, 0)
-    when no material asks for it.
+    when no material asks for it; attributes: name -> (3 corners, 6, t) float32, red, green, blue, alpha, factor and presence of those that
+    materials use ('' is the active render colour).
     """
 
     vertices: np.ndarray
@@ -36,6 +37,7 @@ class Mesh:
     objects: tuple[Object, ...]
     uvs: dict[str, np.ndarray] = field(default_factory=dict)
     generated: np.ndarray = field(default_factory=lambda: np.zeros((3, 0), np.float32))
+    attributes: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def triangle_count(self) -> int:

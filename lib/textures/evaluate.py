@@ -10,6 +10,7 @@ import numpy as np
 
 from ..bsdfs.layered import beneath_layer, coat_tint
 from ..scene import expressions as ex
+from ..vectors import dot
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
 from .checker import checker
 from .color_spaces import luminance
@@ -18,6 +19,7 @@ from .images import ImageSet, equirectangular
 from .mapping import mapping
 from .math_node import math
 from .mix import mix
+from .normals import bump, normal_map
 from .patterns import PATTERNS
 from .ramp import color_ramp
 
@@ -28,9 +30,25 @@ class Context(Protocol):
     size: int
     cos_wo: np.ndarray
     backfacing: np.ndarray
+    n: np.ndarray
+    ng: np.ndarray
+    wo: np.ndarray
+    step: float
 
     def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
         """Coordinates (3, n) of a kind named in lib.scene.expressions.Coordinates."""
+
+    def attribute(self, name: str) -> np.ndarray:
+        """Red, green, blue, alpha, factor and presence of an attribute of the mesh, (6, n)."""
+
+    def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
+
+    def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
+        """Unit normals (3, n) of the world for those of the object's space."""
+
+    def moved(self, direction: np.ndarray, step: float) -> Context:
+        """The points `step` further along unit vectors (3, n) in the plane of their triangles."""
 
 
 class Evaluator:
@@ -56,6 +74,10 @@ class Evaluator:
             self._results[id(expression)] = found
         return found[1]
 
+    def moved(self, context: Context) -> Evaluator:
+        """An evaluator of the same images at other points."""
+        return Evaluator(context, self.images)
+
 
 def evaluate(expression: ex.Expression, context: Context, images: ImageSet) -> np.ndarray:
     """The value, () or (n,), or colour, (3, 1) or (3, n), of one expression."""
@@ -65,6 +87,14 @@ def evaluate(expression: ex.Expression, context: Context, images: ImageSet) -> n
 def _constant(node: ex.Constant, _: Evaluator) -> np.ndarray:
     value = np.asarray(node.value, dtype=np.float64)
     return value[:, None] if value.ndim else value
+
+
+_CHANNELS = {"ALPHA": 3, "FACTOR": 4, "PRESENCE": 5}
+
+
+def _attribute(node: ex.Attribute, read: Evaluator) -> np.ndarray:
+    values = read.context.attribute(node.name)
+    return values[:3] if node.output == "COLOR" else values[_CHANNELS[node.output]]
 
 
 def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
@@ -104,9 +134,14 @@ def _gamma(node: ex.Gamma, read: Evaluator) -> np.ndarray:
     return np.where(gamma == 0.0, 1.0, powers)  # so in Cycles, below 0 too
 
 
+def _cos_wo(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
+    """|n.wo| of the shading normal, or what a turned normal sees of wo."""
+    return read.context.cos_wo if normal is None else np.maximum(dot(read(normal), read.context.wo), 0.0)
+
+
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
-    return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, read.context.cos_wo)
+    return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, _cos_wo(node.normal, read))
 
 
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:
@@ -123,6 +158,9 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     **PATTERNS,
     ex.Constant: _constant,
     ex.Coordinates: lambda node, read: read.context.coordinates(node.kind, node.uv_map),
+    ex.Attribute: _attribute,
+    ex.NormalMap: normal_map,
+    ex.Bump: bump,
     ex.Mapping: lambda node, read: mapping(
         node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)
     ),
@@ -136,7 +174,9 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ex.LayerWeight: _layer_weight,
     ex.Gamma: _gamma,
     ex.BeneathLayer: _beneath_layer,
-    ex.CoatTint: lambda node, read: coat_tint(read(node.ior), read(node.tint), read(node.weight), read.context.cos_wo),
+    ex.CoatTint: lambda node, read: coat_tint(
+        read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
+    ),
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.ColorToValue: lambda node, read: as_value(luminance(read(node.color))),
     ex.VectorToValue: _vector_to_value,

@@ -6,33 +6,39 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 
-from ..scene.expressions import ZERO, Coordinates, Expression
+from ..scene.expressions import ZERO, Attribute, Coordinates, Expression, NormalMap
 from ..scene.materials import Anisotropic, Material, Tangent
 from .fold import walk
 
 
 @dataclass(frozen=True)
 class Requirements:
-    """Attributes that materials read: names of UV maps ('' is the active render map), and generated coordinates."""
+    """What materials read: names of UV maps ('' is the active render map) and attributes ('' is the active render colour), and
+    whether generated coordinates.
+    """
 
     uv_maps: frozenset[str]
     generated: bool
+    attributes: frozenset[str] = frozenset()
 
 
 def requirements(materials: Iterable[Material]) -> Requirements:
     """What `materials` read, through their textures and through the tangents of anisotropic lobes."""
     uv_maps: set[str] = set()
+    attributes: set[str] = set()
     generated = False
     for material in materials:
         for kind, uv_map in _reads(material):
             if kind == "UV":
                 uv_maps.add(uv_map)
+            elif kind == "ATTRIBUTE":
+                attributes.add(uv_map)
             generated = generated or kind == "GENERATED"
-    return Requirements(frozenset(uv_maps), generated)
+    return Requirements(frozenset(uv_maps), generated, frozenset(attributes))
 
 
 def _reads(material: Material) -> Iterator[tuple[str, str]]:
-    """Kinds of coordinates, with the UV map where the kind is 'UV'."""
+    """Kinds of coordinates, with the name where the kind is 'UV' or 'ATTRIBUTE'."""
     for lobe in material.lobes:
         roots: list[Expression] = [lobe.weight]
         roots.extend(
@@ -40,6 +46,10 @@ def _reads(material: Material) -> Iterator[tuple[str, str]]:
         )
         for root in roots:
             yield from ((node.kind, node.uv_map) for node in walk(root) if isinstance(node, Coordinates))
+            yield from (
+                ("UV", node.uv_map) for node in walk(root) if isinstance(node, NormalMap) and node.space == "TANGENT"
+            )
+            yield from (("ATTRIBUTE", node.name) for node in walk(root) if isinstance(node, Attribute))
         if isinstance(lobe.closure, Anisotropic) and lobe.closure.anisotropy != ZERO:
             yield from _tangent_reads(lobe.closure.tangent)
 

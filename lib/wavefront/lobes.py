@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ..bsdfs.oren_nayar import OrenNayar
 from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
 from ..bsdfs.specular import Mirror, SmoothDielectric
+from ..bsdfs.tilted import Tilted
 from ..departures.closures import beckmann_form, with_stated_density
 from ..microfacets import ggx
 from ..microfacets.albedo import average_albedo_cycles, directional_albedo_cycles
@@ -26,7 +27,7 @@ from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
 from ..textures.evaluate import Evaluator
-from ..vectors import dot
+from ..vectors import dot, orthonormal_basis, to_local
 from .options import Options
 from .surface import SurfacePoints
 
@@ -39,19 +40,27 @@ _LEAST_CONTRAST = 1e-4
 
 @dataclass(frozen=True)
 class Site:
-    """Points of one material: `read` evaluates sockets there, `wo` (3, n) is local to the frame (t, s, n)."""
+    """Points of one material: `read` evaluates sockets there, `wo` (3, n) is local to the frame (t, s, n), (3, n) each."""
 
     points: SurfacePoints
     read: Evaluator
     wo: np.ndarray
     t: np.ndarray
     s: np.ndarray
+    n: np.ndarray
     options: Options
 
 
 def build(closure: Closure, site: Site) -> tuple[Lobe, np.ndarray]:
     """The lobe of a closure and the colour, (3, 1) or (3, n), that multiplies it."""
-    return _BUILDERS[type(closure)](closure, site)
+    if getattr(closure, "normal", None) is None:
+        return _BUILDERS[type(closure)](closure, site)
+    n = np.broadcast_to(site.read(closure.normal), site.n.shape)
+    t, s = orthonormal_basis(n)
+    turned = replace(site, wo=to_local(site.points.wo, t, s, n), t=t, s=s, n=n)
+    lobe, color = _BUILDERS[type(closure)](closure, turned)
+    rows = [to_local(axis, site.t, site.s, site.n) for axis in (t, s, n)]
+    return Tilted(lobe, np.stack(rows)), color
 
 
 def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -123,7 +132,7 @@ def _turned(closure: Anisotropic, stretch: object, site: Site, make: Callable[[n
     """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
     if stretch is None:
         return make(site.wo)
-    tangent, _ = site.points.tangent(closure.tangent, site.read(closure.rotation))
+    tangent, _ = site.points.tangent(closure.tangent, site.read(closure.rotation), site.n)
     cos, sin = dot(tangent, site.t), dot(tangent, site.s)
     return Rotated(make(rotate_in(site.wo, cos, sin)), cos, sin)
 

@@ -69,7 +69,7 @@ class PreparedMaterial:
 
     def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
         """The scattering lobes for local directions `wo` in the frame (t, s, n)."""
-        site = Site(points, Evaluator(points, self._images), wo, t, s, self._options)
+        site = Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options)
         lobes, colors = [], []
         for weight, closure in self._scattering:
             lobe, color = build(closure, site)

@@ -11,6 +11,7 @@ from ..errors import SceneError
 from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
 from ..vectors import cross, dot, normalize
+from .tangents import normal_map_frame
 
 
 class SurfaceTables:
@@ -18,6 +19,7 @@ class SurfaceTables:
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
+        self._frames: dict[str, np.ndarray] = {}
         self.all_flat = mesh.corner_normals.shape[2] == 0 or not mesh.smooth.any()
         self.all_smooth = not self.all_flat and bool(mesh.smooth.all())
         if not self.all_flat:
@@ -40,6 +42,20 @@ class SurfaceTables:
         return np.ascontiguousarray(
             np.array([item.world_from_object[:, :3].reshape(9) for item in self.mesh.objects]).T
         )
+
+    @cached_property
+    def step(self) -> float:
+        """A millionth of the scene's extent."""
+        extent = float(np.ptp(self.mesh.vertices, axis=1).max()) if self.mesh.triangle_count else 1.0
+        return 1e-6 * max(extent, 1e-6)
+
+    def normal_map_frame(self, uv_map: str) -> np.ndarray:
+        """Tangent, the bitangent's sign and the normal at the corners, (3 corners, 7, t), in object space."""
+        if uv_map not in self._frames:
+            self._frames[uv_map] = normal_map_frame(
+                self.mesh, uv_map, self.object_from_world, self.world_from_object, not self.all_flat
+            )
+        return self._frames[uv_map]
 
 
 class SurfacePoints:
@@ -126,6 +142,8 @@ class SurfacePoints:
         """Texture coordinates of kind 'UV', 'GENERATED', 'OBJECT', 'NORMAL' or 'POSITION', (3, n)."""
         if kind == "POSITION":
             return self.position
+        if kind in ("SHADING_NORMAL", "TRUE_NORMAL", "INCOMING"):
+            return {"SHADING_NORMAL": self.n, "TRUE_NORMAL": self.ng, "INCOMING": self.wo}[kind]
         if kind == "UV":
             return self._uv(uv_map)
         if kind == "GENERATED":
@@ -154,24 +172,61 @@ class SurfacePoints:
             coordinates[:2] = self._interpolated((corners[0], corners[1], corners[2]))
         return coordinates
 
+    def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
+        corners = np.take(self.tables.normal_map_frame(uv_map), self.triangle, axis=2)
+        mixed = self._interpolated((corners[0], corners[1], corners[2]))
+        return mixed[:3], mixed[3], mixed[4:]
+
+    def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
+        """Unit normals (3, n) of the world for those of the object's space: by the inverse transpose of the object's matrix."""
+        m = np.take(self.tables.object_from_world, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
+        return normalize(np.stack([m[k] * normal[0] + m[4 + k] * normal[1] + m[8 + k] * normal[2] for k in range(3)]))
+
+    @property
+    def step(self) -> float:
+        """A length, in metres, over which slopes are taken: short against all that can be seen."""
+        return self.tables.step
+
+    def moved(self, direction: np.ndarray, step: float) -> SurfacePoints:
+        """The points `step` further along unit vectors (3, n) in the planes of their triangles."""
+        mesh = self.tables.mesh
+        a, b, c = (np.take(mesh.vertices, k, axis=1) for k in np.take(mesh.triangles, self.triangle, axis=1))
+        e1, e2 = b - a, c - a
+        normal = cross(e1, e2)
+        area2 = dot(normal, normal)
+        points = self.at(np.arange(self.size))
+        points.u = self.u + step * dot(cross(direction, e2), normal) / area2
+        points.v = self.v + step * dot(cross(e1, direction), normal) / area2
+        points.position = self.position + direction * step
+        return points
+
+    def attribute(self, name: str) -> np.ndarray:
+        """Red, green, blue, alpha, factor and presence of an attribute, mixed from the corners, (6, n)."""
+        corners = np.take(self.tables.mesh.attributes[name], self.triangle, axis=2)
+        return self._interpolated((corners[0], corners[1], corners[2]))
+
     def _generated(self) -> np.ndarray:
         mesh = self.tables.mesh
         a, b, c = np.take(mesh.triangles, self.triangle, axis=1)
         return self._interpolated(tuple(np.take(mesh.generated, k, axis=1) for k in (a, b, c)))
 
-    def tangent(self, source: Tangent, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unit tangent and bitangent across n, (3, n) each, the tangent turned about n by `turns` full circles."""
+    def tangent(
+        self, source: Tangent, turns: np.ndarray, normal: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Unit tangent and bitangent across `normal` (n unless given), (3, n) each, turned about it by `turns` full circles."""
+        n = self.n if normal is None else normal
         raw = self._uv_tangent(source.uv_map) if source.kind == "UV" else self._radial_tangent(source.axis)
         turns = np.asarray(turns)
         if np.any(turns):
-            raw = _rotate_about(raw, self.n, 2.0 * np.pi * turns)
-        bitangent = cross(self.n, raw)
+            raw = _rotate_about(raw, n, 2.0 * np.pi * turns)
+        bitangent = cross(n, raw)
         length = np.sqrt(dot(bitangent, bitangent))
         lost = length <= 1e-20  # a tangent along the normal: any direction across will do, the same one for all
         bitangent /= np.where(lost, 1.0, length)
         if lost.any():
-            bitangent[:, lost] = _any_perpendicular(self.n[:, lost])
-        return cross(bitangent, self.n), bitangent
+            bitangent[:, lost] = _any_perpendicular(n[:, lost])
+        return cross(bitangent, n), bitangent
 
     def _radial_tangent(self, axis: str) -> np.ndarray:
         x, y, z = self._generated() - 0.5

@@ -76,6 +76,27 @@ def half_principled(tree):
     return node(tree, "MixShader", {"Fac": 0.3, "Shader": one, "Shader_001": two})
 
 
+def bumpy(kind, **inputs):
+    """A closure about a normal turned by a map of one colour."""
+
+    def build(tree):
+        normal = node(tree, "NormalMap", {"Color": (0.62, 0.42, 0.93, 1.0), "Strength": 0.8})
+        return node(
+            tree, kind, {**inputs, "Normal": normal}, **({"distribution": "GGX"} if kind != "BsdfDiffuse" else {})
+        )
+
+    return build
+
+
+TURNED = {
+    "diffuse": bumpy("BsdfDiffuse", Color=RED),
+    "rough diffuse": bumpy("BsdfDiffuse", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.4),
+    "glossy": bumpy("BsdfGlossy", Roughness=0.5),
+    "glass": bumpy("BsdfGlass", Roughness=0.5),
+    "metallic": bumpy("BsdfMetallic", Roughness=0.4),
+    "principled": bumpy("BsdfPrincipled", Roughness=0.6, Metallic=1.0),
+    "layered": bumpy("BsdfPrincipled", Roughness=0.6),
+}
 GLASSY = {"Transmission_Weight": 1.0, "Specular_Tint": BLUE}
 PRINCIPLED = {
     "default GGX": principled("GGX"),
@@ -211,3 +232,13 @@ def multiple():
 def test_multiple_scattering(multiple, name):
     """Cycles reads its albedos from coarse tables: 32 x 32 nodes for reflection, 16 x 16 x 16 for glass."""
     assert multiple[name][2] < {"glass 1.5": 2e-3, "glass 0.7": 3e-2}.get(name, 7e-3)
+
+
+@pytest.fixture(scope="module")
+def turned():
+    return compare(TURNED, "front")
+
+
+@pytest.mark.parametrize("name", TURNED)
+def test_closure_about_a_mapped_normal(turned, name):
+    assert turned[name][2] < (4e-2 if name == "layered" else 3e-5)

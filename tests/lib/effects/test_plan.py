@@ -9,14 +9,18 @@ from etalon.lib.effects.catalogue import EFFECTS
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene.camera import Aperture
+from etalon.lib.scene.converters import Component
 from etalon.lib.scene.expressions import (
     ZERO,
+    Attribute,
+    Bump,
     Checker,
     Constant,
     Coordinates,
     EnvironmentTexture,
     ImageTexture,
     Math,
+    NormalMap,
     ValueToColor,
     VectorToValue,
 )
@@ -59,6 +63,7 @@ def of(*closures, **more):
 def with_uvs(the_scene):
     count = the_scene.mesh.triangle_count
     mesh = replace(the_scene.mesh, uvs={"": np.zeros((3, 2, count), np.float32)})
+    mesh = replace(mesh, attributes={"paint": np.ones((3, 6, count), np.float32)})
     mesh = replace(mesh, generated=np.zeros((3, mesh.vertices.shape[1]), np.float32))
     return replace(the_scene, mesh=mesh, images=(IMAGE,))
 
@@ -117,6 +122,15 @@ CASES = {
         [with_uvs(of(Diffuse(PATTERNED)))],
         [with_uvs(PLAIN), with_uvs(of(Diffuse(TEXTURED)))],
     ),
+    "normal maps": (
+        [with_uvs(of(Diffuse(color(0.5), normal=NormalMap(color(0.7), HALF))))],
+        [with_uvs(PLAIN), with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
+    ),
+    "bumps": (
+        [with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
+        [with_uvs(PLAIN)],
+    ),
+    "mesh attributes": ([with_uvs(of(Diffuse(Attribute("paint"))))], [with_uvs(PLAIN)]),
     "point lights": (
         [replace(PLAIN, lights=(POINT,)), replace(PLAIN, lights=(SpotLight("s", (0, 0, 3.0), 0.0, (1.0,) * 3, CONE),))],
         [PLAIN, replace(PLAIN, lights=(SUN, SPHERE, AREA))],

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A lobe about a normal of its own (normal maps, bumps)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .mixture import Lobe
+
+
+class Tilted:
+    """`lobe`, made in a frame of its own whose axes are the `rows` (3, 3, n) in the common local frame.
+
+    Light counts only where both normals see it on the same side, whatever strategy finds it.
+    """
+
+    def __init__(self, lobe: Lobe, rows: np.ndarray) -> None:
+        self._lobe, self._rows = lobe, rows
+        self.delta = lobe.delta
+        self.estimate = getattr(lobe, "estimate", 1.0)
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The lobe's value and density."""
+        own = (self._rows * wi).sum(axis=1)
+        value, pdf = self._lobe.evaluate(own)
+        return value * (own[2] * wi[2] > 0.0), pdf
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The lobe's direction, turned back, its weight and density."""
+        own, weight, pdf = self._lobe.sample(u1, u2)
+        wi = (self._rows * own[:, None]).sum(axis=0)
+        return wi, weight * (own[2] * wi[2] > 0.0), pdf
+
+    def part(self, index: np.ndarray) -> Tilted:
+        """The same lobe at fewer points."""
+        return Tilted(self._lobe.part(index), np.take(self._rows, index, axis=2))
