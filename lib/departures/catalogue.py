@@ -13,7 +13,7 @@ from ..scene.scene import Scene
 from ..textures.fold import fold, is_constant, walk
 from .scene import NARROW
 
-SEEN = ("4.3", "4.5", "5.0", "5.2")
+SEEN = ("4.5", "5.0", "5.2")
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,7 @@ def _why(comparison: Comparison) -> list[str]:
     for name in why.chosen:
         share = furthest_share(comparison, number[name])
         said.append(
-            f"Why: {name} ({percent(share, sign=False)} of the difference). {why.departures[number[name]].statement}"
+            f"Why: {name} ({100 * share:.3g} % of the difference). {why.departures[number[name]].statement}"
         )
     left = len(unexplained(comparison))
     if left:
