@@ -29,6 +29,7 @@ examples:
   etalon compare glossy_spheres              a reference scene, two minutes, a verdict and a folder with the report
   etalon compare kitchen.blend --time 600    any file, ten minutes
   etalon render cornell_glossy --out c.exr   the reference alone
+  etalon cost glossy_spheres --target 1%     how long each way to render it takes to that error
   etalon plan kitchen.blend                  the effects the scene calls for, without rendering
   blender kitchen.blend --background --command etalon compare"""
 
