@@ -191,7 +191,7 @@ def _play_roulette(paths: Paths, uniform: np.ndarray) -> Paths:
     The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
     """
     survival = np.minimum(np.sqrt(paths.throughput.max(axis=0)), 1.0)
-    index = np.flatnonzero(uniform < survival)
+    index = np.flatnonzero(~(uniform >= survival))  # what is not finite goes on, to be counted
     going = paths.take(index)
     going.throughput /= survival[index]
     return going

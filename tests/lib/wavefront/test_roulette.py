@@ -53,3 +53,15 @@ def test_white_paths_are_never_stopped(seed):
     np.testing.assert_allclose(
         replicates(box, 1, 16, direct="bsdf", russian_roulette=True, seed=seed), 12.0, rtol=1e-12
     )
+
+
+def test_what_is_not_finite_is_not_stopped(seed):
+    """Every path in the box carries NaN from its first scattering on, and is counted when it meets the lamp, however late."""
+    parts = [cube(), quad((-0.4, -0.4, 0.9), (0.0, 0.8, 0.0), (0.8, 0.0, 0.0), 1)]
+    box = scene(parts, [diffuse(np.nan), emission(3.0)], INSIDE, bounces=6)
+    counts = [
+        ReferenceRenderer(box, Options(seed=seed, threads=1, direct="bsdf", russian_roulette=r)).render(0, 64).nonfinite
+        for r in (False, True)
+    ]
+    assert counts[0].sum() > 100
+    np.testing.assert_array_equal(*counts)
