@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A closed room with glossy walls: most of its light has been scattered more than once.
 
-A Cornell box after C. M. Goral et al., "Modeling the Interaction of Light Between Diffuse Surfaces" (1984), with the camera inside and the front
-closed, its walls Beckmann, a tall box GGX and a sphere GGX. No closed form: the expectation is Cycles' own, measured.
+A Cornell box after C. M. Goral et al., "Modeling the Interaction of Light Between Diffuse Surfaces" (1984), with the camera inside and the
+front closed, its walls Beckmann, a tall box GGX and a sphere GGX. No closed form: the expectation is Cycles' own, measured.
 """
 
 from __future__ import annotations

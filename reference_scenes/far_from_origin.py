@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Glossy spheres ten kilometres from the origin, where neighbouring float32 numbers lie a millimetre apart.
 
-The content is that of `glossy_spheres`, ten times as large and of coarser triangles, so that what a millimetre does to a triangle's normal stays
-below a thousandth. No closed form: moving a scene changes nothing but rounding, so the expectation is the image of the same
+The content is that of `glossy_spheres`, ten times as large and of coarser triangles, so that what a millimetre does to a triangle's normal
+stays below a thousandth. No closed form: moving a scene changes nothing but rounding, so the expectation is the image of the same
 content at the origin.
 """
 

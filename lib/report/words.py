@@ -134,9 +134,7 @@ def _why(comparison: Comparison) -> list[str]:
     said = []
     for name in why.chosen:
         share = furthest_share(comparison, number[name])
-        said.append(
-            f"Why: {name} ({100 * share:.3g} % of the difference). {why.departures[number[name]].statement}"
-        )
+        said.append(f"Why: {name} ({100 * share:.3g} % of the difference). {why.departures[number[name]].statement}")
     left = len(unexplained(comparison))
     if left:
         tried = listed(tuple(number))

@@ -48,7 +48,10 @@ def measure(name: str, threads: int, runs: int, samples: int) -> None:
         f"{name:16} reference {statistics.median(rates['reference']):6.3f} M/s   Cycles {statistics.median(rates['Cycles']):6.3f} M/s"
         f"   ratio {statistics.median(ratios):5.2f} ({min(ratios):.2f} to {max(ratios):.2f})   ray queries {embree:4.0%}"
     )
-    print("   " + ", ".join(f"{stage} {seconds / total:.0%}" for stage, seconds in sorted(stages.items(), key=lambda x: -x[1])))
+    print(
+        "   "
+        + ", ".join(f"{stage} {seconds / total:.0%}" for stage, seconds in sorted(stages.items(), key=lambda x: -x[1]))
+    )
 
 
 def main() -> None:
