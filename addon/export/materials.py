@@ -7,7 +7,7 @@ import bpy
 
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
-from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Transparent
+from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Specular, Transparent
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
 from .images import ImageTable
@@ -15,8 +15,20 @@ from .nodes import Scope, TreeReader, valid_link
 from .nodes_shaders import ShaderReader
 from .nodes_values import VALUES
 
-DEFAULT_MATERIAL = Material("", (Lobe(Diffuse(ex.Constant((0.8, 0.8, 0.8)))),))
-"""What Cycles shows where a face has no material."""
+_GREY = Diffuse(ex.Constant((0.8, 0.8, 0.8)))
+_INDEX, _HALF = ex.Constant(1.5), ex.Constant(0.5)
+DEFAULT_MATERIAL = (
+    Material(
+        "",
+        (
+            Lobe(Specular("MULTI_GGX", _INDEX, ex.WHITE, _HALF)),
+            Lobe(_GREY, ex.BeneathLayer(_INDEX, ex.WHITE, _HALF, ex.ONE, "MULTI_GGX")),
+        ),
+    )
+    if bpy.app.version >= (5, 0, 0)
+    else Material("", (Lobe(_GREY),))
+)
+"""What Cycles shows where a face has no material: grey, and from Blender 5.0 on a Principled BSDF as it comes."""
 
 _NO_TABLE = (16, 8)
 _LEAST_TABLE = (256, 128)

@@ -65,14 +65,6 @@ def read_mesh(
     )
 
 
-def used_slots(mesh: bpy.types.Mesh, count: int) -> list[int]:
-    """Those of `count` material slots that faces of an evaluated mesh ask for."""
-    if len(mesh.polygons) == 0:
-        return []
-    slots = _attribute(mesh, "material_index", "FACE", "INT")
-    return [0] if slots is None else np.unique(np.clip(slots, 0, count - 1)).tolist()
-
-
 def _read(collection: bpy.types.bpy_prop_collection, attribute: str, dtype: type, width: int = 1) -> np.ndarray:
     """(n,) or (n, width) array of an attribute of every item."""
     values = np.empty(len(collection) * width, dtype)

@@ -18,7 +18,7 @@ from .images import ImageTable
 from .lights import read_light
 from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .matrices import affine
-from .mesh import LocalMesh, read_mesh, used_slots
+from .mesh import LocalMesh, read_mesh
 from .placements import Placements
 from .refusals import is_invisible, refuse_object, refuse_settings
 
@@ -83,15 +83,7 @@ class MaterialTable:
     def of_slots(self, thing: bpy.types.Object) -> np.ndarray:
         """(slots,) indices for a mesh object's material slots; without slots, one for Blender's default material."""
         slots = [slot.material for slot in thing.material_slots] or [None]
-        if self._override is None and None in slots and bpy.app.version >= (5, 0, 0):
-            self._refuse_default(thing, slots)
         return np.array([self._index(self._override or material) for material in slots], np.int32)
-
-    def _refuse_default(self, thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -> None:
-        """From Blender 5.0 on a face without a material is a Principled BSDF in Cycles, which is not simulated."""
-        if any(slots[slot] is None for slot in used_slots(thing.data, len(slots))):
-            what = "a face without a material, to Cycles a Principled BSDF,"
-            self._refusals.append(Refusal(f"object '{thing.name}'", what, "give every face a material"))
 
     def _index(self, material: bpy.types.Material | None) -> int:
         key = None if material is None else material.name_full

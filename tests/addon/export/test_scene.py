@@ -11,6 +11,8 @@ from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.archive import load, save
 from etalon.lib.scene.materials import Diffuse, Emission
+from etalon.lib.wavefront.options import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
 
 COLORS = {"red": (1.0, 0.25, 0.125), "green": (0.125, 1.0, 0.25), "blue": (0.25, 0.125, 1.0), "grey": (0.5, 0.5, 0.5)}
 
@@ -91,13 +93,16 @@ def test_without_a_material_faces_are_the_grey_that_cycles_shows(studio):
 
 
 @pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="before Blender 5.0 Cycles' default is a grey diffuse surface")
-def test_a_face_without_a_material_is_refused(studio):
+def test_without_a_material_faces_are_the_principled_bsdf_that_cycles_shows(studio):
     bare(studio)
-    strip(studio, "unused", 1.5, studio.plain, None, slots=(0, 0, 0))
-    with pytest.raises(Refused) as caught:
-        studio.export()
-    assert sorted(r.owner for r in caught.value.refusals) == ["object 'empty'", "object 'none'"]
-    assert "a face without a material, to Cycles a Principled BSDF, is not simulated" in str(caught.value)
+    sun = studio.add("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.angle, sun.data.energy = 0.0, 1.0
+    sun.rotation_euler = (0.5, 0.0, 0.0)
+    studio.look_down(0.5)
+    for y in (0.5, -0.5):
+        studio.camera.location.y = y
+        reference = ReferenceRenderer(studio.export(), Options(threads=1)).render(0, 1).radiance
+        assert studio.cycles() == pytest.approx(reference, rel=1e-3)
 
 
 def test_overrides_of_the_view_layer(studio):
