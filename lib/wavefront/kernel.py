@@ -27,18 +27,19 @@ class Kernel:
 
     `lights` are the samplers of light objects, then the environment's, then the emissive mesh's, as far as the plan calls for them;
     `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None. `lit_from_below` lets light sampling reach
-    below smooth-shaded faces.
+    below smooth-shaded faces. A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     """
 
-    def __init__(self, scene: Scene, plan: Plan, options: Options) -> None:
+    def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
         scene = departed(scene, options.departures)
         self.scene, self.plan, self.options = scene, plan, options
-        self.caster = Raycaster(scene.mesh)
-        self.tables = SurfaceTables(scene.mesh)
+        same_mesh = like is not None and like.scene.mesh is scene.mesh
+        self.caster = like.caster if same_mesh else Raycaster(scene.mesh)
+        self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
         self.materials = [PreparedMaterial(m, self.images, options) for m in scene.materials]
         self.material_of = scene.mesh.material_index.astype(np.int16)
-        radius = 0.5 * float(np.linalg.norm(np.ptp(scene.mesh.vertices, axis=1)))
+        radius = self.caster.radius
         self.lights = light_samplers(scene.lights, radius)
         self.sky: np.ndarray | None = None
         self.environment: EnvironmentSampler | None = None

@@ -54,11 +54,21 @@ class ReferenceRenderer:
 
     name = "reference"
 
-    def __init__(self, scene: Scene, options: Options = Options(), plan: Plan | None = None) -> None:  # noqa: B008
+    def __init__(
+        self,
+        scene: Scene,
+        options: Options = Options(),  # noqa: B008
+        plan: Plan | None = None,
+        like: Kernel | None = None,
+    ) -> None:
         self.scene, self.options = scene, options
         self.plan = make_plan(scene) if plan is None else plan
-        self.kernel = Kernel(scene, self.plan, options)
+        self.kernel = Kernel(scene, self.plan, options, like)
         _keep_heap()
+
+    def under(self, options: Options) -> ReferenceRenderer:
+        """The same scene under other options; the acceleration structure is shared."""
+        return ReferenceRenderer(self.scene, options, self.plan, self.kernel)
 
     @property
     def settings(self) -> dict[str, object]:

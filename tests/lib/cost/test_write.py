@@ -14,8 +14,11 @@ from etalon.lib.cost.verify import VERIFY, cheapest, verify
 from etalon.lib.cost.ways import Bias, Way, reference_ways
 from etalon.lib.cost.write import digits, interval, table, took, write_cost
 from etalon.lib.errors import EtalonError
+from etalon.lib.scene.lights import SphereLight
 from etalon.tests.lib.cost.synthetic import RELATIVE, Synthetic, way
+from etalon.tests.scenes import floor, glossy, orthographic, scene
 
+LIGHT = SphereLight("light", (1.0, 0.5, 2.0), 0.5, (10.0, 9.0, 8.0))
 NAME = "<script>alert(1)</script> & $x_"
 
 
@@ -129,10 +132,21 @@ def test_forms_of_the_model():
     assert all(f.nanoseconds > 0.0 for f in found.values())
 
 
+SCENE = scene([floor(4.0)], [glossy(0.9, 0.8, 0.6, 0.4)], orthographic(8, 8, 1.0, (0.0, 0.0, 2.0)), [LIGHT], 0.2, 1)
+
+
 def test_reference_ways_are_the_integrator_s_strategies():
-    """Every way has a key and options of its own, and the truth's is among them."""
-    ways = reference_ways(None, 0, 1, 0.0)
-    assert ways[0].key == "mis"
+    """Keys of their own, one acceleration structure, and one image but for the models."""
+    ways = reference_ways(SCENE, 0, 1, 5.0)
     assert len({w.key for w in ways}) == len(ways)
+    assert all(w.opening > 5.0 for w in ways)
     assert {w.key for w in ways if w.bias is Bias.FLOOR} == {"separable", "torrance-sparrow"}
     assert [w.key for w in ways if w.rate] == ["random-mis"]
+    renderers = {w.key: w.make() for w in ways}
+    assert len({id(r.kernel.caster) for r in renderers.values()}) == 1
+    means = {k: np.array([r.render(i, 64).radiance.mean() for i in range(8)]) for k, r in renderers.items()}
+    for w in ways:
+        if w.bias is Bias.NONE:
+            error = np.hypot(means[w.key].std(), means["mis"].std()) / np.sqrt(7)
+            assert abs(means[w.key].mean() - means["mis"].mean()) < 7.0 * error, w.key
+    assert means["torrance-sparrow"].mean() > 1.02 * means["mis"].mean()
