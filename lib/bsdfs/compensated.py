@@ -7,11 +7,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..microfacets.albedo import average_albedo, directional_albedo
+from ..microfacets.albedo import (
+    average_albedo,
+    average_albedo_cycles,
+    directional_albedo,
+    directional_albedo_cycles,
+)
 from .mixture import Lobe
 
 Albedos = tuple[Callable[..., np.ndarray], Callable[..., np.ndarray]]
 EXACT: Albedos = (directional_albedo, average_albedo)
+CYCLES: Albedos = (directional_albedo_cycles, average_albedo_cycles)
 
 
 def multiple_scattering(

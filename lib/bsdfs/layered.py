@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..microfacets.layers import layer_albedo
-from .compensated import multiple_scattering
+from ..microfacets.layers import layer_albedo, layer_share_cycles
+from .compensated import CYCLES, multiple_scattering
 from .fresnels import tinted_dielectric
 
 
@@ -25,16 +25,37 @@ def layer_reflectance(
     return albedo * multiple_scattering(cos_o, alpha, curve.average) if compensated else albedo
 
 
+def layer_reflectance_cycles(
+    cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool
+) -> np.ndarray:
+    """The same as Cycles estimates it, from tables: f0 + (1 - f0) times `layer_share_cycles`, as if single scattering lost nothing.
+
+    What the compensation takes from coloured light is taken off again.
+    """
+    curve = tinted_dielectric(np.float64(eta), tint)
+    albedo = curve.f0 + (1.0 - curve.f0) * layer_share_cycles(cos_o, alpha, eta)
+    if not compensated:
+        return albedo
+    return albedo * multiple_scattering(cos_o, alpha, curve.average, CYCLES) * CYCLES[0](cos_o, alpha)
+
+
 def beneath_layer(
-    distribution: str, eta: float, tint: np.ndarray, roughness: np.ndarray, weight: np.ndarray, cos_wo: np.ndarray
+    distribution: str,
+    eta: float,
+    tint: np.ndarray,
+    roughness: np.ndarray,
+    weight: np.ndarray,
+    cos_wo: np.ndarray,
+    tabulated: bool = False,
 ) -> np.ndarray:
     """1 - weight times the largest colour of the layer's albedo, (n,), at least 0.
 
-    The largest, so that a tinted layer leaves no tint of its complement below (Blender's choice; Cycles estimates the albedo
-    by a table that leaves masking out).
+    The largest, so that a tinted layer leaves no tint of its complement below (Blender's choice). `tabulated`: the albedo is Cycles'
+    estimate.
     """
     alpha = np.clip(roughness, 0.0, 1.0) ** 2
-    albedo = layer_reflectance(cos_wo, alpha, eta, tint, distribution == "MULTI_GGX")
+    reflectance = layer_reflectance_cycles if tabulated else layer_reflectance
+    albedo = reflectance(cos_wo, alpha, eta, tint, distribution == "MULTI_GGX")
     return np.maximum(1.0 - weight * albedo.max(axis=0), 0.0)
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from ..scene.expressions import ColorRamp, EnvironmentTexture, Expression, ImageTexture
+from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Refraction
 from ..scene.scene import Scene
@@ -135,6 +135,13 @@ DEPARTURES: tuple[Departure, ...] = (
         "The albedo behind Multiscatter GGX is read from 32 x 32 nodes, bilinear: up to 0.7 % off the integral, most at grazing.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_compensated,
+    ),
+    Departure(
+        "layer albedo table",
+        "What a glossy layer leaves to those beneath it is estimated from 16 x 16 x 16 nodes that leave masking between facets out: "
+        "light is taken from below that the layer itself does not give, or the other way round.",
+        "kernel/closure/bsdf_microfacet.h",
+        relevant=lambda scene: any(isinstance(n, BeneathLayer) for n in _nodes(scene)),
     ),
     Departure(
         "Oren-Nayar colour",

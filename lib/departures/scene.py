@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import replace
 
 import numpy as np
 
-from ..scene.expressions import ColorRamp, Expression
+from ..scene.expressions import BeneathLayer, ColorRamp, Expression
 from ..scene.lights import AreaLight, Light
 from ..scene.materials import Material
 from ..scene.scene import Scene
@@ -23,8 +23,9 @@ NARROW = float(np.float32(0.1))
 
 def departed(scene: Scene, departures: Set[str]) -> Scene:
     """`scene` as it stands after the named departures; names that change no scene are passed over."""
-    if "colour-ramp table" in departures:
-        changed = _Rewriter(lambda node: tabulated_ramp(node) if isinstance(node, ColorRamp) else node)
+    changes = [change for name, change in _NODES.items() if name in departures]
+    if changes:
+        changed = _Rewriter(changes)
         materials = tuple(_with_sockets(material, changed) for material in scene.materials)
         scene = replace(scene, materials=materials, world=replace(scene.world, radiance=changed(scene.world.radiance)))
     if "narrow spread" in departures:
@@ -45,6 +46,17 @@ def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
         interpolation="CONSTANT" if constant else "LINEAR",
         mode="RGB",
     )
+
+
+def tabulated_layer(layer: BeneathLayer) -> BeneathLayer:
+    """The layer with its albedo from Cycles' table."""
+    return replace(layer, tabulated=True)
+
+
+_NODES: dict[str, Callable[[Expression], Expression]] = {
+    "colour-ramp table": lambda node: tabulated_ramp(node) if isinstance(node, ColorRamp) else node,
+    "layer albedo table": lambda node: tabulated_layer(node) if isinstance(node, BeneathLayer) else node,
+}
 
 
 def narrow_factor(spread: float) -> float:
@@ -69,10 +81,10 @@ def _with_sockets(material: Material, changed: Callable[[Expression], Expression
 
 
 class _Rewriter:
-    """Expressions with `change` done to every node, inputs first; nodes that several share stay shared."""
+    """Expressions with `changes` done to every node, inputs first; nodes that several share stay shared."""
 
-    def __init__(self, change: Callable[[Expression], Expression]) -> None:
-        self._change = change
+    def __init__(self, changes: Sequence[Callable[[Expression], Expression]]) -> None:
+        self._changes = changes
         self._done: dict[int, tuple[Expression, Expression]] = {}
 
     def __call__(self, expression: Expression) -> Expression:
@@ -81,5 +93,8 @@ class _Rewriter:
             old = inputs(expression)
             new = {name: self(value) for name, value in old.items()}
             same = all(new[name] is old[name] for name in old)
-            self._done[id(expression)] = expression, self._change(expression if same else replace(expression, **new))
+            node = expression if same else replace(expression, **new)
+            for change in self._changes:
+                node = change(node)
+            self._done[id(expression)] = expression, node
         return self._done[id(expression)][1]

@@ -187,7 +187,7 @@ class BeneathLayer(Expression):
     """What a glossy layer leaves for the layers below it, a value: 1 - `weight` times the largest colour of its albedo at |n.wo|.
 
     The layer is a `lib.scene.materials.Specular` of the same `ior`, `tint`, `roughness` and `distribution`; the first must be
-    constant. Anisotropy leaves the albedo's estimate as it is.
+    constant. Anisotropy leaves the albedo's estimate as it is. `tabulated`: that of Cycles, from a table (lib/departures).
     """
 
     ior: Constant
@@ -196,6 +196,7 @@ class BeneathLayer(Expression):
     weight: Expression
     distribution: str = "GGX"
     normal: Expression | None = None
+    tabulated: bool = False
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,8 @@ def _cos_wo(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
 
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
-    return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, _cos_wo(node.normal, read))
+    cos_wo = _cos_wo(node.normal, read)
+    return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, cos_wo, node.tabulated)
 
 
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:

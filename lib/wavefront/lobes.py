@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley
-from ..bsdfs.compensated import EXACT, Compensated, multiple_scattering
+from ..bsdfs.compensated import CYCLES, EXACT, Compensated, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
 from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
 from ..bsdfs.lambert import Lambert, LambertTransmission
@@ -22,7 +22,6 @@ from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
 from ..departures.closures import beckmann_form, with_stated_density
 from ..microfacets import ggx
-from ..microfacets.albedo import average_albedo_cycles, directional_albedo_cycles
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
@@ -142,7 +141,7 @@ def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.nda
     if distribution != "MULTI_GGX" or lobe.delta:
         return lobe
     tabulated = "multiple-scattering tables" in site.options.departures
-    albedos = (directional_albedo_cycles, average_albedo_cycles) if tabulated else EXACT
+    albedos = CYCLES if tabulated else EXACT
     return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color, albedos))
 
 

@@ -55,6 +55,31 @@ def rough_material():
     return material
 
 
+def layered(distribution):
+    """Blender's Principled BSDF of roughness 0.6."""
+    material = building.diffuse(distribution, (0.8, 0.8, 0.8))
+    tree = material.node_tree
+    tree.nodes.remove(next(n for n in tree.nodes if n.type == "BSDF_DIFFUSE"))
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    shader.distribution = distribution
+    shader.inputs["Roughness"].default_value = 0.6
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def facets(materials):
+    """A row of facets under ANGLES for each material, and the camera above."""
+    columns, rows = len(ANGLES), len(materials)
+    heights = np.concatenate([[0.0], np.cumsum(-np.tan(ANGLES))])
+    x, y = np.arange(columns + 1) - columns / 2, rows / 2 - np.arange(rows + 1)
+    vertices = np.stack([np.tile(x, len(y)), np.repeat(y, len(x)), np.tile(heights - heights.max(), len(y))], axis=1)
+    corner = np.add.outer(np.arange(rows) * len(x), np.arange(columns)).ravel()
+    faces = np.stack([corner, corner + len(x), corner + len(x) + 1, corner + 1], axis=1)
+    building.mesh("facets", vertices, faces, materials, material_index=np.repeat(np.arange(rows), columns))
+    building.camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), ortho_scale=max(rows, columns))
+
+
 def furnace():
     """Facets under three angles in a white world, and a sun that the middle ones mirror to the camera; a row for each material."""
     columns, rows = len(ANGLES), 5
@@ -67,17 +92,19 @@ def furnace():
         ramp_material(),
         checker_material(),
     ]
-    heights = np.concatenate([[0.0], np.cumsum(-np.tan(ANGLES))])
-    x, y = np.arange(columns + 1) - columns / 2, rows / 2 - np.arange(rows + 1)
-    vertices = np.stack([np.tile(x, len(y)), np.repeat(y, len(x)), np.tile(heights - heights.max(), len(y))], axis=1)
-    corner = np.add.outer(np.arange(rows) * len(x), np.arange(columns)).ravel()
-    faces = np.stack([corner, corner + len(x), corner + len(x) + 1, corner + 1], axis=1)
-    building.mesh("facets", vertices, faces, materials, material_index=np.repeat(np.arange(rows), columns))
-    building.camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), ortho_scale=rows)
+    facets(materials)
     sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
     sun.data.energy, sun.data.angle = 0.5, 0.0
     sun.rotation_euler = (0.0, 2.0 * ANGLES[1], 0.0)  # it shines along its -z, so that light comes from (sin, 0, cos)
     bpy.context.scene.collection.objects.link(sun)
+
+
+def layers():
+    """Glossy layers over a diffuse base in a white world, without and with compensation, under three angles."""
+    columns, rows = len(ANGLES), 2
+    building.start("layers", TILE * columns, TILE * rows, 0)
+    building.world((1.0, 1.0, 1.0))
+    facets([layered("GGX"), layered("MULTI_GGX")])
 
 
 def slope():
@@ -129,6 +156,7 @@ CASES = {
             "texture interpolation": ((4, 0), 0.1),
         },
     ),
+    layers: (512, {"layer albedo table": ((0, 0), 5e-3), "multiple-scattering tables": ((1, 2), 0.0)}),
     slope: (64, {"light below the face": ((0, 0), 0.3)}),
     soft_box: (4096, {"narrow spread": ((0, 0), 5e-4)}),
 }

@@ -14,10 +14,19 @@ from etalon.lib.compare import CompareOptions, compare
 from etalon.lib.departures.catalogue import SWITCHES, relevant
 from etalon.lib.departures.effects import Alternatives, alternatives
 from etalon.lib.report.words import sentences
-from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, ImageTexture, LayerWeight
+from etalon.lib.scene.expressions import (
+    ONE,
+    WHITE,
+    BeneathLayer,
+    ColorRamp,
+    Constant,
+    Coordinates,
+    ImageTexture,
+    LayerWeight,
+)
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse
+from etalon.lib.scene.materials import Diffuse, Lobe, Material
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -41,6 +50,7 @@ def furnace():
         scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0),
         scenes.material(Diffuse(ramp)),
         scenes.material(Diffuse(ImageTexture(Coordinates("POSITION"), 0))),
+        Material("coated", (Lobe(Diffuse(), BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)),)),
     ]
     twice = 2.0 * ANGLES[1]
     sun = SunLight("sun", (np.sin(twice), 0.0, np.cos(twice)), 0.0, (0.5, 0.5, 0.5))

@@ -4,11 +4,13 @@
 import mpmath
 import numpy as np
 import pytest
-from etalon.lib.bsdfs.compensated import EXACT, multiple_scattering
+from etalon.lib.bsdfs.compensated import CYCLES, EXACT, multiple_scattering
+from etalon.lib.bsdfs.layered import beneath_layer
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.departures.scene import narrow_factor, tabulated_ramp
 from etalon.lib.lights.spread import Spread
 from etalon.lib.microfacets import albedo, beckmann
+from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.world import World
@@ -49,12 +51,22 @@ def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():
     single = albedo.integrate_albedo(cos, alpha)
     white = np.ones((3, 1))
     exact = single * multiple_scattering(cos, alpha, white, EXACT)[0]
-    tabulated = (
-        single
-        * multiple_scattering(cos, alpha, white, (albedo.directional_albedo_cycles, albedo.average_albedo_cycles))[0]
-    )
+    tabulated = single * multiple_scattering(cos, alpha, white, CYCLES)[0]
     assert exact == pytest.approx(1.0, abs=2e-5)
     assert abs(tabulated[0] - 1.0) > 5e-3
+
+
+def test_a_layer_and_what_it_leaves_make_up_all_the_light():
+    """Over a white base that gives back whatever it gets, a layer without absorption and its base reflect 1 together.
+
+    What the layer reflects is integrated over the lobe itself: D G F / (4 cos), F of the dielectric at the facet.
+    """
+    cos, alpha = np.array([0.1, 0.3, 0.6, 0.9]), np.full(4, 0.6**2)
+    white = np.ones((3, 1))
+    reflected = albedo.integrate_albedo(cos, alpha, reflectance=lambda c: dielectric(c, 1.5))
+    left, estimated = (beneath_layer("GGX", 1.5, white, np.float64(0.6), np.ones(1), cos, t) for t in (False, True))
+    assert reflected + left == pytest.approx(1.0, abs=2e-5)
+    assert (reflected + estimated < 1.0 - 5e-3).all()
 
 
 @pytest.mark.parametrize("color", [0.1, 0.5, 0.8, 1.0])
