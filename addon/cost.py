@@ -16,7 +16,7 @@ from ..lib.cost.verify import Verification, verify
 from ..lib.cost.ways import BEST, Way, reference_ways
 from ..lib.cost.write import table, took, write_cost
 from ..lib.effects.plan import make_plan
-from ..lib.errors import EtalonError
+from ..lib.errors import Cancelled, EtalonError
 from .console import bar, ended_by_interrupt, interruptible, quiet
 from .results import folder_beside
 
@@ -60,6 +60,8 @@ def run(arguments: Namespace) -> int:
     print(table(figures))
     if verification is not None:
         print(_verdict(verification))
+    elif arguments.verify:
+        print("not verified: interrupted, or no way reaches the target")
     print(f"report: {folder / 'cost.html'}")
     return 0
 
@@ -73,8 +75,11 @@ def _measure(name: str, ways: list[Way], arguments: Namespace) -> tuple[Measurem
             measurement = measure(name, ways, BEST, budget, pairs, progress=progress, cancelled=interrupted)
         if not arguments.verify or measurement.stopped == "cancelled":
             return measurement, None
-        with bar(f"{name}: the cheapest way") as progress:
-            return measurement, verify(measurement, arguments.target, progress, interrupted)
+        try:
+            with bar(f"{name}: the cheapest way") as progress:
+                return measurement, verify(measurement, arguments.target, progress, interrupted)
+        except Cancelled:
+            return measurement, None
 
 
 def _chosen(ways: list[Way], keys: str | None) -> list[Way]:

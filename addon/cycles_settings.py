@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from ..lib.cost.ways import Bias, Way
+from ..lib.errors import EtalonError
 from .cycles import CHUNK, CyclesRenderer
 from .neutral import Changes
 
@@ -42,10 +43,12 @@ def traded(scene: bpy.types.Scene) -> dict[str, Any]:
 class CyclesWith(CyclesRenderer):
     """Cycles in its neutral state but for `values` of `scene.cycles`; each replicate is one render call, as a user's is.
 
-    Adaptive sampling may stop earlier than the samples that it is asked for.
+    Adaptive sampling may stop earlier than the samples that it is asked for. Raises EtalonError for a denoiser that is not there.
     """
 
     def __init__(self, scene: bpy.types.Scene, values: dict[str, Any], *, seed: int, threads: int) -> None:
+        if values.get("use_denoising") and not _denoiser_is_there():
+            raise EtalonError("this Blender was built without Open Image Denoise; use one from blender.org")
         super().__init__(scene, seed=seed, threads=threads)
         self._values = values
         self.settings |= {f"cycles.{name}": value for name, value in values.items()}
@@ -63,6 +66,13 @@ class CyclesWith(CyclesRenderer):
 
     def _per_call(self) -> int:
         return CHUNK
+
+
+def _denoiser_is_there() -> bool:
+    """Without it Cycles renders as if it had not been asked for."""
+    import _cycles
+
+    return bool(_cycles.with_openimagedenoise)
 
 
 def cycles_ways(scene: bpy.types.Scene, users: dict[str, Any], seed: int, threads: int, opening: float) -> list[Way]:

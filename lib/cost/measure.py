@@ -191,7 +191,13 @@ def _first_calls(run: _Run, measured: list[Measured], best: str) -> list[_Entry]
             m.missing = "no time left to begin with it"
             continue
         start = time.monotonic()
-        renderer = m.way.make()
+        try:
+            renderer = m.way.make()
+        except EtalonError as error:
+            if m.way.key == best:
+                raise
+            m.missing = str(error)
+            continue
         built = time.monotonic() - start
         _, wall = run.render(renderer, FIRST, 1)
         m.settings = dict(renderer.settings)

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..errors import EtalonError
 from ..film.film import finite_or_nan
 from .forecast import Forecast, forecast, found_floor
 from .measure import Measurement
@@ -40,12 +39,12 @@ class Verification:
         return self.forecast.seconds.low <= self.seconds <= self.forecast.seconds.high
 
 
-def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast]:
-    """The way with the least forecast seconds of rendering, other models aside; raises EtalonError where none reaches the target."""
+def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast] | None:
+    """The way with the least forecast seconds of rendering, other models aside; None where none reaches the target."""
     told = {m.way.key: forecast(m, target) for m in measurement.ways if m.points and m.way.group != "model"}
     reached = {key: f for key, f in told.items() if f.reached}
     if not reached:
-        raise EtalonError(f"{measurement.scene}: no way reaches an error of {target:.3g}; give a larger --target")
+        return None
     key = min(reached, key=lambda k: reached[k].seconds.median)
     return key, reached[key]
 
@@ -55,9 +54,15 @@ def verify(
     target: float,
     progress: Callable[[float], None] = lambda fraction: None,
     cancelled: Callable[[], bool] = lambda: False,
-) -> Verification:
-    """Run the cheapest way to `target` twice: their difference gives the variance, the truth of the pilots the bias."""
-    key, told = cheapest(measurement, target)
+) -> Verification | None:
+    """Run the cheapest way to `target` twice: their difference gives the variance, the truth of the pilots the bias.
+
+    None where no way reaches the target; raises Cancelled when asked to stop.
+    """
+    found = cheapest(measurement, target)
+    if found is None:
+        return None
+    key, told = found
     measured = measurement[key]
     renderer = measured.way.make()
     renderer.render(VERIFY - 1, 1, lambda fraction: None, cancelled)
