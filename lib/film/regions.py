@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -39,7 +40,7 @@ class Regions:
     def __len__(self) -> int:
         return len(self.names)
 
-    @property
+    @cached_property
     def sizes(self) -> np.ndarray:
         """Total weight (K,) of each region, in pixels."""
         return np.asarray(self.weights.sum(axis=1)).ravel()
