@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..microfacets.layers import layer_albedo, layer_share_cycles
+from ..microfacets.cycles_tables import layer_share_cycles
+from ..microfacets.layers import layer_albedo
 from .compensated import CYCLES, multiple_scattering
 from .fresnels import tinted_dielectric
 

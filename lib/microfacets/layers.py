@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
-from scipy.ndimage import map_coordinates
 from scipy.special import roots_legendre
 
 from . import ggx
@@ -20,7 +19,6 @@ from .fresnel import dielectric
 
 _NODES = (33, 65)  # coarse nodes along roughness and along the root of the cosine
 _CELLS = 256
-_CYCLES_NODES = 16
 _LEAST = 1e-8  # stands for a cosine or an alpha of zero
 _SQUARE = 64  # points along each uniform in the quadrature over visible normals
 
@@ -33,21 +31,6 @@ def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.n
     """
     from_normal, to_grazing = _layer_tables(float(eta))
     return _read(from_normal, cos_o, alpha), _read(to_grazing, cos_o, alpha)
-
-
-def layer_share_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:
-    """How far a layer's reflectance lies from f0 towards 1, on the average over what wo sees, as Cycles tabulates it, (n,).
-
-    The mean of (F - F0) / (1 - F0) over visible normals whose mirror direction rises above the surface, the others counting 0: masking
-    between facets is left out. Trilinear between 16 nodes each of roughness, cosine and z = sqrt(|eta - 1| / (eta + 1)).
-    """
-    z = min(np.sqrt(abs(eta - 1.0) / (eta + 1.0)), 1.0) * (_CYCLES_NODES - 1)
-    first = min(int(z), _CYCLES_NODES - 2)
-    low, high = _cycles_layer_table(first), _cycles_layer_table(first + 1)
-    table = low + (high - low) * (z - first)
-    row = np.broadcast_to(np.sqrt(alpha), cos_o.shape) * (_CYCLES_NODES - 1)
-    column = np.clip(cos_o, 0.0, 1.0) * (_CYCLES_NODES - 1)
-    return map_coordinates(table, [row, column], order=1, mode="nearest")
 
 
 def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
@@ -72,20 +55,6 @@ def glass_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray
 def average_glass_albedo(alpha: np.ndarray, eta: float) -> np.ndarray:
     """Integral of 2 mu times `glass_albedo` over mu, shaped as `alpha`."""
     return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, _CELLS + 1), _glass_table(float(eta))[1])
-
-
-@functools.cache
-def _cycles_layer_table(node: int) -> np.ndarray:
-    """The share at z = node / 15: rows of roughness i / 15, columns of the cosine j / 15."""
-    z = float(np.clip(node / (_CYCLES_NODES - 1), 1e-4, 0.99))
-    eta = (1.0 + z * z) / (1.0 - z * z)
-    normal = ((eta - 1.0) / (eta + 1.0)) ** 2
-    ends = np.maximum(np.linspace(0.0, 1.0, _CYCLES_NODES), 1e-4)
-    roughness, mu = (grid.ravel() for grid in np.meshgrid(ends, ends, indexing="ij"))
-    m, weight, wo, _ = _visible_normals(mu, roughness**2, _SQUARE)
-    cos_om = np.clip(wo[0] * m[0] + wo[2] * m[2], 0.0, 1.0)
-    share = np.where(2.0 * cos_om * m[2] > wo[2], (dielectric(cos_om, eta) - normal) / (1.0 - normal), 0.0)
-    return (share.reshape(mu.size, weight.size) * weight).sum(axis=1).reshape(_CYCLES_NODES, _CYCLES_NODES)
 
 
 def _read(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
@@ -143,7 +112,7 @@ def integrate_glass(cos_o: np.ndarray, alpha: np.ndarray, eta: float, points: in
 
     Under the density of visible normals each facet counts G2 / G1(o), split by Fresnel, where its ray leaves to the right side.
     """
-    m, weight, wo, rough = _visible_normals(cos_o, alpha, points)
+    m, weight, wo, rough = visible_normals(cos_o, alpha, points)
     mu = wo[2]
     cos_om = np.clip(wo[0] * m[0] + mu * m[2], 0.0, 1.0)
     lambda_o = ggx.smith_lambda(wo, rough, rough)
@@ -156,7 +125,7 @@ def integrate_glass(cos_o: np.ndarray, alpha: np.ndarray, eta: float, points: in
     return (total.reshape(cos_o.size, weight.size) * weight).sum(axis=1)
 
 
-def _visible_normals(
+def visible_normals(
     cos_o: np.ndarray, alpha: np.ndarray, points: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Nodes of a quadrature over GGX's visible normals, for one pair of cosine and alpha after the other: m (3, n k), their weights (k,),

@@ -22,6 +22,7 @@ from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
 from ..departures.closures import beckmann_form, with_stated_density
 from ..microfacets import ggx
+from ..microfacets.cycles_tables import average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
@@ -184,14 +185,17 @@ def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarra
 
 def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
     """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n)."""
+    directional, mean = glass_albedo, average_glass_albedo
+    if "multiple-scattering tables" in site.options.departures:
+        directional, mean = glass_albedo_cycles, average_glass_albedo_cycles
     factor = np.ones((3, site.points.size))
     outside = float(max(ior.value, 1e-5))
     for side, eta in ((~site.points.backfacing, outside), (site.points.backfacing, 1.0 / outside)):
         index = np.flatnonzero(side)
         if index.size:
             rough = np.take(np.broadcast_to(alpha, side.shape), index)
-            lost = 1.0 / glass_albedo(site.wo[2, index], rough, eta) - 1.0
-            average = average_glass_albedo(rough, eta)
+            lost = 1.0 / directional(site.wo[2, index], rough, eta) - 1.0
+            average = mean(rough, eta)
             tone = color if color.shape[1] == 1 else np.take(color, index, axis=1)
             factor[:, index] += tone * average / (1.0 - tone * (1.0 - average)) * lost
     return factor

@@ -55,14 +55,14 @@ def rough_material():
     return material
 
 
-def layered(distribution):
-    """Blender's Principled BSDF of roughness 0.6."""
-    material = building.diffuse(distribution, (0.8, 0.8, 0.8))
+def rough(kind, distribution, roughness):
+    """A material of one node of `kind`."""
+    material = building.diffuse(f"{kind} {distribution}", (0.8, 0.8, 0.8))
     tree = material.node_tree
     tree.nodes.remove(next(n for n in tree.nodes if n.type == "BSDF_DIFFUSE"))
-    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
     shader.distribution = distribution
-    shader.inputs["Roughness"].default_value = 0.6
+    shader.inputs["Roughness"].default_value = roughness
     output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
     return material
@@ -100,11 +100,11 @@ def furnace():
 
 
 def layers():
-    """Glossy layers over a diffuse base in a white world, without and with compensation, under three angles."""
-    columns, rows = len(ANGLES), 2
+    """Glossy layers over a diffuse base, without and with compensation, and glass, in a white world under three angles."""
+    columns, rows = len(ANGLES), 3
     building.start("layers", TILE * columns, TILE * rows, 0)
     building.world((1.0, 1.0, 1.0))
-    facets([layered("GGX"), layered("MULTI_GGX")])
+    facets([rough("Principled", "GGX", 0.6), rough("Principled", "MULTI_GGX", 0.6), rough("Glass", "MULTI_GGX", 0.15)])
 
 
 def slope():
@@ -156,7 +156,7 @@ CASES = {
             "texture interpolation": ((4, 0), 0.1),
         },
     ),
-    layers: (512, {"layer albedo table": ((0, 0), 5e-3), "multiple-scattering tables": ((1, 2), 0.0)}),
+    layers: (512, {"layer albedo table": ((0, 0), 5e-3), "multiple-scattering tables": ((2, 2), 5e-3)}),
     slope: (64, {"light below the face": ((0, 0), 0.3)}),
     soft_box: (4096, {"narrow spread": ((0, 0), 5e-4)}),
 }
