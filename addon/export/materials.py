@@ -10,6 +10,7 @@ from ...lib.scene import expressions as ex
 from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Specular, Transparent
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
+from .displacement import read_bump, refuse_beside_bump
 from .images import ImageTable
 from .nodes import Scope, TreeReader, valid_link
 from .nodes_shaders import ShaderReader
@@ -44,7 +45,8 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
         r, g, b, _ = material.diffuse_color
         return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
     owner = f"material '{material.name}'"
-    lobes = _read_tree(material.node_tree, owner, False, images, refusals)
+    bump_only = material.displacement_method == "BUMP"
+    lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only)
     if not material.use_transparent_shadow and any(isinstance(lobe.closure, Transparent) for lobe in lobes):
         refusals.append(Refusal(owner, "'Transparent Shadows' switched off", "switch it on in the material's settings"))
     return Material(material.name, tuple(lobes))
@@ -78,18 +80,30 @@ def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
 
 
 def _read_tree(
-    tree: bpy.types.NodeTree, owner: str, is_world: bool, images: ImageTable, refusals: list[Refusal]
+    tree: bpy.types.NodeTree,
+    owner: str,
+    is_world: bool,
+    images: ImageTable,
+    refusals: list[Refusal],
+    bump_only: bool = False,
 ) -> list[Lobe]:
     output = tree.get_output_node("CYCLES")
     if output is None:
         return []
     scope = Scope()
     values = TreeReader(owner, is_world, images, refusals, VALUES)
-    for name, feature in (("Volume", "a volume"), ("Displacement", "displacement")):
-        socket = output.inputs.get(name)
-        if socket is not None and valid_link(socket):
-            refusals.append(Refusal(owner, f"{feature} (node '{output.name}', socket '{name}')", f"unlink {name}"))
+    volume, displacement = output.inputs.get("Volume"), output.inputs.get("Displacement")
+    if volume is not None and valid_link(volume):
+        refusals.append(Refusal(owner, f"a volume (node '{output.name}', socket 'Volume')", "unlink Volume"))
+    if displacement is not None and valid_link(displacement):
+        bump = read_bump(values, displacement, scope) if bump_only else None
+        if bump is None:
+            what = f"displacement (node '{output.name}', socket 'Displacement')"
+            refusals.append(Refusal(owner, what, "unlink Displacement, or choose Bump Only and a Displacement node"))
+        values.surface_normal = bump
     lobes = ShaderReader(values, Folder()).lobes(output.inputs["Surface"], scope)
+    if values.surface_normal is not None:
+        refusals.extend(refuse_beside_bump(owner, lobes))
     for key, (node, where) in values.alpha_expected.items():
         if key not in values.alpha_read:
             values.refuse(node, where, ", output 'Alpha', whose links lead nowhere,", "unlink Alpha")

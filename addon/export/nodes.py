@@ -63,6 +63,8 @@ class TreeReader:
     images: ImageTable
     refusals: list[Refusal]
     readers: dict[str, Callable[[TreeReader, bpy.types.Node, str, Scope], ex.Expression]]
+    surface_normal: ex.Expression | None = None
+    """What takes the place of the shading normal, where a displacement bumps it."""
     alpha_expected: dict[tuple, tuple[bpy.types.Node, Scope]] = field(default_factory=dict)
     """Image nodes whose colour was read on the ground that their alpha is in use too."""
     alpha_read: set[tuple] = field(default_factory=set)

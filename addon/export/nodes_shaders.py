@@ -55,8 +55,8 @@ class ShaderReader:
         return self.folder(self.values.read(node.inputs[name], scope))
 
     def normal(self, node: bpy.types.Node, scope: Scope, name: str = "Normal") -> ex.Expression | None:
-        """What is linked to the node's normal; None where nothing is."""
-        return self.read(node, name, scope) if valid_link(node.inputs[name]) else None
+        """What is linked to the node's normal, else the surface's; None for the shading normal."""
+        return self.read(node, name, scope) if valid_link(node.inputs[name]) else self.values.surface_normal
 
     def tangent(self, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
         """Where the node's socket Tangent points."""

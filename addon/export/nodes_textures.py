@@ -92,7 +92,7 @@ def _bump(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
     height, strength, distance = (reader.read(node.inputs[name], scope) for name in ("Height", "Strength", "Distance"))
-    normal = reader.read(node.inputs["Normal"], scope) if valid_link(node.inputs["Normal"]) else None
+    normal = reader.read(node.inputs["Normal"], scope) if valid_link(node.inputs["Normal"]) else reader.surface_normal
     if not valid_link(node.inputs["Height"]):
         return normal or ex.Coordinates("SHADING_NORMAL")
     return ex.Bump(height, strength, distance, normal, node.invert)

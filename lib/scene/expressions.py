@@ -69,6 +69,11 @@ class Bump(Expression):
 
 
 @dataclass(frozen=True)
+class NormalScale(Expression):
+    """Metres along the shading normal for a unit along it in the object's space, a value."""
+
+
+@dataclass(frozen=True)
 class Mapping(Expression):
     """Blender's Mapping node. `kind`: 'POINT', 'TEXTURE', 'VECTOR', 'NORMAL'; rotation in radians, XYZ Euler."""
 

@@ -34,6 +34,7 @@ class Context(Protocol):
     ng: np.ndarray
     wo: np.ndarray
     step: float
+    normal_scale: np.ndarray
 
     def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
         """Coordinates (3, n) of a kind named in lib.scene.expressions.Coordinates."""
@@ -162,6 +163,7 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ex.Attribute: _attribute,
     ex.NormalMap: normal_map,
     ex.Bump: bump,
+    ex.NormalScale: lambda _, read: read.context.normal_scale,
     ex.Mapping: lambda node, read: mapping(
         node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)
     ),

@@ -184,6 +184,16 @@ class SurfacePoints:
         return normalize(np.stack([m[k] * normal[0] + m[4 + k] * normal[1] + m[8 + k] * normal[2] for k in range(3)]))
 
     @property
+    def normal_scale(self) -> np.ndarray:
+        """Metres along n for a unit along it in the object's space, (n,)."""
+        m = np.take(self.tables.world_from_object, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
+        inside = self.coordinates("NORMAL")
+        return dot(
+            self.n,
+            np.stack([m[3 * k] * inside[0] + m[3 * k + 1] * inside[1] + m[3 * k + 2] * inside[2] for k in range(3)]),
+        )
+
+    @property
     def step(self) -> float:
         """A length, in metres, over which slopes are taken: short against all that can be seen."""
         return self.tables.step

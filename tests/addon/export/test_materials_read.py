@@ -279,11 +279,41 @@ def test_what_is_not_simulated_is_refused_by_name(named):
 @pytest.mark.parametrize("name", ["Volume", "Displacement"])
 def test_other_outputs_are_refused(name):
     material = glowing("Gold", lambda t: node(t, "BsdfDiffuse"))
+    material.displacement_method = "BOTH"
     tree = material.node_tree
     (out,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
     tree.links.new(node(tree, "VolumeScatter" if name == "Volume" else "Displacement"), out.inputs[name])
     (refusal,) = refused(material)
     assert f"socket '{name}'" in refusal
+
+
+def displaced(build, **inputs):
+    material = glowing("Gold", build)
+    tree = material.node_tree
+    (out,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    height = node(tree, "TexGradient", output="Fac")
+    tree.links.new(node(tree, "Displacement", {"Height": height, **inputs}), out.inputs["Displacement"])
+    material.displacement_method = "BUMP"
+    return material
+
+
+def test_displacement_that_only_bumps_turns_every_normal():
+    refusals = []
+    material = displaced(
+        lambda t: node(t, "AddShader", {"Shader": node(t, "BsdfDiffuse"), "Shader_001": node(t, "BsdfGlossy")})
+    )
+    first, second = read_material(material, ImageTable(), refusals).lobes
+    assert refusals == []
+    assert isinstance(first.closure.normal, ex.Bump)
+    assert second.closure.normal == first.closure.normal
+
+
+def test_what_reads_the_plain_normal_is_refused_beside_a_bump():
+    refusals = []
+    material = displaced(lambda t: node(t, "BsdfDiffuse", {"Color": node(t, "Fresnel")}))
+    read_material(material, ImageTable(), refusals)
+    (refusal,) = map(str, refusals)
+    assert "Fresnel or Layer Weight beside a displacement" in refusal
 
 
 def test_opaque_shadows_of_transparent_surfaces_are_refused():

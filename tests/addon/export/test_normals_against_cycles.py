@@ -110,6 +110,13 @@ def compare(studio, rays, hits, build, smooth, matrix, rng):
     studio.add("sheet", mesh, matrix)
     studio.look_down(2.0)
     scene = studio.export()
+    (lobe,) = scene.materials[0].lobes
+    shown, got = seen(studio, scene, lobe.closure.color, rays, hits)
+    return shown, got - OFFSET
+
+
+def seen(studio, scene, expression, rays, hits):
+    """What Cycles shows less the offset, and what `expression` gives, (3, k) at the pixels that meet a face."""
     image = studio.cycles().transpose(2, 0, 1)
     origin, direction = rays(scene.camera)
     index, weights, distance = hits(scene.mesh, origin, direction)
@@ -122,10 +129,9 @@ def compare(studio, rays, hits, build, smooth, matrix, rng):
     points = SurfacePoints(
         SurfaceTables(scene.mesh), triangle, weights[1][met], weights[2][met], position, ng, -direction[:, met]
     )
-    (lobe,) = scene.materials[0].lobes
-    got = np.broadcast_to(Evaluator(points, ImageSet(scene.images))(lobe.closure.color), position.shape)
     assert met.sum() > 200
-    return image[:, met] - OFFSET, got - OFFSET
+    got = np.broadcast_to(Evaluator(points, ImageSet(scene.images))(expression), position.shape)
+    return image[:, met] - OFFSET, got
 
 
 @pytest.fixture
@@ -160,3 +166,30 @@ def test_bump_is_the_limit_of_cycles_differences(name, studio, rays, hits, rng):
         shown, got = compare(studio, rays, hits, BUMPS[name], shading, matrix, rng)
         bpy.data.objects.remove(bpy.data.objects["sheet"])
         assert np.median(np.abs(shown - got).max(axis=0)) < (0.02 if bpy.app.version < (5, 0, 0) else 4e-3)
+
+
+@pytest.mark.parametrize("space", ["OBJECT", "WORLD"])
+def test_displacement_that_only_bumps(space, studio, rays, hits, rng):
+    """Cycles shows the turned normal as the geometry's; the reference carries it in its closures."""
+
+    def displaced(material):
+        tree = material.node_tree
+        (out,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+        inputs = {"Height": waves(tree), "Midlevel": 0.2, "Scale": 0.6}
+        tree.links.new(node(tree, "Displacement", inputs, space=space), out.inputs["Displacement"])
+        material.displacement_method = "BUMP"
+        return material
+
+    mesh = sheet(studio, True, rng)
+    mesh.materials.append(displaced(glowing("plain", lambda t: node(t, "BsdfDiffuse"))))
+    studio.add("sheet", mesh, BENT)
+    studio.look_down(2.0)
+    scene = studio.export()
+    (lobe,) = scene.materials[0].lobes
+    shine = glowing(
+        "glow", lambda t: node(t, "Emission", {"Color": lifted(t, node(t, "NewGeometry", output="Normal"))})
+    )
+    mesh.materials[0] = displaced(shine)
+    shown, got = seen(studio, scene, lobe.closure.normal, rays, hits)
+    assert np.median(np.abs(got - np.array([[0.0], [0.0], [1.0]])).max(axis=0)) > 0.1
+    assert np.median(np.abs(shown - got).max(axis=0)) < (0.02 if bpy.app.version < (5, 0, 0) else 4e-3)
