@@ -21,8 +21,13 @@ def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
     """
     path = Path(path)
     names = list(channels)
-    pixels = np.ascontiguousarray(np.stack([channels[name] for name in names], axis=2), dtype=np.float32)
-    height, width, count = pixels.shape
+    if len({np.shape(channel) for channel in channels.values()}) != 1:
+        raise ValueError(f"{path}: channels of different shapes")
+    height, width = np.shape(channels[names[0]])
+    count = len(names)
+    pixels = np.empty((height, width, count), np.float32)
+    for k, name in enumerate(names):
+        pixels[..., k] = channels[name]
     spec = OpenImageIO.ImageSpec(width, height, count, "float")
     spec.channelnames = names
     spec.attribute("compression", "zip")
@@ -45,8 +50,9 @@ def write_film(path: Path | str, film: Film) -> None:
     Pixels with non-finite samples are NaN; the standard error is NaN everywhere after a single replicate.
     """
     moments = film.moments
+    error = moments.standard_error
     channels = {name: moments.mean[..., c] for c, name in enumerate("RGB")}
-    channels |= {f"error.{name}": moments.standard_error[..., c] for c, name in enumerate("RGB")}
+    channels |= {f"error.{name}": error[..., c] for c, name in enumerate("RGB")}
     write_exr(path, channels | {"samples": moments.n * film.samples - film.nonfinite})
 
 

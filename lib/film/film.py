@@ -67,4 +67,4 @@ def finite_or_nan(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray:
         got = " x ".join(str(s) for s in radiance.shape[1::-1])
         raise EtalonError(f"an image is {got} pixels, the other {shape[1]} x {shape[0]}; render both at the same size")
     bad = (np.asarray(rendering.nonfinite) > 0) | ~np.isfinite(radiance).all(axis=2)
-    return np.where(bad[..., None], np.nan, radiance)
+    return np.where(bad[..., None], np.nan, radiance) if bad.any() else radiance

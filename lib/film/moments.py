@@ -34,8 +34,15 @@ class Moments:
         return np.sqrt(self.variance / max(self.n, 1))
 
     def add(self, values: np.ndarray) -> Moments:
-        """These moments and one observation more."""
-        return merge(self, Moments(1, np.asarray(values, float), np.zeros(self.mean.shape)))
+        """These moments and one observation more: `merge` with n = 1, in three arrays instead of seven."""
+        n = self.n + 1
+        delta = values - self.mean
+        mean = delta * (1.0 / n)
+        mean += self.mean
+        delta *= delta
+        delta *= self.n / n
+        delta += self.m2
+        return Moments(n, mean, delta)
 
 
 def merge(a: Moments, b: Moments) -> Moments:

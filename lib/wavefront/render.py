@@ -127,7 +127,8 @@ class ReferenceRenderer:
                 for future in pending:
                     future.cancel()
         shape = (camera.height, camera.width)
-        radiance = np.ascontiguousarray((total / samples).T).reshape(*shape, 3)
+        total /= samples
+        radiance = np.ascontiguousarray(total.T).reshape(*shape, 3)
         seconds = perf_counter() - begin
         return Rendering(radiance, nonfinite.reshape(shape), seconds, stages, pixels * samples, rays)
 
