@@ -16,7 +16,7 @@ from ..lib.effects.plan import Plan, make_plan
 from ..lib.errors import Cancelled, EtalonError
 from ..lib.film.exr import write_film
 from ..lib.film.film import Film
-from ..lib.report.words import sentences
+from ..lib.report.words import sentences, unexplained
 from ..lib.scene import archive
 from ..lib.scene.scene import Scene
 from ..lib.wavefront.options import Options
@@ -53,6 +53,8 @@ def compare(arguments: Namespace) -> int:
     for sentence in sentences(comparison):
         print(f"  {sentence}")
     print(f"report: {folder / 'report.html'}")
+    if unexplained(comparison):
+        print(f"what shows it: {folder / job.MINIMAL}")
     return comparison.verdict.outcome.exit_code
 
 

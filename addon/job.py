@@ -7,7 +7,8 @@ import shlex
 import tempfile
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -16,15 +17,21 @@ from ..lib.compare import CompareOptions, Comparison, Renderer, compare
 from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
 from ..lib.report import write_report
+from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
 from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.options import Options
 from ..lib.wavefront.render import ReferenceRenderer
 from .cycles import CyclesRenderer, neutral
 from .export import export_scene
+from .minimal import seen, where, write_minimal
 from .render_depsgraph import with_render_depsgraph
 from .results import folder_beside
 from .second_blender import SecondBlender
+
+# A part of the scene that may show a difference is judged in this share of the time, and in so many seconds at least.
+TRY_SHARE, TRY_LEAST = 0.05, 4.0
+MINIMAL = "unexplained.blend"
 
 Progress = Callable[[float], None]
 Cancelled = Callable[[], bool]
@@ -77,13 +84,34 @@ def compare_here(
 ) -> Comparison:
     """Compare with Cycles in this very process; its settings come back when it is done.
 
-    The report goes to `folder`; `repeat` is the command it shows; `progress` is told the share that is done. Raises Refused
-    or EtalonError.
+    The report goes to `folder`, and with it, where something differs and nothing explains it, a small scene that shows it.
+    `repeat` is the command that the report shows; `progress` is told the share that is done. Raises Refused or EtalonError.
     """
     with neutral(scene, threads=choices.reference.threads):
         exported = export(scene)
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
-        return judge(exported, candidate, choices, folder, repeat, progress, cancelled)
+        comparison = judge(exported, candidate, choices, folder, repeat, progress, cancelled)
+        box = where(comparison)
+        if box is None:
+            (folder / MINIMAL).unlink(missing_ok=True)
+        else:
+            write_minimal(scene, box, seen(comparison, box), partial(_shows, choices), folder / MINIMAL)
+        return comparison
+
+
+def _shows(choices: Choices, part: bpy.types.Scene) -> bool:
+    """Whether a short comparison finds that a part of the scene differs, for no reason that is known."""
+    verdict = choices.verdict
+    if verdict.time is not None:
+        verdict = replace(verdict, time=max(TRY_SHARE * verdict.time, TRY_LEAST))
+    try:
+        reference = ReferenceRenderer(export(part), choices.reference)
+        candidate = CyclesRenderer(part, seed=verdict.seed, threads=choices.reference.threads)
+        among = alternatives(reference)
+        found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, among=among)
+    except EtalonError:
+        return False
+    return bool(unexplained(found))
 
 
 def repeat(blend: str, options: CompareOptions) -> str:
