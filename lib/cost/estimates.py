@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ class Estimate:
     low: float = math.nan
     high: float = math.nan
 
-    def map(self, function: object) -> Estimate:
+    def map(self, function: Callable[[float], float]) -> Estimate:
         """`function`, increasing, of the value and of both ends."""
         return Estimate(*(float(function(v)) for v in (self.value, self.low, self.high)))
 

@@ -157,9 +157,9 @@ def measure(
     """Measure `ways` of the scene named `scene` within `budget` seconds, the way `best` being the truth for all.
 
     At 1, 4, 16 ... samples a pixel as many ways as the time that is left still allows, the quick ones first, render `pairs` pairs of
-    replicates, all in turns, so that a machine that changes its pace does so for all. One sample a pixel is measured whatever it takes, unless
-    the budget is spent: ways that do not get that far say so in `missing`. Cancelling keeps the levels that are done. Raises Cancelled if
-    there is none, EtalonError where pairs are fewer than two or images differ in size.
+    replicates, all in turns, so that a machine that changes its pace does so for all. The best way gets its first level whatever
+    it takes; ways that cannot begin before the budget is spent say so in `missing`. Cancelling keeps the levels that are done.
+    Raises Cancelled if there is none, EtalonError where pairs are fewer than two or images differ in size.
     """
     if pairs < 2:
         raise EtalonError(f"pairs is {pairs}; give at least 2, for an interval")
@@ -171,7 +171,7 @@ def measure(
         entries = _first_calls(run, measured, best)
         leader = next(e for e in entries if e.measured.way.key == best)
         truth, yardstick = _truth(run, leader, pairs, budget)
-        if _levels(run, entries, yardstick, pairs, most_samples):
+        if _levels(run, entries, best, yardstick, pairs, most_samples):
             stopped = "time"
     except _Stop:
         if not any(m.points for m in measured):
@@ -242,14 +242,15 @@ class _Level:
             self.stages[stage] = self.stages.get(stage, 0.0) + seconds
 
 
-def _levels(run: _Run, entries: list[_Entry], yardstick: Yardstick, pairs: int, most_samples: int) -> bool:
+def _levels(run: _Run, entries: list[_Entry], best: str, yardstick: Yardstick, pairs: int, most_samples: int) -> bool:
     """Go through the levels; whether time, and not `most_samples`, ended it."""
     alive, samples, first = list(entries), 1, 0
     while alive and samples <= most_samples:
         levels = [_Level() for _ in alive]
         for pair in range(pairs):
             for entry, level in zip(alive, levels, strict=True):
-                if not entry.measured.points and not level.scores and run.left < 0.0:
+                begun = entry.measured.points or level.scores or entry.measured.way.key == best
+                if not begun and run.left < 0.0:
                     entry.measured.missing = "no time left for one sample a pixel"
                 if not entry.measured.missing:
                     _pair(run, entry, yardstick, samples, first + 2 * pair, pair, level)

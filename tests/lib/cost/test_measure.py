@@ -116,6 +116,7 @@ def test_levels_grow_until_the_share_is_spent(seed):
     nothing = run([truth(seed), slow], budget=1e-4, most_samples=4)
     assert "no time left" in nothing["slow"].missing
     assert not nothing["slow"].points
+    assert [p.samples for p in nothing["truth"].points] == [1]
 
 
 def test_cancelling_keeps_finished_levels(seed):
