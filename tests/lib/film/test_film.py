@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Films of replicates, and their files."""
+
+import numpy as np
+import pytest
+from etalon.lib.errors import EtalonError
+from etalon.lib.film.exr import read_exr, write_exr, write_film
+from etalon.lib.film.film import Film
+from etalon.lib.film.pictures import middle_exposure, signed8, srgb8
+from etalon.lib.film.rendering import Rendering
+
+
+def rendering(radiance, nonfinite=None, **more):
+    counts = np.zeros(radiance.shape[:2], int) if nonfinite is None else nonfinite
+    return Rendering(radiance, counts, 0.5, {"trace": 0.4}, 10, 20, **more)
+
+
+def test_a_film_adds_up_what_its_replicates_cost(rng):
+    images = rng.random((3, 4, 5, 3))
+    film = Film.empty(4, 5, samples=8)
+    for image in images:
+        film = film.add(rendering(image))
+    np.testing.assert_allclose(film.moments.mean, images.mean(axis=0), rtol=1e-14)
+    np.testing.assert_allclose(film.moments.variance, images.var(axis=0, ddof=1), rtol=1e-12)
+    assert film.seconds == 1.5
+    assert film.stages == {"trace": pytest.approx(1.2)}
+    assert (film.camera_samples, film.rays) == (30, 60)
+
+
+def test_images_of_another_size_are_refused_with_both_sizes():
+    with pytest.raises(EtalonError, match="6 x 4 pixels, the other 5 x 4; render both at the same size"):
+        Film.empty(4, 5, 1).add(rendering(np.ones((4, 6, 3))))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_what_is_not_finite_is_counted_and_never_averaged_away(bad):
+    image = np.ones((2, 2, 3))
+    image[0, 1, 2] = bad
+    film = Film.empty(2, 2, 4).add(rendering(image)).add(rendering(np.ones((2, 2, 3))))
+    assert np.isnan(film.moments.mean[0, 1]).all()
+    assert film.nonfinite.tolist() == [[0, 1], [0, 0]]
+    assert (film.moments.mean[1] == 1).all()
+
+
+def test_samples_that_a_renderer_discarded_count_too():
+    film = Film.empty(1, 2, 4).add(rendering(np.ones((1, 2, 3)), np.array([[0, 3]])))
+    assert film.nonfinite.tolist() == [[0, 3]]
+    assert np.isnan(film.moments.mean[0, 1]).all()
+
+
+def test_negative_radiance_is_a_number():
+    film = Film.empty(1, 1, 1).add(rendering(np.full((1, 1, 3), -0.25)))
+    assert (film.moments.mean == -0.25).all()
+
+
+def test_an_exr_gives_back_what_was_written(tmp_path, rng):
+    image = rng.standard_normal((3, 4)).astype(np.float32)
+    image[0, 0], image[0, 1], image[0, 2] = np.nan, np.inf, -1.0
+    write_exr(tmp_path / "a.exr", {"R": image, "error.R": 2 * image})
+    channels = read_exr(tmp_path / "a.exr")
+    np.testing.assert_array_equal(channels["R"], image)
+    np.testing.assert_array_equal(channels["error.R"], 2 * image)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.exr"]
+
+
+def test_a_film_on_disk_has_its_errors_and_samples(tmp_path):
+    film = Film.empty(1, 2, 4)
+    for value in (1.0, 3.0):
+        film = film.add(rendering(np.full((1, 2, 3), value), np.array([[0, 1]])))
+    write_film(tmp_path / "film.exr", film)
+    channels = read_exr(tmp_path / "film.exr")
+    assert channels["G"][0, 0] == 2.0
+    assert channels["error.G"][0, 0] == pytest.approx(np.sqrt(2.0 / 2))
+    assert channels["samples"].tolist() == [[8.0, 6.0]]
+    assert np.isnan(channels["R"][0, 1])
+
+
+def test_files_that_cannot_be_written_or_read_say_so(tmp_path):
+    with pytest.raises(EtalonError, match="cannot be written"):
+        write_exr(tmp_path / "none" / "a.exr", {"R": np.zeros((2, 2))})
+    with pytest.raises(EtalonError, match="cannot be read"):
+        read_exr(tmp_path / "none.exr")
+    (tmp_path / "text.exr").write_text("no image")
+    with pytest.raises(EtalonError, match="cannot be read"):
+        read_exr(tmp_path / "text.exr")
+
+
+def test_views_for_the_eye():
+    image = np.array([[[0.0] * 3, [1.0] * 3, [0.5] * 3, [-1.0] * 3, [np.nan] * 3]])
+    # IEC 61966-2-1: 0.5 is code value 187.5 of 255.
+    assert srgb8(image)[0, :, 0].tolist() == [0, 255, 188, 0, 255]
+    assert srgb8(image)[0, 4].tolist() == [255, 0, 255]
+    colours = signed8(np.array([[-9.0, 0.0, 9.0, np.nan]]), 1.0)[0]
+    assert colours[0][2] > colours[0][0]
+    assert colours[2][0] > colours[2][2]
+    assert colours[1].tolist() == [247] * 3
+    assert colours[3].tolist() == [255, 0, 255]
+    assert middle_exposure(np.full((4, 4, 3), 0.25)) == 2.0
+    assert middle_exposure(np.zeros((4, 4, 3))) == 0.0
+    assert middle_exposure(np.full((4, 4, 3), np.nan)) == 0.0

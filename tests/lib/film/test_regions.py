@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Regions and the moments of their means, against the definition written out."""
+
+import numpy as np
+import pytest
+from etalon.lib.errors import EtalonError
+from etalon.lib.film.moments import Moments
+from etalon.lib.film.regions import RegionMoments, image_regions
+from scipy import sparse
+
+
+def soft(rng, height=20, width=33):
+    weights = rng.random((height, width))
+    weights[:, :5] = 0.0
+    return weights
+
+
+def test_blocks_cover_each_pixel_once():
+    regions = image_regions(20, 33, {})
+    blocks = regions.weights[regions.indices("block")]
+    assert blocks.shape[0] == 2 * 3
+    np.testing.assert_array_equal(np.asarray(blocks.sum(axis=0)).ravel(), np.ones(20 * 33))
+    assert regions.names[-1] == "x 32 to 32, y 16 to 19"
+    assert regions.boxes[-1].tolist() == [32, 16, 32, 19]
+    np.testing.assert_array_equal(regions.sizes, [660, 256, 256, 16, 64, 64, 4])
+
+
+@pytest.mark.parametrize("form", [np.asarray, sparse.csr_array, sparse.coo_array])
+def test_dense_and_sparse_coverage_are_the_same(rng, form):
+    weights = soft(rng)
+    regions = image_regions(20, 33, {"material": [("Gold", form(weights)), ("hidden", form(np.zeros((20, 33))))]})
+    assert regions.indices("material").tolist() == [1]
+    assert regions.names[1] == "Gold"
+    assert regions.boxes[1].tolist() == [5, 0, 32, 19]
+    np.testing.assert_allclose(regions.weights[[1]].toarray().reshape(20, 33), weights, rtol=0)
+    assert regions.sizes[1] == pytest.approx(weights.sum(), rel=1e-14)
+    assert regions.sizes is regions.sizes
+
+
+@pytest.mark.parametrize("form", [np.asarray, sparse.csr_array])
+@pytest.mark.parametrize(
+    ("weights", "said"),
+    [
+        (np.ones((3, 3)), "Gold: its coverage is 3 x 3 pixels, the image 4 x 2"),
+        (np.full((2, 4), -1.0), "Gold: its coverage has negative"),
+        (np.full((2, 4), np.nan), "Gold: its coverage has negative or non-finite"),
+    ],
+)
+def test_coverage_that_is_none_is_refused_by_name(form, weights, said):
+    with pytest.raises(EtalonError, match=said):
+        image_regions(2, 4, {"material": [("Gold", form(weights))]})
+
+
+def means(regions, images, excluded):
+    weights = regions.weights.toarray() * ~excluded.ravel()
+    with np.errstate(invalid="ignore"):
+        return np.stack([weights @ im.reshape(-1, 3) / weights.sum(axis=1, keepdims=True) for im in images])
+
+
+def test_region_means_are_weighted_means(rng):
+    regions = image_regions(20, 33, {"object": [("Ball", soft(rng))]})
+    images = rng.random((6, 20, 33, 3))
+    moments = RegionMoments.empty(regions)
+    for image in images:
+        moments = moments.add(image)
+    direct = means(regions, images, np.zeros((20, 33), bool))
+    np.testing.assert_allclose(moments.moments.mean, direct.mean(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(moments.moments.variance, direct.var(axis=0, ddof=1), rtol=1e-9)
+
+
+def test_pixels_excluded_later_leave_the_exact_mean_and_no_less_variance(rng):
+    regions = image_regions(20, 33, {"object": [("Ball", soft(rng))]})
+    images = rng.random((6, 20, 33, 3))
+    moments, film = RegionMoments.empty(regions), Moments.empty((20, 33, 3))
+    for image in images[:4]:
+        moments, film = moments.add(image), film.add(image)
+    excluded = np.zeros((20, 33), bool)
+    excluded[3, 7:20] = excluded[16:, 32] = True  # the last block loses all it has
+    moments = moments.exclude(excluded, film)
+    holed = images.copy()
+    holed[4:, excluded] = np.nan
+    for image in holed[4:]:
+        moments = moments.add(image)
+    direct = means(regions, images, excluded)
+    np.testing.assert_allclose(moments.moments.mean[:-1], direct.mean(axis=0)[:-1], rtol=1e-12)
+    assert np.isnan(moments.moments.mean[-1]).all()
+    assert moments.sizes[-1] == 0
+    assert (moments.moments.variance[:-1] >= direct.var(axis=0, ddof=1)[:-1] * (1 - 1e-12)).all()
+    again = moments.exclude(excluded, film)
+    assert again is moments
+
+
+def test_an_image_of_one_pixel_is_one_region_twice():
+    regions = image_regions(1, 1, {})
+    assert regions.kinds == ("image", "block")
+    moments = RegionMoments.empty(regions).add(np.array([[[1.0, 2.0, 3.0]]]))
+    assert moments.moments.mean.tolist() == [[1.0, 2.0, 3.0]] * 2
