@@ -91,6 +91,8 @@ def compare_here(
         exported = export(scene)
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
         comparison = judge(exported, candidate, choices, folder, repeat, progress, cancelled)
+        if comparison.stopped == "cancelled":
+            return comparison
         box = where(comparison)
         if box is None:
             (folder / MINIMAL).unlink(missing_ok=True)
