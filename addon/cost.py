@@ -9,7 +9,7 @@ from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path
 
-from ..lib.cost.document import TARGETS, Extras
+from ..lib.cost.document import BASELINE, TARGETS, Extras
 from ..lib.cost.measure import PAIRS, Measurement, measure
 from ..lib.cost.models import measure_forms
 from ..lib.cost.verify import Verification, verify
@@ -72,7 +72,9 @@ def _measure(name: str, ways: list[Way], arguments: Namespace) -> tuple[Measurem
     with interruptible() as interrupted:
         with bar(f"{name}: {'pilots' if pilots else 'measuring'}") as progress:
             pairs = PILOT_PAIRS if pilots else PAIRS
-            measurement = measure(name, ways, BEST, budget, pairs, progress=progress, cancelled=interrupted)
+            measurement = measure(
+                name, ways, BEST, budget, pairs, first=(BASELINE,), progress=progress, cancelled=interrupted
+            )
         if not arguments.verify or measurement.stopped == "cancelled":
             return measurement, None
         try:

@@ -151,12 +151,13 @@ def measure(
     budget: float,
     pairs: int = PAIRS,
     most_samples: int = MOST_SAMPLES,
+    first: tuple[str, ...] = (),
     progress: Callable[[float], None] = lambda fraction: None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Measurement:
     """Measure `ways` of the scene named `scene` within `budget` seconds, the way `best` being the truth for all.
 
-    At 1, 4, 16 ... samples a pixel as many ways as the time that is left still allows, the quick ones first, render `pairs` pairs of
+    At 1, 4, 16 ... samples a pixel as many ways as the time that is left still allows, `first` and then the quick ones, render `pairs` pairs of
     replicates, all in turns, so that a machine that changes its pace does so for all. The best way gets its first level whatever
     it takes; ways that cannot begin before the budget is spent say so in `missing`. Cancelling keeps the levels that are done.
     Raises Cancelled if there is none, EtalonError where pairs are fewer than two or images differ in size.
@@ -171,7 +172,7 @@ def measure(
         entries = _first_calls(run, measured, best)
         leader = next(e for e in entries if e.measured.way.key == best)
         truth, yardstick = _truth(run, leader, pairs, budget)
-        if _levels(run, entries, best, yardstick, pairs, most_samples):
+        if _levels(run, entries, (best, *first), yardstick, pairs, most_samples):
             stopped = "time"
     except _Stop:
         if not any(m.points for m in measured):
@@ -242,30 +243,33 @@ class _Level:
             self.stages[stage] = self.stages.get(stage, 0.0) + seconds
 
 
-def _levels(run: _Run, entries: list[_Entry], best: str, yardstick: Yardstick, pairs: int, most_samples: int) -> bool:
+def _levels(
+    run: _Run, entries: list[_Entry], first: tuple[str, ...], yardstick: Yardstick, pairs: int, most_samples: int
+) -> bool:
     """Go through the levels; whether time, and not `most_samples`, ended it."""
-    alive, samples, first = list(entries), 1, 0
+    alive, samples, replicate = list(entries), 1, 0
     while alive and samples <= most_samples:
         levels = [_Level() for _ in alive]
         for pair in range(pairs):
             for entry, level in zip(alive, levels, strict=True):
-                begun = entry.measured.points or level.scores or entry.measured.way.key == best
+                begun = entry.measured.points or level.scores or entry.measured.way.key == first[0]
                 if not begun and run.left < 0.0:
                     entry.measured.missing = "no time left for one sample a pixel"
                 if not entry.measured.missing:
-                    _pair(run, entry, yardstick, samples, first + 2 * pair, pair, level)
+                    _pair(run, entry, yardstick, samples, replicate + 2 * pair, pair, level)
         for entry, level in zip(alive, levels, strict=True):
             if level.scores:
                 _finish(entry, samples, level)
-        alive = _affordable(alive, run.left)
-        samples, first = LEVEL_FACTOR * samples, first + 2 * pairs
+        alive = _affordable(alive, run.left, first)
+        samples, replicate = LEVEL_FACTOR * samples, replicate + 2 * pairs
     return samples <= most_samples
 
 
-def _affordable(entries: list[_Entry], left: float) -> list[_Entry]:
-    """Those whose next level fits into the seconds `left`, quick ones first, in their old order."""
+def _affordable(entries: list[_Entry], left: float, first: tuple[str, ...]) -> list[_Entry]:
+    """Those whose next level fits into the seconds `left`: the keys `first`, then the quick ones; in their old order."""
     chosen: list[_Entry] = []
-    for entry in sorted((e for e in entries if e.measured.points), key=lambda e: e.latest):
+    ready = [e for e in entries if e.measured.points]
+    for entry in sorted(ready, key=lambda e: (e.measured.way.key not in first, e.latest)):
         left -= LEVEL_FACTOR * entry.latest
         if left < 0.0:
             break

@@ -42,10 +42,14 @@ def _amount(value: float, _position: int | None = None) -> str:
     return f"{value:.10g}" if value < 1e4 else f"{value:.0e}"
 
 
-def _within_decade(value: float, _position: int | None = None) -> str:
+def _some_digits(value: float, _position: int | None = None) -> str:
     """Labels at 2 and 5, for axes that span little more than a decade."""
     digit = round(value / 10.0 ** math.floor(math.log10(value) + 1e-9))
     return _amount(value) if digit in (2, 5) else ""
+
+
+def _every_digit(value: float, _position: int | None = None) -> str:
+    return _amount(value)
 
 
 def _nothing(_value: float, _position: int | None = None) -> str:
@@ -109,7 +113,8 @@ def _dress(axes: Axes, title: str) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(FuncFormatter(_amount))
         low, high = axis.get_view_interval()
-        axis.set_minor_formatter(FuncFormatter(_within_decade if high < 50.0 * low else _nothing))
+        narrow = _every_digit if high < 5.0 * low else _some_digits if high < 50.0 * low else _nothing
+        axis.set_minor_formatter(FuncFormatter(narrow))
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 
