@@ -44,7 +44,11 @@ class Compensated:
     def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
         self._lobe, self._factor = lobe, factor
         self.delta = lobe.delta
-        self.estimate = getattr(lobe, "estimate", 1.0)
+
+    @property
+    def estimate(self) -> np.ndarray | float:
+        """The lobe's own."""
+        return getattr(self._lobe, "estimate", 1.0)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value (3, n) and density (n,)."""

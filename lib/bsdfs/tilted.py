@@ -17,7 +17,11 @@ class Tilted:
     def __init__(self, lobe: Lobe, rows: np.ndarray) -> None:
         self._lobe, self._rows = lobe, rows
         self.delta = lobe.delta
-        self.estimate = getattr(lobe, "estimate", 1.0)
+
+    @property
+    def estimate(self) -> np.ndarray | float:
+        """The lobe's own."""
+        return getattr(self._lobe, "estimate", 1.0)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The lobe's value and density."""
