@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sequential decision on simulated regions: how often it is wrong, and what it finds at which cost."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from etalon.lib.film.moments import Moments
@@ -19,7 +21,7 @@ def test_looks_are_at_least_a_factor_apart():
     while looks[-1] < 100_000:
         looks.append(next_look(looks[-1]))
     assert looks[:6] == [8, 12, 18, 27, 41, 62]
-    assert all(b >= 1.5 * a for a, b in zip(looks, looks[1:], strict=False))
+    assert all(b >= 1.5 * a for a, b in pairwise(looks))
     assert next_look(20) == 27
 
 
