@@ -114,6 +114,13 @@ def _add_model(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--strategy", choices=STRATEGIES, default=STRATEGIES[0], help="sampling of glossy lobes (%(default)s)"
     )
+    group.add_argument(
+        "--depart",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="have the reference err as Cycles does, by a departure that a report names; may be given again",
+    )
     group.add_argument("--direct", choices=DIRECT, default=DIRECT[0], help="sampling of direct light (%(default)s)")
     group.add_argument("--sampler", choices=SAMPLERS, default=SAMPLERS[0], help="random numbers (%(default)s)")
     group.add_argument(

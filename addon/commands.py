@@ -162,6 +162,7 @@ def _reference_options(arguments: Namespace) -> Options:
         strategy=arguments.strategy,
         direct=arguments.direct,
         masking=arguments.masking,
+        departures=frozenset(arguments.depart),
         sampler=arguments.sampler,
         russian_roulette=arguments.russian_roulette,
         seed=arguments.seed,
