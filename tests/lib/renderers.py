@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renderers without a scene: an image that is known, noise that is known, and a clock that only they move."""
+
+import zlib
+from dataclasses import replace
+
+import numpy as np
+from etalon.lib.film.rendering import Rendering
+from etalon.tests.scenes import diffuse, floor, orthographic, scene
+
+
+def blank(width=24, height=20, name="Test"):
+    """A scene of which only its size and its name matter here."""
+    return replace(scene(floor(), diffuse(0.5), orthographic(width, height, 1.0, (0.0, 0.0, 1.0))), name=name)
+
+
+class Clock:
+    """Stands in for the module `time`."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def monotonic(self):
+        return self.now
+
+
+class Painter:
+    """Gives the image `truth` (height, width, 3) with noise `sigma` of one sample, and counts what it was asked for."""
+
+    def __init__(self, name, truth, sigma=0.05, settings=None, clock=None, cost=(0.01, 0.001), change=None):
+        self.name, self.settings = name, settings or {"kind": "painter"}
+        self.truth, self.sigma, self.cost = truth, sigma, cost
+        self.clock, self.change = clock or Clock(), change
+        self.asked = []
+
+    def render(self, replicate, samples, progress, cancelled):
+        self.asked.append((replicate, samples))
+        rng = np.random.default_rng([zlib.crc32(self.name.encode()), replicate])
+        noise = self.sigma / np.sqrt(samples) * rng.standard_normal((*self.truth.shape[:2], 1))
+        image = self.truth * (1.0 + noise)
+        if self.change is not None:
+            image = self.change(replicate, image)
+        seconds = self.cost[0] + self.cost[1] * samples
+        self.clock.now += seconds
+        progress(0.5)
+        progress(1.0)
+        counts = (~np.isfinite(image).all(axis=2)).astype(int)
+        return Rendering(image, counts, seconds, {"paint": seconds}, image[..., 0].size * samples, 7)
+
+
+def grey(value=1.0, width=24, height=20):
+    """A constant image."""
+    return np.full((height, width, 3), value)

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The folder that a comparison leaves: its figures under their schema, its page safe from what a file's author called things."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from etalon.lib import report as package
+from etalon.lib.compare import CompareOptions, compare
+from etalon.lib.errors import EtalonError
+from etalon.lib.film.exr import read_exr
+from etalon.lib.report import write_report
+from etalon.lib.report.document import document
+from etalon.lib.report.words import percent, seconds, sentences
+from etalon.lib.report.write import averaged
+from etalon.tests.lib.renderers import Painter, blank, grey
+from jsonschema import Draft202012Validator
+
+SCHEMA = json.loads((Path(package.__file__).parent / "verdict.schema.json").read_text(encoding="utf-8"))
+FILES = {
+    "verdict.json",
+    "report.html",
+    "reference.exr",
+    "cycles.exr",
+    "difference.exr",
+    "reference.png",
+    "cycles.png",
+    "difference.png",
+}
+HOSTILE = "</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}\u2028\u202e../../etc"
+HALF = np.pad(np.ones((20, 12)), ((0, 0), (0, 12)))
+
+
+def bad_pixel(replicate, image):
+    image[2, 5] = np.nan
+    return image
+
+
+CASES = {
+    "equivalent": {},
+    "different": {"other": grey() * (1 + 0.05 * HALF[..., None])},
+    "undecided": {"sigma": 3.0},
+    "one replicate": {"replicates": 1},
+    "black": {"truth": grey(0.0)},
+    "light on black": {"truth": grey(0.0), "other": grey(1e-3)},
+    "non-finite": {"change": bad_pixel},
+    "nothing finite": {"change": lambda replicate, image: image * np.inf},
+    "one pixel": {"truth": grey(1.0, 1, 1), "coverage": {}},
+}
+
+
+def made(name="Test", truth=None, other=None, sigma=0.05, replicates=40, change=None, coverage=None, settings=None):
+    truth = grey() if truth is None else truth
+    height, width, _ = truth.shape
+    reference = Painter("the reference", truth, sigma)
+    candidate = Painter("Cycles", truth if other is None else other, sigma, settings, change=change)
+    coverage = {"material": [(name, HALF)]} if coverage is None else coverage
+    options = CompareOptions(time=None, samples=16, replicates=replicates)
+    return compare(blank(width, height, name), reference, candidate, coverage, options)
+
+
+@pytest.fixture(params=CASES)
+def comparison(request):
+    with np.errstate(invalid="ignore"):
+        return made(**CASES[request.param])
+
+
+def test_the_schema_is_one():
+    Draft202012Validator.check_schema(SCHEMA)
+
+
+def test_figures_are_what_the_schema_says(comparison):
+    figures = json.loads(json.dumps(document(comparison, "etalon compare"), allow_nan=False))
+    errors = [f"{list(e.absolute_path)}: {e.message[:200]}" for e in Draft202012Validator(SCHEMA).iter_errors(figures)]
+    assert errors == []
+    assert figures["exit_code"] == comparison.verdict.outcome.exit_code
+
+
+def test_the_schema_notices_what_is_amiss():
+    figures = json.loads(json.dumps(document(made(), "")))
+    valid = Draft202012Validator(SCHEMA).is_valid
+    assert valid(figures)
+    for broken in ({"version": 1}, {"verdict": "FINE"}, {"tolerance": 0}, {"surplus": 1}, {"regions": [{}]}):
+        assert not valid(figures | broken)
+    assert not valid({key: value for key, value in figures.items() if key != "looks"})
+
+
+def test_all_files_are_there_and_nothing_else(comparison, tmp_path):
+    write_report(comparison, tmp_path / "deep" / "out", "etalon compare scene.blend")
+    assert {path.name for path in (tmp_path / "deep" / "out").iterdir()} == FILES
+    assert all(path.stat().st_size for path in (tmp_path / "deep" / "out").iterdir())
+
+
+def test_images_on_disk_are_the_films(tmp_path):
+    found = made(**CASES["non-finite"])
+    write_report(found, tmp_path)
+    pixels = np.stack([read_exr(tmp_path / "cycles.exr")[c] for c in "RGB"], axis=2)
+    np.testing.assert_allclose(pixels, found.candidate.film.moments.mean, rtol=1e-6)
+    assert np.isnan(pixels[2, 5]).all()
+    difference = read_exr(tmp_path / "difference.exr")["G"]
+    e, c = (side.film.moments.mean[..., 1] for side in (found.reference, found.candidate))
+    np.testing.assert_allclose(difference, (c - e) / e, rtol=1e-5, atol=1e-7)
+
+
+class Page(HTMLParser):
+    """The elements of a page, and what its scripts hold."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.attributes, self.scripts, self.shown = [], [], {}, []
+        self._id = None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+        self._id = dict(attrs).get("id", len(self.tags)) if tag == "script" else tag
+
+    def handle_data(self, data):
+        if isinstance(self._id, int) or self._id in ("view", "floats-0", "floats-1"):
+            self.scripts[self._id] = self.scripts.get(self._id, "") + data
+        else:
+            self.shown.append(data)
+
+
+def test_hostile_names_stay_text(tmp_path):
+    plain = Page(_written(made("Plain"), tmp_path, "Plain"))
+    hostile = made(HOSTILE, settings={HOSTILE: HOSTILE})
+    page = Page(_written(hostile, tmp_path, HOSTILE))
+    assert "img" not in page.tags
+    assert page.tags == plain.tags
+    assert not any(name.startswith("on") for name, _ in page.attributes)
+    assert any(HOSTILE in text for text in page.shown)
+    view = json.loads(page.scripts["view"])
+    assert view["regions"][1][1] == HOSTILE
+    assert json.loads((tmp_path / "verdict.json").read_text(encoding="utf-8"))["scene"] == HOSTILE
+    assert {path.name for path in tmp_path.iterdir()} == FILES
+
+
+def _written(comparison, folder, command):
+    write_report(comparison, folder, command)
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_page_asks_nothing_of_a_network(comparison, tmp_path):
+    text = _written(comparison, tmp_path, "")
+    page = Page(text)
+    for name, value in page.attributes:
+        assert name not in ("src", "href") or value.startswith("data:")
+    policy = dict(page.attributes)["content"]
+    assert "default-src 'none'" in text
+    assert policy
+    outside = re.sub(r'<script type="text/plain".*?</script>', "", text, flags=re.S)
+    for word in ("http://", "https://", "//cdn", "@import", "url(", "fetch(", "XMLHttpRequest", "sendBeacon"):
+        assert word not in outside
+
+
+def test_the_page_holds_the_floats(tmp_path):
+    found = made(truth=grey() * np.linspace(0.1, 2, 24)[:, None])
+    page = Page(_written(found, tmp_path, ""))
+    held = np.frombuffer(base64.b64decode(page.scripts["floats-1"].strip()), "<f4").reshape(20, 24, 3)
+    np.testing.assert_allclose(held, found.candidate.film.moments.mean, rtol=1e-6)
+
+
+def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
+    write_report(made(), tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def full(*args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("etalon.lib.report.write.write_png", full)
+    with pytest.raises(EtalonError, match=r"cannot be written \(No space left on device\); make room"):
+        write_report(made(**CASES["different"]), tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_folder_that_is_a_file_is_named(tmp_path):
+    (tmp_path / "out").write_text("a file")
+    with pytest.raises(EtalonError, match=r"out: cannot be written"):
+        write_report(made(), tmp_path / "out")
+
+
+def test_large_images_are_averaged_block_by_block(rng):
+    image = rng.random((7, 5, 3))
+    small = averaged(image, 3)
+    assert small.shape == (3, 2, 3)
+    np.testing.assert_allclose(small[2, 1], image[6:, 3:].mean(axis=(0, 1)), rtol=1e-12)
+    np.testing.assert_allclose(averaged(image, 1), image, rtol=1e-12)
+
+
+def test_the_verdict_in_words():
+    said = {name: sentences(made(**CASES[name])) for name in ("equivalent", "different", "undecided", "one replicate")}
+    assert said["equivalent"][0] == "Cycles agrees with the reference to within 1 % in all 6 regions."
+    assert said["different"][0].startswith("Cycles differs from the reference by more than 1 % in ")
+    assert "Furthest off: material Test +5" in said["different"][2]
+    assert said["undecided"][0] == "Whether Cycles agrees with the reference to within 1 % is not decided."
+    assert said["undecided"][-1].startswith("Deciding the 6 open regions takes ")
+    assert any("Fewer than two replicates" in sentence for sentence in said["one replicate"])
+
+
+def test_numbers_in_words():
+    assert [percent(v) for v in (0.01234, -0.5, float("inf"))] == ["+1.23 %", "-50 %", "unbounded"]
+    assert [seconds(v) for v in (0.5, 42, 600, 7200, 3e5, 1e9)] == ["0.5 s", "42 s", "10 min", "2 h", "3 days", "years"]
