@@ -33,9 +33,10 @@ class Departure:
     neutralised: str = ""
 
 
-def relevant(scene: Scene) -> tuple[Departure, ...]:
-    """The departures with a switch that can change the image of `scene`."""
-    return tuple(d for d in DEPARTURES if not d.neutralised and d.relevant(scene))
+def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
+    """The departures with a switch that can change the image of `scene` where the reference has this form of masking."""
+    same = {"correlated": "correlated masking", "separable": "separable masking"}.get(masking)
+    return tuple(d for d in DEPARTURES if not d.neutralised and d.name != same and d.relevant(scene))
 
 
 def _closures(scene: Scene) -> Iterator[Closure]:
@@ -93,11 +94,17 @@ def _narrow_spread(scene: Scene) -> bool:
 DEPARTURES: tuple[Departure, ...] = (
     Departure(
         "separable masking",
-        "Masking and shadowing are taken as independent, G1(i) G1(o); the reference, like Cycles of today, correlates them by the "
-        "facet's height.",
+        "Masking and shadowing are taken as independent, G1(i) G1(o); the reference, like Cycles, correlates them by the facet's height.",
         "kernel/closure/bsdf_microfacet.h",
         (),
         _rough_reflection,
+    ),
+    Departure(
+        "correlated masking",
+        "Masking and shadowing are correlated by the facet's height, 1 / (1 + Lambda(i) + Lambda(o)), which is exact for Smith's surfaces; "
+        "the reference was asked for another form.",
+        "kernel/closure/bsdf_microfacet.h",
+        relevant=_rough_reflection,
     ),
     Departure(
         "rational Beckmann Lambda",

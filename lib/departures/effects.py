@@ -33,7 +33,7 @@ class Alternatives:
 def alternatives(reference: ReferenceRenderer) -> Alternatives:
     """Those of `reference`: what is relevant to its scene and not switched on yet."""
     options = reference.options
-    found = tuple(d for d in relevant(reference.scene) if d.name not in options.departures)
+    found = tuple(d for d in relevant(reference.scene, options.masking) if d.name not in options.departures)
 
     def renderer(names: frozenset[str]) -> ReferenceRenderer:
         changed = replace(options, departures=options.departures | names)

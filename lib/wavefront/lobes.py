@@ -116,7 +116,8 @@ def _reflection(
         np.maximum(alpha_y, _FLOOR),
     )  # where a texture reaches zero roughness
     options = site.options
-    masking = "separable" if "separable masking" in options.departures else options.masking
+    departed = {form for form in ("separable", "correlated") if f"{form} masking" in options.departures}
+    masking = min(departed, default=options.masking)
     how = (_distribution(closure, options), masking, options.strategy)
 
     def make(wo: np.ndarray) -> Lobe:

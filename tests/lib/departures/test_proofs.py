@@ -9,7 +9,7 @@ from etalon.lib.bsdfs.layered import beneath_layer
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.departures.scene import narrow_factor, tabulated_ramp
 from etalon.lib.lights.spread import Spread
-from etalon.lib.microfacets import albedo, beckmann
+from etalon.lib.microfacets import albedo, beckmann, masking
 from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
@@ -43,6 +43,18 @@ def test_what_microfacets_show_of_themselves_is_what_there_is_to_see(angle):
     assert 1.0 + beckmann.smith_lambda(wo, 1.0, 1.0)[0] == pytest.approx(projected, rel=1e-14)
     fit = 1.0 + beckmann.smith_lambda_rational(wo, 1.0, 1.0)[0]
     assert 1e-4 < abs(fit / projected - 1.0) < 3.2e-3
+
+
+def test_masking_and_shadowing_share_the_height_of_the_facet():
+    """On Smith's surface a ray leaves unhindered with probability u^Lambda from the height that a share u of it lies below.
+
+    Both directions leave from one height: the mean over u is 1 / (1 + sum), not the product of two means.
+    """
+    both, each = (np.array([0.3]), np.array([1.7])), [1.0 / 1.3, 1.0 / 2.7]
+    mean = float(mpmath.quad(lambda u: u ** mpmath.mpf("0.3") * u ** mpmath.mpf("1.7"), [0, 1]))
+    assert masking.height_correlated(*both)[0] == pytest.approx(mean, rel=1e-12)
+    assert masking.separable(*both)[0] == pytest.approx(each[0] * each[1], rel=1e-12)
+    assert masking.separable(*both)[0] < mean - 0.04
 
 
 def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():
