@@ -21,20 +21,24 @@ def normal_map_frame(
     m = np.take(object_from_world, mesh.object_index, axis=1).reshape(3, 4, -1)
     corners = np.stack([np.take(mesh.vertices, k, axis=1) for k in mesh.triangles])
     positions = np.einsum("ijt,kjt->kit", m[:, :3], corners) + m[:, 3]
-    face = cross(positions[1] - positions[0], positions[2] - positions[0])
+    linear = np.take(world_from_object, mesh.object_index, axis=1).reshape(3, 3, -1)
+    # The corners of a mirrored object's triangles were swapped, so that they turn about the normal of the world.
+    mirrored = np.where(np.linalg.det(linear.transpose(2, 0, 1)) < 0.0, -1.0, 1.0)
+    face = cross(positions[1] - positions[0], positions[2] - positions[0]) * mirrored
     normals = np.stack([face] * 3)
     if smooth:  # from the world's to the object's normals by the transpose of the object's matrix
-        linear = np.take(world_from_object, mesh.object_index, axis=1).reshape(3, 3, -1)
         turned = np.einsum("jit,kjt->kit", linear, mesh.corner_normals.astype(np.float64))
         normals = np.where(mesh.smooth, turned, normals)
     normals = np.stack([_unit(one) for one in normals])
-    return np.concatenate([corner_tangents(mesh, uv_map, normals, positions), normals], axis=1)
+    return np.concatenate([corner_tangents(mesh, uv_map, normals, positions, mirrored), normals], axis=1)
 
 
-def corner_tangents(mesh: Mesh, uv_map: str, normals: np.ndarray, positions: np.ndarray) -> np.ndarray:
+def corner_tangents(
+    mesh: Mesh, uv_map: str, normals: np.ndarray, positions: np.ndarray, mirrored: np.ndarray
+) -> np.ndarray:
     """(3 corners, 4, t): unit tangent along growing u, and the sign of the bitangent; zero where the map has no area.
 
-    `positions` and unit `normals` of the corners, (3 corners, 3, t), in object space. Corners that share place, normal,
+    `mirrored` (t,) is -1 for the triangles of mirrored objects, else 1. `positions` and unit `normals` of the corners, (3 corners, 3, t), in object space. Corners that share place, normal,
     coordinates and orientation share the mean of their triangles' tangents, weighed by the angles there.
     """
     uv = mesh.uvs[uv_map].astype(np.float64)
@@ -59,7 +63,7 @@ def corner_tangents(mesh: Mesh, uv_map: str, normals: np.ndarray, positions: np.
     _, group = np.unique(rows, return_inverse=True)
     flat = (tangents * weights[:, None]).transpose(1, 0, 2).reshape(3, -1)
     shared = np.stack([np.bincount(group, weights=row)[group] for row in flat]).reshape(3, 3, -1).transpose(1, 0, 2)
-    sign = np.broadcast_to(np.where(area > 0.0, 1.0, -1.0), weights.shape)
+    sign = np.broadcast_to(np.where(area * mirrored > 0.0, 1.0, -1.0), weights.shape)
     return np.concatenate([_unit(shared.transpose(1, 0, 2)).transpose(1, 0, 2), sign[:, None]], axis=1)
 
 
