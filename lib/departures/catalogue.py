@@ -13,7 +13,7 @@ from ..scene.scene import Scene
 from ..textures.fold import fold, is_constant, walk
 from .scene import NARROW
 
-SEEN = ("4.5", "5.0", "5.2")
+SEEN = ("4.5", "5.2")
 
 
 @dataclass(frozen=True)
@@ -171,36 +171,42 @@ DEPARTURES: tuple[Departure, ...] = (
         "corrected glossy normal",
         "Glossy closures turn the shading normal until the mirror direction rises above the face.",
         "kernel/closure/bsdf_util.h",
+        ("5.2",),
         neutralised="material.cycles.use_bump_map_correction",
     ),
     Departure(
         "disk for sphere",
         "Point and spot lights with a radius are disks turned to the shading point.",
         "kernel/light/point.h",
+        ("5.0", "5.2"),
         neutralised="light.use_soft_falloff",
     ),
     Departure(
         "shadow terminator offset",
         "Shadow rays from smooth meshes start off the surface.",
         "kernel/light/sample.h",
+        ("5.2",),
         neutralised="object.shadow_terminator_geometry_offset",
     ),
     Departure(
         "sample 0",
         "The first sample of each pixel goes through its centre, whatever the seed.",
         "kernel/integrator/init_from_camera.h",
+        ("5.0", "5.2"),
         neutralised="cycles.use_sample_subset",
     ),
     Departure(
         "filter table",
         "Pixel filters but the box are read from a table whose last entry is 0: one sample in 1023 per axis is displaced.",
         "scene/film.cpp",
+        ("5.2",),
         neutralised="cycles.pixel_filter_type",
     ),
     Departure(
         "float32 accumulation",
         "Samples are added up in single precision: 5e-5 after 4,096, 6e-4 after 65,536.",
         "kernel/film/write.h",
+        ("5.0", "5.2"),
         neutralised="cycles.samples, partial sums of at most 4,096 added up in double precision",
     ),
 )
