@@ -38,8 +38,9 @@ def corner_tangents(
 ) -> np.ndarray:
     """(3 corners, 4, t): unit tangent along growing u, and the sign of the bitangent; zero where the map has no area.
 
-    `mirrored` (t,) is -1 for the triangles of mirrored objects, else 1. `positions` and unit `normals` of the corners, (3 corners, 3, t), in object space. Corners that share place, normal,
-    coordinates and orientation share the mean of their triangles' tangents, weighed by the angles there.
+    `mirrored` (t,) is -1 for the triangles of mirrored objects, else 1. `positions` and unit `normals` of the corners,
+    (3 corners, 3, t), in object space. Corners that share place, normal, coordinates and orientation share the mean of their
+    triangles' tangents, weighed by the angles there.
     """
     uv = mesh.uvs[uv_map].astype(np.float64)
     edge1, edge2 = positions[1] - positions[0], positions[2] - positions[0]
