@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..lib.cost.document import BASELINE, TARGETS, Extras
-from ..lib.cost.measure import PAIRS, Measurement, measure
+from ..lib.cost.measure import PAIRS, TRUTH_SHARE, Measurement, measure
 from ..lib.cost.models import measure_forms
 from ..lib.cost.verify import Verification, verify
 from ..lib.cost.ways import BEST, Way, reference_ways
@@ -23,6 +23,7 @@ from .results import folder_beside
 # Seconds for pilots where only a forecast is asked for: with what is under way when they are over, at most 30.
 PILOTS = 27.0
 PILOT_PAIRS = 3
+PILOT_TRUTH = 0.12
 WHOLE = 300.0
 
 
@@ -73,7 +74,15 @@ def _measure(name: str, ways: list[Way], arguments: Namespace) -> tuple[Measurem
         with bar(f"{name}: {'pilots' if pilots else 'measuring'}") as progress:
             pairs = PILOT_PAIRS if pilots else PAIRS
             measurement = measure(
-                name, ways, BEST, budget, pairs, first=(BASELINE,), progress=progress, cancelled=interrupted
+                name,
+                ways,
+                BEST,
+                budget,
+                pairs,
+                first=(BASELINE,),
+                truth_share=PILOT_TRUTH if pilots else TRUTH_SHARE,
+                progress=progress,
+                cancelled=interrupted,
             )
         if not arguments.verify or measurement.stopped == "cancelled":
             return measurement, None

@@ -21,6 +21,8 @@ from .yardstick import Score, Yardstick
 PAIRS = 4
 # Of the budget, for the truth.
 TRUTH_SHARE = 0.3
+# Of the budget, for building renderers and calling them once.
+FIRST_SHARE = 0.35
 LEVEL_FACTOR = 4
 MOST_SAMPLES = 4096
 # Replicates of the truth and of the first calls are numbered from here, so that they are independent of all others.
@@ -119,7 +121,7 @@ class _Run:
 
     def __init__(self, budget: float, progress: Callable[[float], None], cancelled: Callable[[], bool]) -> None:
         self.begin = time.monotonic()
-        self._budget, self._progress, self._cancelled = budget, progress, cancelled
+        self.budget, self._progress, self._cancelled = budget, progress, cancelled
 
     @property
     def elapsed(self) -> float:
@@ -127,11 +129,11 @@ class _Run:
 
     @property
     def left(self) -> float:
-        return self._budget - self.elapsed
+        return self.budget - self.elapsed
 
     def render(self, renderer: Renderer, replicate: int, samples: int) -> tuple[Rendering, float]:
         """One replicate and the seconds of the whole call."""
-        self._progress(min(self.elapsed / self._budget, 1.0))
+        self._progress(min(self.elapsed / self.budget, 1.0))
         start = time.monotonic()
         try:
             rendering = renderer.render(replicate, samples, lambda fraction: None, self._cancelled)
@@ -152,6 +154,7 @@ def measure(
     pairs: int = PAIRS,
     most_samples: int = MOST_SAMPLES,
     first: tuple[str, ...] = (),
+    truth_share: float = TRUTH_SHARE,
     progress: Callable[[float], None] = lambda fraction: None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Measurement:
@@ -160,6 +163,8 @@ def measure(
     At 1, 4, 16 ... samples a pixel as many ways as the time that is left still allows, `first` and then the quick ones, render `pairs` pairs of
     replicates, all in turns, so that a machine that changes its pace does so for all. The best way gets its first level whatever
     it takes; ways that cannot begin before the budget is spent say so in `missing`. Cancelling keeps the levels that are done.
+    `truth_share` of the budget goes into the truth.
+
     Raises Cancelled if there is none, EtalonError where pairs are fewer than two or images differ in size.
     """
     if pairs < 2:
@@ -169,9 +174,9 @@ def measure(
     stopped = "samples"
     measured = [Measured(way) for way in ways]
     try:
-        entries = _first_calls(run, measured, best)
+        entries = _first_calls(run, measured, (best, *first))
         leader = next(e for e in entries if e.measured.way.key == best)
-        truth, yardstick = _truth(run, leader, pairs, budget)
+        truth, yardstick = _truth(run, leader, pairs, truth_share * budget)
         if _levels(run, entries, (best, *first), yardstick, pairs, most_samples):
             stopped = "time"
     except _Stop:
@@ -184,18 +189,18 @@ def measure(
     )
 
 
-def _first_calls(run: _Run, measured: list[Measured], best: str) -> list[_Entry]:
+def _first_calls(run: _Run, measured: list[Measured], first: tuple[str, ...]) -> list[_Entry]:
     """Build every renderer and call it once: what that takes longer than later calls belongs to the setup."""
     entries = []
-    for m in sorted(measured, key=lambda m: m.way.key != best):
-        if entries and run.left < 0.5 * run._budget:
+    for m in sorted(measured, key=lambda m: (m.way.key != first[0], m.way.key not in first)):
+        if entries and run.elapsed > FIRST_SHARE * run.budget:
             m.missing = "no time left to begin with it"
             continue
         start = time.monotonic()
         try:
             renderer = m.way.make()
         except EtalonError as error:
-            if m.way.key == best:
+            if m.way.key == first[0]:
                 raise
             m.missing = str(error)
             continue
@@ -208,12 +213,12 @@ def _first_calls(run: _Run, measured: list[Measured], best: str) -> list[_Entry]
     return sorted(entries, key=lambda e: order.index(e.measured.way.key))
 
 
-def _truth(run: _Run, leader: _Entry, pairs: int, budget: float) -> tuple[Truth, Yardstick]:
-    """Two long renders a pair, of as many samples as its share of the time allows."""
+def _truth(run: _Run, leader: _Entry, pairs: int, seconds: float) -> tuple[Truth, Yardstick]:
+    """Two long renders a pair, of as many samples as `seconds` allow."""
     begin = run.elapsed
     _, again = run.render(leader.renderer, FIRST + 1, LEVEL_FACTOR)
     per_sample = max(again / LEVEL_FACTOR, 1e-9)
-    samples = max(TRUTH_SHARE * budget / (2 * pairs * per_sample), LEVEL_FACTOR)
+    samples = max(seconds / (2 * pairs * per_sample), 1.0)
     samples = min(2 ** int(math.log2(samples)), MOST_SAMPLES)
     images = []
     for k in range(2 * pairs):
@@ -247,7 +252,7 @@ def _levels(
     run: _Run, entries: list[_Entry], first: tuple[str, ...], yardstick: Yardstick, pairs: int, most_samples: int
 ) -> bool:
     """Go through the levels; whether time, and not `most_samples`, ended it."""
-    alive, samples, replicate = list(entries), 1, 0
+    alive, samples, replicate = sorted(entries, key=lambda e: e.measured.way.key not in first), 1, 0
     while alive and samples <= most_samples:
         levels = [_Level() for _ in alive]
         for pair in range(pairs):
@@ -266,7 +271,7 @@ def _levels(
 
 
 def _affordable(entries: list[_Entry], left: float, first: tuple[str, ...]) -> list[_Entry]:
-    """Those whose next level fits into the seconds `left`: the keys `first`, then the quick ones; in their old order."""
+    """Those whose next level fits into the seconds `left`: the keys `first`, then the quick ones."""
     chosen: list[_Entry] = []
     ready = [e for e in entries if e.measured.points]
     for entry in sorted(ready, key=lambda e: (e.measured.way.key not in first, e.latest)):
@@ -274,7 +279,7 @@ def _affordable(entries: list[_Entry], left: float, first: tuple[str, ...]) -> l
         if left < 0.0:
             break
         chosen.append(entry)
-    return [e for e in entries if e in chosen]
+    return chosen
 
 
 def _pair(
