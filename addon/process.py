@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 
 def etalon_command() -> list[str]:
@@ -18,11 +19,16 @@ def etalon_command() -> list[str]:
     return [sys.executable, "-m", "etalon"]
 
 
-def start(command: list[str], **pipes: int) -> subprocess.Popen[str]:
-    """Start `command` in a process group of its own, so that a Ctrl-C on the terminal reaches only this process."""
+def start(command: list[str], temporary: Path | None = None, **pipes: int) -> subprocess.Popen[str]:
+    """Start `command` in a process group of its own, so that a Ctrl-C on the terminal reaches only this process.
+
+    Its temporary files go to the folder `temporary`, so that they go with that folder even where it is ended at once.
+    """
+    environment = os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)) if temporary else None
     if sys.platform == "win32":
-        return subprocess.Popen(command, text=True, creationflags=subprocess.CREATE_NEW_PROCESS_GROUP, **pipes)
-    return subprocess.Popen(command, text=True, start_new_session=True, **pipes)
+        flags = subprocess.CREATE_NEW_PROCESS_GROUP
+        return subprocess.Popen(command, text=True, env=environment, creationflags=flags, **pipes)
+    return subprocess.Popen(command, text=True, env=environment, start_new_session=True, **pipes)
 
 
 def send(process: subprocess.Popen[str], line: str) -> None:

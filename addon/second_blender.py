@@ -35,6 +35,7 @@ class SecondBlender:
         with self._log.open("w", encoding="utf-8") as log:
             self._process = start(
                 [*blender, "--python", str(_WORKER), "--", json.dumps(request)],
+                temporary=copy.parent,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log.fileno(),

@@ -20,6 +20,14 @@ def test_ending_a_process_ends_its_children_too():
     end(process)
 
 
+def test_temporary_files_go_where_they_are_told(tmp_path):
+    script = "import tempfile; print(tempfile.mkdtemp())"
+    process = start([sys.executable, "-c", script], temporary=tmp_path, stdout=subprocess.PIPE)
+    assert process.stdout.read().startswith(str(tmp_path))
+    process.wait()
+    process.stdout.close()
+
+
 def test_a_line_arrives_at_once():
     process = start([sys.executable, "-c", "print(input())"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     send(process, "étalon\n")

@@ -27,6 +27,7 @@ class Debian:
         self.environment = {
             "PATH": "/usr/bin:/bin:/usr/sbin:/sbin",
             "HOME": str(home),
+            "TMPDIR": str(home),
             "BLENDER_USER_RESOURCES": str(home / "blender"),
             "LIBGL_ALWAYS_SOFTWARE": "1",
             "LANG": "C.UTF-8",

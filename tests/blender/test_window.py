@@ -50,6 +50,8 @@ def test_esc_cancels_and_the_button_works_again(window, debian, tmp_path):
     ended = window.wait_for("ended", seconds=STOP)
     assert ended["errors"] == []
     assert ended["stopped"] in {None, "cancelled"}
+    folders = {path.name for path in debian.outside.glob("etalon-*") if path.is_dir()}
+    assert folders <= {"etalon-out"}, "temporary files were left behind"
     assert ended["state"] == before["state"]
     window.wait_for("shown", seconds=STOP)
     window.screenshot(tmp_path / "cancelled.png")
