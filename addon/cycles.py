@@ -88,7 +88,7 @@ class CyclesRenderer:
         height, width, _ = total.shape
         settings = time.perf_counter() - begin - rendering - reading
         stages = {"render": rendering, "read": reading, "settings": settings}
-        return Rendering(total, nonfinite.astype(np.int64), rendering, stages, height * width * samples)
+        return Rendering(total, nonfinite.astype(np.int32), rendering, stages, height * width * samples)
 
     @contextmanager
     def _state(self) -> Iterator[None]:

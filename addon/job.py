@@ -66,9 +66,15 @@ def judge(
     """
     with folder_beside(folder) as beside:
         reference = ReferenceRenderer(scene, choices.reference)
-        covered = coverage(reference.kernel)
         comparison = compare(
-            scene, reference, candidate, covered, choices.verdict, progress, cancelled, alternatives(reference)
+            scene,
+            reference,
+            candidate,
+            coverage(reference.kernel),
+            choices.verdict,
+            progress,
+            cancelled,
+            alternatives(reference),
         )
         write_report(comparison, beside, repeat)
     return comparison

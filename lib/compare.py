@@ -141,6 +141,7 @@ def compare(
     samples = _both(options.samples) or _pilot(reference, candidate, options, meter)
     pilot_seconds = meter.elapsed
     regions = image_regions(scene.camera.height, scene.camera.width, coverage)
+    del coverage  # as large as the regions made of it
     sides = tuple(_empty_side(r, regions, s) for r, s in zip((reference, candidate), samples, strict=True))
     excluded = np.zeros(regions.shape, bool)
     held_back = ATTRIBUTION_SHARE if asked else 0.0

@@ -32,7 +32,7 @@ class Film:
     @classmethod
     def empty(cls, height: int, width: int, samples: int) -> Film:
         """A film before its first replicate."""
-        return cls(Moments.empty((height, width, 3)), np.zeros((height, width), np.int64), samples)
+        return cls(Moments.empty((height, width, 3)), np.zeros((height, width), np.int32), samples)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -43,7 +43,7 @@ class Film:
         """Take one replicate more into a new film; raises EtalonError where the sizes differ."""
         radiance = finite_or_nan(rendering, self.shape)
         bad = np.isnan(radiance[..., 0])
-        counted = np.where(bad, np.maximum(rendering.nonfinite, 1), 0)
+        counted = np.where(bad, np.maximum(rendering.nonfinite, 1), 0).astype(np.int32)
         stages = {k: self.stages.get(k, 0.0) + rendering.stages.get(k, 0.0) for k in self.stages | rendering.stages}
         return Film(
             self.moments.add(radiance),

@@ -92,7 +92,7 @@ class ReferenceRenderer:
         pixels = camera.width * camera.height
         make = SobolSampler if self.options.sampler == "sobol" else RandomSampler
         sampler = make(self.options.seed, replicate, samples)
-        total, nonfinite = np.zeros((3, pixels)), np.zeros(pixels, np.int64)
+        total, nonfinite = np.zeros((3, pixels)), np.zeros(pixels, np.int32)
         stages: dict[str, float] = {}
         rays = done = 0
         work = list(tiles(pixels, samples, self.options.tile_paths))
