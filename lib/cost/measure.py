@@ -218,7 +218,7 @@ def _truth(run: _Run, leader: _Entry, pairs: int, seconds: float) -> tuple[Truth
     begin = run.elapsed
     _, again = run.render(leader.renderer, FIRST + 1, LEVEL_FACTOR)
     per_sample = max(again / LEVEL_FACTOR, 1e-9)
-    samples = max(seconds / (2 * pairs * per_sample), 1.0)
+    samples = max(seconds / (2 * pairs * per_sample), LEVEL_FACTOR)
     samples = min(2 ** int(math.log2(samples)), MOST_SAMPLES)
     images = []
     for k in range(2 * pairs):

@@ -7,8 +7,9 @@ With weights w = 1 / (T^2 + e^2) and replicates a, b of one way, truths T', T'' 
     bias^2    E[w (a - T')(b - T'')]     noise of neither image is left in the mean
     relMSE    variance + bias^2          of one replicate
 
-Every pair has truths of its own, so that pairs are independent estimates and their spread is the error of their mean. Pixels
-share point sets, in Cycles as here, and count as nothing independent.
+Every pair has truths of its own, so that pairs are independent estimates and their spread is the error of their mean; T in its weights is the
+mean of all others, for weights that follow T' and T'' would make a bias of their noise. Pixels share point sets, in Cycles as
+here, and count as nothing independent.
 """
 
 from __future__ import annotations
@@ -49,9 +50,9 @@ class Yardstick:
         pieces[:, self.excluded] = 0.0
         self.mean = pieces.mean(axis=0)
         used = ~self.excluded
-        self._weight = 1.0 / (self.mean**2 + max((FLOOR * self.mean[used].mean()) ** 2, 1e-300))
+        self._floor = max((FLOOR * self.mean[used].mean()) ** 2, 1e-300)
         self._pieces = pieces
-        self.noise = self._average(pieces.var(axis=0, ddof=1) / len(pieces), used)
+        self.noise = _average(self._weight(self.mean) * pieces.var(axis=0, ddof=1) / len(pieces), used)
 
     @property
     def pairs(self) -> int:
@@ -63,18 +64,24 @@ class Yardstick:
         used = np.isfinite(a).all(axis=2) & np.isfinite(b).all(axis=2) & ~self.excluded
         a, b = (np.where(used[..., None], image, 0.0) for image in (a, b))
         one, two = self._pieces[2 * pair], self._pieces[2 * pair + 1]
-        squares = [(self._weight * (image - self.mean) ** 2).mean(axis=2)[used] for image in (a, b)]
+        count = len(self._pieces)
+        weight = self._weight((count * self.mean - one - two) / (count - 2)) if count > 2 else self._weight(self.mean)
+        squares = [(self._weight(self.mean) * (image - self.mean) ** 2).mean(axis=2)[used] for image in (a, b)]
         whole = np.mean([s.mean() for s in squares])
         share = max(1.0 - self.noise / whole, 0.0) if whole > 0.0 else 0.0
         return Score(
-            self._average(0.5 * (a - b) ** 2, used),
-            self._average((a - one) * (b - two), used),
+            _average(0.5 * weight * (a - b) ** 2, used),
+            _average(weight * (a - one) * (b - two), used),
             share * float(np.mean([_trimmed(s) for s in squares])),
             share * float(np.mean([np.median(s) for s in squares])),
         )
 
-    def _average(self, image: np.ndarray, used: np.ndarray) -> float:
-        return float((self._weight * image).mean(axis=2)[used].mean())
+    def _weight(self, truth: np.ndarray) -> np.ndarray:
+        return 1.0 / (truth**2 + self._floor)
+
+
+def _average(image: np.ndarray, used: np.ndarray) -> float:
+    return float(image.mean(axis=2)[used].mean())
 
 
 def _trimmed(values: np.ndarray) -> float:

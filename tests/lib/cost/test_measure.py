@@ -59,13 +59,13 @@ def test_the_truth_s_own_noise_is_no_bias(rng):
     """With a truth as noisy as the images an unbiased way's bias^2 is zero in the mean, where (mean - truth)^2 is not."""
     bias, naive = [], []
     for _ in range(200):
-        noisy = TRUTH * (1.0 + 0.1 * rng.standard_normal((10, HEIGHT, WIDTH, 3)))
+        noisy = TRUTH * (1.0 + 0.5 * rng.standard_normal((10, HEIGHT, WIDTH, 3)))
         yardstick = Yardstick(list(noisy[:8]))
         bias.append(yardstick.score(noisy[8], noisy[9], 1).bias)
         naive.append((((noisy[8:].mean(axis=0) - yardstick.mean) / TRUTH) ** 2).mean())
     bias, naive = np.array(bias), np.array(naive)
     assert abs(bias.mean()) < 5.0 * bias.std() / np.sqrt(len(bias))
-    assert naive.mean() > 50.0 * abs(bias.mean())
+    assert naive.mean() > 20.0 * abs(bias.mean())
 
 
 def test_trimmed_and_median(rng):
