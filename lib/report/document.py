@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..compare import Comparison, Side
-from .words import forecast_seconds, furthest_share, sentences, unexplained, worst_channel
+from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field changes its meaning or goes; a reader compares it before it reads on.
@@ -95,11 +95,12 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
 
 
 def _departures(comparison: Comparison) -> list[dict[str, Any]]:
-    """Every departure that was tried, with the region in which it changes the reference most."""
+    """Every departure that was tried, with the region in which it does most."""
     why, regions, found = comparison.explanation, comparison.regions, []
     for k, departure in enumerate(() if why is None else why.departures):
         explained = [i for i, causes in enumerate(why.causes) if departure.name in causes]
-        where, channel = _largest(why.effect[k])
+        where = strongest(comparison, k)
+        channel = int(worst_channel(why.effect[k, where][None])[0])
         found.append(
             {
                 "name": departure.name,
@@ -107,7 +108,7 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
                 "source": departure.source,
                 "versions": departure.versions,
                 "chosen": departure.name in why.chosen,
-                "share": furthest_share(comparison, k),
+                "share": why.share[k, where],
                 "largest": {"region": where, "channel": "RGB"[channel], "effect": why.effect[k, where, channel]},
                 "regions": [
                     {"region": i, "kind": regions.kinds[i], "name": regions.names[i], "share": why.share[k, i]}
@@ -118,17 +119,11 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
     return found
 
 
-def _largest(effect: np.ndarray) -> tuple[int, int]:
-    """Region and channel where the size of an effect (N, 3) is largest; (0, 0) where it is not known."""
-    size = np.nan_to_num(np.abs(effect), nan=-1.0, posinf=-1.0)
-    return tuple(int(i) for i in np.unravel_index(np.argmax(size), size.shape))
-
-
 def _forecast(comparison: Comparison) -> dict[str, Any] | None:
     forecast, ends = comparison.verdict.forecast, forecast_seconds(comparison)
     if forecast is None or ends is None:
         return None
-    return {**asdict(forecast), "seconds": {"low": ends[0], "median": ends[1], "high": ends[2]}}
+    return {**asdict(forecast), "seconds": dict(zip(("low", "median", "high", "most"), ends, strict=True))}
 
 
 def _side(side: Side) -> dict[str, Any]:

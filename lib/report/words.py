@@ -37,7 +37,7 @@ def seconds(value: float) -> str:
 def title(comparison: Comparison) -> str:
     """The verdict in one sentence."""
     verdict = comparison.verdict
-    names = (comparison.candidate.name, comparison.reference.name)
+    names = [f"the {s.name}" if s.name == "reference" else s.name for s in (comparison.candidate, comparison.reference)]
     limit = f"{percent(verdict.tolerance, sign=False)}"
     total = verdict.outcomes.size
     if verdict.outcome is Outcome.EQUIVALENT:
@@ -86,16 +86,12 @@ def unexplained(comparison: Comparison) -> list[int]:
     return np.flatnonzero(comparison.verdict.outcomes == Outcome.DIFFERENT).tolist()
 
 
-def furthest_share(comparison: Comparison, departure: int) -> float:
-    """The effect of a departure, by its number, as a part of the difference in the region furthest off that it is a cause of.
-
-    Where it is a cause of nothing, of the region furthest off; NaN where its effect is not known.
-    """
-    why, verdict = comparison.explanation, comparison.verdict
-    size = np.take_along_axis(np.abs(verdict.difference), worst_channel(verdict.difference)[:, None], 1)[:, 0]
+def strongest(comparison: Comparison, departure: int) -> int:
+    """The region in which a departure, by its number, does most, among those that it is a cause of if there are any."""
+    why = comparison.explanation
+    size = np.nan_to_num(np.abs(why.effect[departure]), nan=-1.0, posinf=-1.0).max(axis=1)
     caused = np.array([why.departures[departure].name in causes for causes in why.causes])
-    among = caused if caused.any() else np.isin(verdict.outcomes, [Outcome.DIFFERENT, Outcome.EXPLAINED])
-    return float(why.share[departure, np.argmax(np.where(among & np.isfinite(size), size, -1.0))])
+    return int(np.argmax(np.where(caused, size, -1.0) if caused.any() else size))
 
 
 def listed(names: tuple[str, ...]) -> str:
@@ -103,13 +99,16 @@ def listed(names: tuple[str, ...]) -> str:
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
-def forecast_seconds(comparison: Comparison) -> tuple[float, float, float] | None:
-    """Seconds for the whole comparison until all is decided: low end, median, high end of the forecast; None if there is none."""
+def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float] | None:
+    """Seconds for the whole comparison until all is decided: low end, median, high end of the forecast; and until most is.
+
+    None if there is no forecast.
+    """
     forecast = comparison.verdict.forecast
     if forecast is None:
         return None
     sampling = comparison.seconds - comparison.pilot_seconds
-    return tuple(comparison.pilot_seconds + f * sampling for f in (forecast.low, forecast.factor, forecast.high))
+    return tuple(comparison.pilot_seconds + f * sampling for f in (forecast.low, forecast.factor, forecast.high, forecast.most))
 
 
 def _basis(comparison: Comparison) -> str:
@@ -133,8 +132,9 @@ def _why(comparison: Comparison) -> list[str]:
     number = {departure.name: k for k, departure in enumerate(why.departures)}
     said = []
     for name in why.chosen:
-        share = furthest_share(comparison, number[name])
-        said.append(f"Why: {name} ({100 * share:.3g} % of the difference). {why.departures[number[name]].statement}")
+        k = strongest(comparison, number[name])
+        part = f"{100 * why.share[number[name], k]:.3g} % of the difference in {_place(comparison, k)}"
+        said.append(f"Why: {name} ({part}). {why.departures[number[name]].statement}")
     left = len(unexplained(comparison))
     if left:
         tried = listed(tuple(number))
@@ -142,13 +142,17 @@ def _why(comparison: Comparison) -> list[str]:
     return said
 
 
+def _place(comparison: Comparison, k: int) -> str:
+    kind, name = comparison.regions.kinds[k], comparison.regions.names[k]
+    return name if kind == "image" else f"{kind} {name}"
+
+
 def _region(comparison: Comparison, k: int) -> str:
-    verdict, regions = comparison.verdict, comparison.regions
+    verdict = comparison.verdict
     channel = worst_channel(verdict.difference[k : k + 1])[0]
     low, high = verdict.low[k, channel], verdict.high[k, channel]
-    kind = "" if regions.kinds[k] == "image" else regions.kinds[k] + " "
     return (
-        f"{kind}{regions.names[k]} {percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
+        f"{_place(comparison, k)} {percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
         f"({percent(low)} to {percent(high)})"
     )
 
@@ -157,12 +161,13 @@ def _forecast(comparison: Comparison) -> str:
     ends = forecast_seconds(comparison)
     if ends is None:
         return ""
-    low, median, high = ends
+    low, median, high, nearly = ends
     count = comparison.verdict.forecast.regions
     most = f"and {seconds(high)}" if high < 1e8 else "and no upper end yet"
     samples = (
         comparison.candidate.film.samples * comparison.candidate.film.moments.n * comparison.verdict.forecast.factor
     )
-    drawn = f", {samples:.2g} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
+    drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
     likely = f"about {seconds(median)}{drawn}" if median < 1e8 else "longer than can be told"
-    return f"Deciding the {count} open regions takes {likely} (90 % sure: between {seconds(low)} {most})."
+    before = f"; nine in ten of them {seconds(nearly)}" if count >= 10 and nearly < 1e8 else ""
+    return f"Deciding the {count} open regions takes {likely} (90 % sure: between {seconds(low)} {most}){before}."

@@ -29,11 +29,12 @@ from .outcome import Outcome
 from .sequential import SequentialTest, holm, look_share
 
 ATTRIBUTION_SHARE = 0.1
-LARGEST_SET = 3
 # Pairs of replicates behind each effect at first, enough for a variance; a set that may do gets half as many as the candidate has replicates.
 PAIRS = 8
 # At most so many sets of a size are rendered at one look, the most promising first.
 SETS_PER_LOOK = 4
+# Departures that change no region by this part of the tolerance are in no larger set.
+ACTING = 0.05
 # A set is dropped for a larger one when a region is outside the tolerance with it at this level. It decides what is tried, not what is claimed.
 DROP_LEVEL = 1e-3
 
@@ -42,16 +43,20 @@ Effects = Callable[[Names, int], np.ndarray | None]
 
 
 def set_share(size: int, count: int) -> float:
-    """The share of the level that one set of `size` out of `count` departures may spend: singles half of it, pairs and triples a quarter."""
-    return (0.5 if size == 1 else 0.25) / comb(count, size)
+    """The share of the level that one set of `size` out of `count` departures may spend.
+
+    Single ones have 2/5 of it together, pairs and triples 1/5 each, and each greater size its part of the last 1/5.
+    """
+    of_size = {1: 0.4, 2: 0.2, 3: 0.2}.get(size) or 0.2 / (count - 3)
+    return of_size / comb(count, size)
 
 
 @dataclass(frozen=True)
 class Explanation:
     """What attribution found of N regions and M departures.
 
-    `chosen` are the names that explain the most, the fewest that do; `complete` says whether every region that was not EQUIVALENT agrees
-    with them switched on. `causes` (N) are the names that explain each region, the fewest again, empty where nothing does.
+    `chosen` are the fewest names with which every region that was not EQUIVALENT agrees, if `complete` says that there are such; else all that
+    explain some region. `causes` (N) are the names that explain each region, the fewest again, empty where nothing does.
     `effect` (M, N, 3) is what each departure alone adds to the reference, relative to it, and `share` (M, N) what part that is
     of the difference in the channel furthest off; both NaN where the departure was not rendered. `rest` (N, 3) is the relative
     difference that remains with `chosen`. At least `PAIRS` pairs of replicates of `samples` per pixel stand behind each effect, in
@@ -93,7 +98,7 @@ class Attribution:
         self._looks += 1
         share = look_share(self._looks, last)
         sides = reference.moments, candidate.moments
-        for size in range(1, min(LARGEST_SET, len(self._names)) + 1):
+        for size in range(1, len(self._names) + 1):
             all_tried = self._try(size, sides, effects)
             open_ = [names for names in self._of_size(size) if not self._ruled_out(names, sides)]
             for names in self._of_size(size):
@@ -144,7 +149,9 @@ class Attribution:
                 float(np.nan_to_num(left, nan=1e3).sum()),
             )
         best = min(merit, key=merit.get)
-        chosen = best if merit[best][0] else frozenset()
+        causes = tuple(self._causes(k, best) if wanted[k] else () for k in range(wanted.size))
+        # Where no set does for all, each region's own causes count.
+        chosen = best if self.complete else frozenset().union(*causes)
         with np.errstate(divide="ignore", invalid="ignore"):
             worst = np.argmax(np.nan_to_num(np.abs(gap / scale), nan=-1.0), axis=1)[:, None]
             effect = np.full((len(self._names), *gap.shape), np.nan)
@@ -159,7 +166,7 @@ class Attribution:
             self.departures,
             self._ordered(chosen),
             self.complete,
-            tuple(self._causes(k, chosen) if wanted[k] else () for k in range(wanted.size)),
+            causes,
             effect,
             share,
             rest,
@@ -204,12 +211,12 @@ class Attribution:
 
     def _try(self, size: int, sides: tuple[Moments, Moments], effects: Effects) -> bool:
         """Render the effects of sets of one size: all single ones, of the others those whose sum may do; whether none is left."""
-        sets = [frozenset(names) for names in combinations(self._names, size)]
+        names = self._names if size == 1 else self._acting(sides[0])
+        sets = [frozenset(chosen) for chosen in combinations(names, size)]
         sets = [names for names in sets if names not in self._pairs]
         most = len(sets)
         if size > 1:
-            alone = frozenset().union(*self._of_size(1))
-            sets = [names for names in sets if names <= alone and not self._ruled_out(names, sides)]
+            sets = [names for names in sets if not self._ruled_out(names, sides)]
             sets = sorted(sets, key=lambda names: self._left(names, sides))
             most = SETS_PER_LOOK
         for names in sets[:most]:
@@ -218,6 +225,12 @@ class Attribution:
                 return False
             self._pairs[names] = pairs
         return len(sets) <= most
+
+    def _acting(self, reference: Moments) -> list[str]:
+        """The names whose effect alone is known and may matter."""
+        allowed = self._test.tolerance * np.maximum(np.abs(reference.mean), self._test.floor)
+        alone = [(name, self._pairs.get(frozenset([name]))) for name in self._names]
+        return [name for name, d in alone if d is not None and (np.abs(d.mean(axis=0)) > ACTING * allowed).any()]
 
     def _left(self, names: Names, sides: tuple[Moments, Moments]) -> float:
         """The mean relative difference that would be left over with `names`."""

@@ -13,6 +13,7 @@ from .claims import WAYS_TO_DIFFER, Combination, combine, tolerance_ends
 from .sequential import GROWTH, SequentialTest, look_share
 
 COVERAGE = 0.9
+MOST = 0.9
 _MOST_GROWTH = 1e9
 
 
@@ -21,12 +22,13 @@ class Forecast:
     """By which factor the replicates so far must grow until all open regions are decided, one way or the other.
 
     `factor` is the median; the true one lies between `low` and `high` with probability of at least `COVERAGE`. Infinite where it
-    is beyond a thousand million: the difference sits on the tolerance itself.
+    is beyond a thousand million: the difference sits on the tolerance itself. At `most`, the share MOST of them is expected to be decided.
     """
 
     factor: float
     low: float
     high: float
+    most: float
     regions: int
 
 
@@ -73,7 +75,7 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
     rows = np.arange(inside.shape[0])
     worst, best = inside.argmin(axis=1), (-inside).argmax(axis=1)
     df = float(np.median(np.stack([upper.df, lower.df])[:, open_regions]))
-    quantiles = {"low": np.inf, "factor": np.inf, "high": np.inf}
+    quantiles = {"low": np.inf, "factor": np.inf, "high": np.inf, "most": np.inf}
     for growth in 1 + np.geomspace(1e-2, _MOST_GROWTH, 400):
         looks = len(test.looks) + max(1, round(np.log(growth) / np.log(GROWTH)))
         p = test.level * look_share(looks, last=False) / test.claims_left
@@ -87,10 +89,13 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
             "low": decided.min() >= (1 - COVERAGE) / 2,
             "factor": decided.prod() >= 0.5,
             "high": (1 - decided).sum() <= (1 - COVERAGE) / 2,
+            "most": decided.mean() >= MOST,
         }
         quantiles = {k: min(v, float(growth)) if reached[k] else v for k, v in quantiles.items()}
     # Decisions fall at looks, and those are a factor apart.
-    return Forecast(quantiles["factor"], quantiles["low"], GROWTH * quantiles["high"], int(open_regions.sum()))
+    return Forecast(
+        quantiles["factor"], quantiles["low"], GROWTH * quantiles["high"], quantiles["most"], int(open_regions.sum())
+    )
 
 
 def _prior(test: SequentialTest, reference: Moments, candidate: Moments) -> tuple[np.ndarray, np.ndarray]:

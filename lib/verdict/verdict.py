@@ -55,7 +55,8 @@ def conclude(
 ) -> Verdict:
     """The verdict after the last look; `nonfinite` counts, by the side's name, the pixels with non-finite samples.
 
-    Regions that the `explanation` covers become EXPLAINED, and so does the image if all that was not EQUIVALENT is covered.
+    Regions that the `explanation` covers become EXPLAINED, and so does the image if all that was not EQUIVALENT is covered. If only what
+    differs is covered, the image is UNDECIDED.
 
     Else it is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, or UNDECIDED: a pixel that
     has no value agrees with nothing, and no sampling will give it one.
@@ -82,6 +83,11 @@ def conclude(
             outcome = Outcome.EXPLAINED
         else:  # what is undecided may agree with the reference as it stands
             covered &= outcomes == Outcome.DIFFERENT
+            if covered.any() and (covered | (outcomes != Outcome.DIFFERENT)).all():
+                outcome = Outcome.UNDECIDED
+                reasons.append(
+                    "known departures explain every region that differs; whether they explain all the rest is open"
+                )
         outcomes[covered] = Outcome.EXPLAINED
     share = test.looks[-1].share
     low, high = interval(of_candidate, of_reference, test.floor, test.level * share / (6 * test.outcomes.size))

@@ -161,6 +161,14 @@ def test_attribution_names_exactly_what_was_planted(make, names, seed):
     assert found.verdict.outcome is Outcome.EXPLAINED
 
 
+def test_all_that_cycles_does_at_once(seed):
+    names = tuple(d.name for d in relevant(furnace()) if d.name != "separable masking")
+    assert len(names) == 7
+    found = judged(furnace, planted(furnace, names, seed))
+    assert found.explanation.chosen == names
+    assert found.verdict.outcome is Outcome.EXPLAINED
+
+
 def test_every_switch_is_planted():
     assert {name for case in cases() for name in case.values[1]} == SWITCHES
 
