@@ -38,7 +38,7 @@ class Kernel:
         self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
         self.materials = [PreparedMaterial(m, self.images, options) for m in scene.materials]
-        self.material_of = scene.mesh.material_index.astype(np.int16)
+        self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry
         radius = self.caster.radius
         self.lights = light_samplers(scene.lights, radius)
         self.sky: np.ndarray | None = None

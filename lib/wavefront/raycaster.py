@@ -31,18 +31,21 @@ class Hits:
 
 
 class Raycaster:
-    """Embree over one mesh."""
+    """Embree over one mesh; `radius` is half the diagonal of its bounds, metres."""
 
     def __init__(self, mesh: Mesh) -> None:
-        corners = mesh.vertices
+        # Embree may crash on no triangles at all: one without extent, which nothing meets, stands in for them.
+        empty = mesh.triangle_count == 0
+        corners = np.zeros((3, 1)) if empty else mesh.vertices
+        faces = np.zeros((1, 3), np.int32) if empty else np.ascontiguousarray(mesh.triangles.T, np.int32)
         low, high = corners.min(axis=1), corners.max(axis=1)
         self._center = (0.5 * (low + high))[:, None]
-        self._scale = 1.0 / max(float(np.max(high - low)), np.finfo(np.float64).tiny)
+        extent = float(np.max(high - low))
+        self.radius = 0.5 * float(np.linalg.norm(high - low))
+        self._scale = 1.0 / extent if extent > 0.0 else 1.0
         unit = ((corners - self._center) * self._scale).T.astype(np.float32)
         self._scene = EmbreeScene()
-        self._mesh = TriangleMesh(
-            self._scene, np.ascontiguousarray(unit), np.ascontiguousarray(mesh.triangles.T, np.int32)
-        )
+        self._mesh = TriangleMesh(self._scene, np.ascontiguousarray(unit), faces)
         self.planes = _planes(mesh, self._center, np.abs(unit).max(axis=1) / self._scale)
         self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # builds the tree, before threads do
 
