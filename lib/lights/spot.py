@@ -76,7 +76,7 @@ class Falloff:
             length2 = c * c + x * x + y * y
             c /= np.sqrt(np.where(length2 > 0.0, length2, np.inf))
         c -= self._cos_edge
-        if self._width <= 0.0:
+        if self._width <= 1e-300:  # also where a division would overflow
             return (c > 0.0).astype(float)
         c /= self._width
         np.clip(c, 0.0, 1.0, out=c)
