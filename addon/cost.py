@@ -44,9 +44,10 @@ def run(arguments: Namespace) -> int:
     folder = arguments.out or Path("etalon-out") / name
     scene = bpy.context.scene
     users = traded(scene)
-    with folder_beside(folder) as beside, quiet(), neutral(scene, threads=arguments.threads):
-        opened = time.perf_counter() - begin
+    opened = time.perf_counter() - begin
+    with quiet():
         exported = export(scene)
+    with folder_beside(folder) as beside, quiet(), neutral(scene, threads=arguments.threads):
         ways = reference_ways(exported, arguments.seed, arguments.threads, time.perf_counter() - begin)
         ways += cycles_ways(scene, users, arguments.seed, arguments.threads, opened)
         measurement, verification = _measure(name, _chosen(ways, arguments.ways), arguments)

@@ -46,9 +46,11 @@ class Choices:
 
 
 def export(scene: bpy.types.Scene) -> Scene:
-    """The scene as Cycles would render it in its neutral state; raises Refused or EtalonError."""
-    with neutral(scene):
-        return with_render_depsgraph(scene, export_scene)
+    """The scene as it is set up for rendering; raises Refused or EtalonError.
+
+    Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
+    """
+    return with_render_depsgraph(scene, export_scene)
 
 
 def judge(
@@ -93,8 +95,8 @@ def compare_here(
     The report goes to `folder`, and with it, where something differs and nothing explains it, a small scene that shows it.
     `repeat` is the command that the report shows; `progress` is told the share that is done. Raises Refused or EtalonError.
     """
+    exported = export(scene)
     with neutral(scene, threads=choices.reference.threads):
-        exported = export(scene)
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
         comparison = judge(exported, candidate, choices, folder, repeat, progress, cancelled)
         if comparison.stopped == "cancelled":

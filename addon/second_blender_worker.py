@@ -47,8 +47,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
 
     with console.quiet(), contextlib.ExitStack() as stack:
         try:
-            stack.enter_context(cycles.neutral(scene, threads=request["threads"]))
             archive.save(job.export(scene), folder / "scene.npz")
+            stack.enter_context(cycles.neutral(scene, threads=request["threads"]))
             renderer = cycles.CyclesRenderer(scene, seed=request["seed"], threads=request["threads"])
             say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
             for line in sys.stdin:

@@ -28,7 +28,6 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
         "Simplify": render.use_simplify,
         "stereoscopy": render.use_multiview,
         "Freestyle": render.use_freestyle and layer.use_freestyle,
-        "a transparent film": render.film_transparent,
     }
     owner = f"scene '{scene.name}'"
     refusals.extend(Refusal(owner, what, "switch it off") for what, on in settings.items() if on)

@@ -27,8 +27,8 @@ def measure(name: str, threads: int, runs: int, samples: int) -> None:
 
     open_target(name)
     scene = bpy.context.scene
+    exported = export(scene)
     with neutral(scene, threads=threads):
-        exported = export(scene)
         candidate = CyclesRenderer(scene, threads=threads)
         reference = ReferenceRenderer(exported, Options(threads=threads))
         for renderer in (reference, candidate):

@@ -262,7 +262,6 @@ SETTINGS = {
     "scene 'Scene': Simplify": switch("render", "use_simplify"),
     "scene 'Scene': stereoscopy": switch("render", "use_multiview"),
     "scene 'Scene': Freestyle": switch("render", "use_freestyle"),
-    "scene 'Scene': a transparent film": switch("render", "film_transparent"),
     "view layer 'ViewLayer': leaving out its environment": switch("layer", "use_sky", False),
     "view layer 'ViewLayer': leaving out its surfaces": switch("layer", "use_solid", False),
 }
