@@ -108,7 +108,8 @@ def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float
     if forecast is None:
         return None
     sampling = comparison.seconds - comparison.pilot_seconds
-    return tuple(comparison.pilot_seconds + f * sampling for f in (forecast.low, forecast.factor, forecast.high, forecast.most))
+    ends = forecast.low, forecast.factor, forecast.high, forecast.most
+    return tuple(comparison.pilot_seconds + f * sampling for f in ends)
 
 
 def _basis(comparison: Comparison) -> str:
