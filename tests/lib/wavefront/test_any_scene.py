@@ -129,8 +129,10 @@ def lights(draw, scale, offset):
 def cameras(draw, scale, offset):
     from etalon.tests.scenes import axes
 
-    forward = draw(directions())
-    eye = np.array(draw(points)) * scale + offset
+    away = np.array(draw(points)) * scale
+    eye = away + offset
+    looks_home = draw(st.booleans()) and np.linalg.norm(away) > 1e-3 * scale
+    forward = tuple(-away / np.linalg.norm(away)) if looks_home else draw(directions())
     kind = draw(st.sampled_from(["PERSPECTIVE", "ORTHOGRAPHIC"]))
     step = draw(st.sampled_from([1e-6, 0.3])) * (1.0 if kind == "PERSPECTIVE" else scale)
     plane = np.array([[step, 0.0, -1.5 * step], [0.0, step, -1.5 * step]])
