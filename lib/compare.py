@@ -32,7 +32,7 @@ PILOT = 1 << 20
 PILOT_SHARE = 0.02
 PILOT_SAMPLES = 64
 # What is set aside of the time to find out why regions differ, where there are departures to ask.
-ASIDE_SHARE = 0.2
+ASIDE_SHARE = 0.1
 
 
 class Renderer(Protocol):
@@ -329,7 +329,7 @@ def _measure(renderer: Renderer, share: float, meter: _Meter) -> tuple[Cost, flo
             return None
         begin = begin or meter.elapsed
         seconds.append(meter.elapsed - before)
-        enough = meter.elapsed - begin + seconds[-1] > share or samples[-1] >= PILOT_SAMPLES
+        enough = meter.elapsed - begin + 16 * seconds[-1] > share or samples[-1] >= PILOT_SAMPLES
         if enough and len(samples) > 1:  # one timing cannot tell what a call costs from what a sample costs
             break
         samples.append(8 * samples[-1])
