@@ -29,7 +29,7 @@ def test_last_digits(name):
 @EVERY
 @pytest.mark.slow
 def test_last_digits_at_many_places(name):
-    case = measure(FUNCTIONS[name], 3000)
+    case = measure(FUNCTIONS[name], 600)
     assert case.passed, case
 
 
