@@ -199,14 +199,26 @@ def _set_data(changes: Changes) -> None:
 
 
 def _check_animation(changes: Changes, scene: bpy.types.Scene) -> None:
-    """A render evaluates animation and drivers again, over what was set: find out whether the values hold."""
-    held = [change for change in changes.held if change[0].id_data.animation_data is not None]
-    if not held or bpy.context.scene != scene:
-        return
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    for owner, name, value in held:
+    """A render evaluates animation and drivers again, over what was set: refuse channels that would not leave it there."""
+    frame = scene.frame_current_final
+    for owner, name, value in changes.held:
+        data = owner.id_data
+        if data.animation_data is None:
+            continue
         path = owner.path_from_id(name)
-        if owner.id_data.evaluated_get(depsgraph).path_resolve(path) != value:
-            raise EtalonError(
-                f"{owner.id_data.name}: {path} is animated or driven, and must stay at {value}; mute its channel"
-            )
+        driven = any(curve.data_path == path and not curve.mute for curve in data.animation_data.drivers)
+        moved = any(c.data_path == path and not c.mute and c.evaluate(frame) != value for c in _curves(data))
+        if driven or moved:
+            raise EtalonError(f"{data.name}: {path} is animated or driven, and must stay at {value}; mute its channel")
+
+
+def _curves(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
+    """Animation curves of a datablock's action and of its NLA strips; actions have layers only from Blender 5.0 on."""
+    tracks = data.animation_data.nla_tracks
+    actions = [data.animation_data.action, *(strip.action for track in tracks for strip in track.strips)]
+    for action in filter(None, actions):
+        if hasattr(action, "fcurves"):
+            yield from action.fcurves
+        else:
+            bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+            yield from (curve for bag in bags for curve in bag.fcurves)

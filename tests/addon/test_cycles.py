@@ -218,6 +218,22 @@ def test_scenes_that_cannot_be_rendered_are_refused_by_name():
         CyclesRenderer(scene)
 
 
+def test_an_animated_light_that_must_hold_is_refused_and_one_at_the_value_is_not():
+    scene = building.start("animated", 8, 8, 0)
+    building.sphere_light("Ball", (0.0, 0.0, 2.0), 0.3, (1.0, 1.0, 1.0))
+    light = bpy.data.lights["Ball"]
+    light.use_soft_falloff = True
+    light.keyframe_insert("use_soft_falloff", frame=1)
+    light.use_soft_falloff = False
+    light.keyframe_insert("use_soft_falloff", frame=2)
+    scene.frame_set(1)
+    with pytest.raises(EtalonError, match="Ball: use_soft_falloff is animated or driven"), neutral(scene):
+        pass
+    scene.frame_set(2)
+    with neutral(scene):
+        assert not light.use_soft_falloff
+
+
 def test_an_animated_setting_that_must_hold_is_refused():
     scene = restless()
     scene.keyframe_insert("cycles.sample_clamp_indirect", frame=1)
