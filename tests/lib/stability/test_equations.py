@@ -44,6 +44,7 @@ def test_bounds_are_those_of_the_atlas():
     assert {f.bound for f in inversions()} == {32.0}
     excused = [name for name, f in FUNCTIONS.items() if f.excuse]
     assert set(excused) == {
+        "Fresnel, F82",
         "GGX visible normals",
         "GGX bounded visible normals",
         "Beckmann visible normals",
