@@ -54,7 +54,8 @@ def line(case: Case) -> str:
         if case.excuse and case.judged is not None
         else number(case.worst)
     )
-    forms = f"printed {number(case.printed)}, Cycles {number(case.cycles)}; " if _has_forms(case) else ""
+    named = {"printed": case.printed, "Cycles": case.cycles}
+    forms = "".join(f"{name} {number(value)}; " for name, value in named.items() if value is not None)
     return f"{verdict} {case.name}: {held} (at most {number(case.bound)}) {case.unit}; {forms}{case.where}"
 
 
@@ -74,10 +75,6 @@ def write(cases: list[Case], folder: Path) -> None:
         raise EtalonError(
             f"{folder}: cannot be written ({error.strerror}); make room or name another folder"
         ) from error
-
-
-def _has_forms(case: Case) -> bool:
-    return case.printed is not None or case.cycles is not None
 
 
 def _json(cases: list[Case]) -> str:

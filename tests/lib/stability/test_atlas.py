@@ -23,7 +23,7 @@ def test_passing():
 
 
 def test_lines():
-    assert atlas.line(HELD) == "ok   a: 0.5 (at most 8) ulp; printed not finite, Cycles 2.0e+06; x 1"
+    assert atlas.line(HELD) == "ok   a: 0.5 (at most 8) ulp; printed not finite; Cycles 2.0e+06; x 1"
     assert atlas.line(EXCUSED).startswith("ok   <script>alert(1)</script>: 2 of 1.0e+05 (at most 32)")
     assert atlas.line(BROKEN).startswith("FAIL c: 2 (at most 1) absolute")
 
