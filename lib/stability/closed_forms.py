@@ -264,7 +264,7 @@ def closed_forms() -> list[Function]:
             BOUND,
             cycles=Single(cycles_single.f82),
             slack=lambda a: 1.0 / np.maximum(a[2], 1e-300),
-            excuse="a difference of two curves, of which `tint` is left near the cosine 1/7, as the paper prints it",
+            excuse="a difference of two curves, of which the share tint is left near the cosine 1/7, as the paper prints it",
         ),
         _entry("Fresnel, Cook-Torrance", ("cos", "f0"), _f0, lambda a: fresnel.cook_torrance(*a), "cook_torrance"),
         _entry(
