@@ -43,7 +43,7 @@ class Regions:
     @cached_property
     def sizes(self) -> np.ndarray:
         """Total weight (K,) of each region, in pixels."""
-        return np.asarray(self.weights.sum(axis=1, dtype=float)).ravel()
+        return np.asarray(self.weights.sum(axis=1)).ravel()
 
     def indices(self, kind: str) -> np.ndarray:
         """The numbers of the regions of one kind."""
@@ -58,11 +58,11 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
     size, negative or not finite.
     """
     pixels = np.arange(height * width)
-    rows: list[sparse.csr_array] = [sparse.csr_array(np.ones((1, height * width), np.float32))]
+    rows: list[sparse.csr_array] = [sparse.csr_array(np.ones((1, height * width)))]
     kinds, names, boxes = ["image"], ["whole image"], [(0, 0, width - 1, height - 1)]
     for kind, entries in coverage.items():
         for name, weights in entries:
-            weights = sparse.csr_array(weights, dtype=np.float32)  # shares of a few samples are exact in it
+            weights = sparse.csr_array(weights, dtype=float)
             if weights.shape != (height, width):
                 raise EtalonError(
                     f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
@@ -79,7 +79,7 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
     columns = -(-width // block)
     owner = (pixels // width // block) * columns + pixels % width // block
     count = -(-height // block) * columns
-    rows.append(sparse.csr_array((np.ones(height * width, np.float32), (owner, pixels)), shape=(count, height * width)))
+    rows.append(sparse.csr_array((np.ones(height * width), (owner, pixels)), shape=(count, height * width)))
     for index in range(count):
         x, y = index % columns * block, index // columns * block
         box = (x, y, min(x + block, width) - 1, min(y + block, height) - 1)
