@@ -3,7 +3,7 @@
 
 A spot of radius 0 and power W gives the intensity W / (4 pi) within its cone, and the point below it W / (4 pi h^2). The lights without
 size or power add nothing; nor does the narrowest spot, which shines beside what the camera sees. An area light of no area has
-no radiance that could be given a value: neither renderer may answer with something that is not a number.
+a radiance that is no number, and lights nothing in either renderer.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _build_spots() -> None:
 def _build_nothing() -> None:
     start("nothing")
     _plane()
-    light("No size", "AREA", (0.3, 0.0, HEIGHT), energy=0.0, size=0.0)
+    light("No size", "AREA", (0.3, 0.0, HEIGHT), energy=POWER, size=0.0)
     light("No power", "POINT", (0.0, 0.3, HEIGHT), energy=0.0, shadow_soft_size=0.1)
     light("No power, spot", "SPOT", (0.0, -0.3, HEIGHT), energy=0.0)
     light("No power, sun", "SUN", (0.0, 0.0, HEIGHT), energy=0.0)
