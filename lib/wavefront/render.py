@@ -20,6 +20,9 @@ from .options import Options
 from .sums import PixelSums, StageClock
 from .trace import Tracer
 
+# Below this many paths the interpreter's share of a tile outweighs what a second thread saves.
+SMALLEST_TILE = 4096
+
 
 @dataclass(frozen=True)
 class Tile:
@@ -95,7 +98,7 @@ class ReferenceRenderer:
         total, nonfinite = np.zeros((3, pixels)), np.zeros(pixels, np.int32)
         stages: dict[str, float] = {}
         rays = done = 0
-        work = list(tiles(pixels, samples, self.options.tile_paths))
+        work = list(tiles(pixels, samples, self._tile_paths(pixels * samples)))
 
         def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
             return tile, *self._run(tile, sampler)
@@ -131,6 +134,10 @@ class ReferenceRenderer:
         radiance = np.ascontiguousarray(total.T).reshape(*shape, 3)
         seconds = perf_counter() - begin
         return Rendering(radiance, nonfinite.reshape(shape), seconds, stages, pixels * samples, rays)
+
+    def _tile_paths(self, paths: int) -> int:
+        """Paths in a tile: as the options say, but small images still give every thread several tiles."""
+        return min(self.options.tile_paths, max(paths // (4 * self.options.threads), SMALLEST_TILE))
 
     def _run(self, tile: Tile, sampler: SobolSampler | RandomSampler) -> tuple[PixelSums, StageClock, int]:
         index = np.arange(tile.first, tile.last)
