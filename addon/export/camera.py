@@ -35,9 +35,8 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
     if data.type not in _KINDS or is_sheared(matrix):
         return None
     matrix[:, :3] /= np.linalg.norm(matrix[:, :3], axis=0)
-    full_width = render.resolution_x * render.resolution_percentage // 100
-    full_height = render.resolution_y * render.resolution_percentage // 100
-    left, bottom, width, height = _region(render, full_width, full_height)
+    full_width, full_height = full_frame(render)
+    left, bottom, width, height = rendered_region(render, full_width, full_height)
     return Camera(
         kind=_KINDS[data.type],
         width=width,
@@ -50,7 +49,13 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
     )
 
 
-def _region(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
+def full_frame(render: bpy.types.RenderSettings) -> tuple[int, int]:
+    """Width and height of the image without a border, in pixels."""
+    percentage = render.resolution_percentage
+    return render.resolution_x * percentage // 100, render.resolution_y * percentage // 100
+
+
+def rendered_region(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
     """Left, bottom, width and height of the rendered region, in pixels; Blender renders none without a pixel."""
     if not render.use_border:
         return 0, 0, width, height
