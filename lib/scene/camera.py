@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera, reduced to one affine map from the raster to the camera plane."""
+"""The camera, reduced to one affine map from the raster to the camera plane, and for panoramas a map from there to directions."""
 
 from __future__ import annotations
 
@@ -7,13 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+PANORAMAS = (
+    "EQUIRECTANGULAR",
+    "CENTRAL_CYLINDRICAL",
+    "EQUIANGULAR_CUBEMAP_FACE",
+    "MIRRORBALL",
+    "FISHEYE_EQUIDISTANT",
+    "FISHEYE_EQUISOLID",
+    "FISHEYE_LENS_POLYNOMIAL",
+)
+
 
 @dataclass(frozen=True)
 class Aperture:
     """The lens for depth of field: `radius` in metres, `blades` 0 for a disk, `rotation` in radians.
 
     A lens point is drawn on the unit disk or on the regular polygon of circumradius 1, its x divided by `ratio`, then scaled
-    by `radius`. The plane in focus lies at depth `focus_distance` along the view axis.
+    by `radius`. The plane in focus lies at depth `focus_distance` along the view axis; for panoramas it is a sphere, and the lens
+    lies across each ray.
     """
 
     radius: float
@@ -25,13 +36,19 @@ class Aperture:
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole, thin-lens or orthographic camera for a raster of `width` x `height` pixels.
+    """A pinhole, thin-lens, orthographic or panoramic camera for a raster of `width` x `height` pixels.
 
     Raster coordinates are x to the right and y up, in pixels, from the bottom left corner of the rendered region
-    (a border crop is folded in). `plane_from_raster` (2, 3) maps (x, y, 1) to the camera plane: for 'PERSPECTIVE' the point at
-    depth 1, so that the direction in camera space is (px, py, -1); for 'ORTHOGRAPHIC' metres, so that the origin is
-    (px, py, 0) and the direction (0, 0, -1). `world_from_camera` (3, 4) is a rotation and a translation. The clip planes
-    are depths along the view axis and count for camera rays only.
+    (a border crop is folded in). `plane_from_raster` (2, 3) maps (x, y, 1) to the camera plane (px, py). In camera space x is
+    right, y up and -z forward; what `kind` makes of the plane, there:
+    'PERSPECTIVE': the direction (px, py, -1). 'ORTHOGRAPHIC': metres, the origin (px, py, 0) and the direction (0, 0, -1).
+    'EQUIRECTANGULAR': radians to the right and up. 'CENTRAL_CYLINDRICAL': radians to the right, and a slope.
+    'EQUIANGULAR_CUBEMAP_FACE': the angles, in radians, of the direction's horizontal and vertical projections.
+    'MIRRORBALL': a point of the unit disk, that is of a ball seen from afar. The fisheyes see under the angle theta to the axis
+    'FISHEYE_EQUIDISTANT': theta = |p|; 'FISHEYE_EQUISOLID': 2 sin(theta / 2) = |p|; 'FISHEYE_LENS_POLYNOMIAL': the
+    `polynomial` (ascending coefficients, radians) of |p|; beyond half the `field_of_view` (radians) they see nothing.
+    `world_from_camera` (3, 4) is a rotation and a translation. The clip planes are depths along the view axis, for panoramas
+    distances, and count for camera rays only.
     """
 
     kind: str
@@ -42,3 +59,5 @@ class Camera:
     clip_start: float
     clip_end: float
     aperture: Aperture | None = None
+    field_of_view: float = 2.0 * np.pi
+    polynomial: tuple[float, ...] = ()

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
-from .camera import Camera
+from .camera import PANORAMAS, Camera
 from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
@@ -94,7 +94,7 @@ def _check_range(owner: str, name: str, index: np.ndarray, count: int) -> None:
 
 
 def _check_camera(camera: Camera) -> None:
-    _demand(camera.kind in ("PERSPECTIVE", "ORTHOGRAPHIC"), "camera", f"its kind is {camera.kind!r}")
+    _demand(camera.kind in ("PERSPECTIVE", "ORTHOGRAPHIC", *PANORAMAS), "camera", f"its kind is {camera.kind!r}")
     _demand(camera.width >= 1 and camera.height >= 1, "camera", "its image has no pixels")
     _check_array("camera", "plane_from_raster", camera.plane_from_raster, (2, 3), "f")
     _demand(np.linalg.det(camera.plane_from_raster[:, :2]) != 0.0, "camera", "its raster has no extent")
@@ -104,6 +104,9 @@ def _check_camera(camera: Camera) -> None:
         np.abs(axes.T @ axes - np.eye(3)).max() < _UNIT, "camera", "its axes are not at right angles and of unit length"
     )
     _demand(camera.clip_start < camera.clip_end, "camera", "its clip planes enclose nothing")
+    _demand(0.0 < camera.field_of_view < math.inf, "camera", "its field of view is empty")
+    _demand(all(map(math.isfinite, camera.polynomial)), "camera", "its polynomial is not finite")
+    _demand(camera.polynomial or camera.kind != "FISHEYE_LENS_POLYNOMIAL", "camera", "its polynomial is missing")
     if camera.aperture is not None:
         lens = camera.aperture
         _demand(all(map(math.isfinite, _numbers(lens))), "camera", "its lens is not finite")

@@ -8,17 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..sampling.warps import regular_polygon, uniform_disk
-from ..scene.camera import Aperture, Camera
-from ..vectors import dot, to_world
+from ..scene.camera import PANORAMAS, Aperture, Camera
+from ..vectors import dot, normalize, to_world
+from .panorama import across, panorama_directions
 
 
 @dataclass(frozen=True)
 class CameraRays:
-    """Origins at the near plane and unit directions, (3, n); `reach` (n,), the distance to the far plane."""
+    """Origins at the near plane and unit directions, (3, n); `reach` (n,), the distance to the far plane.
+
+    `index` (n,) are the raster points that have a ray, ascending; None where all have one.
+    """
 
     origin: np.ndarray
     direction: np.ndarray
     reach: np.ndarray
+    index: np.ndarray | None = None
 
 
 def camera_rays(camera: Camera, x: np.ndarray, y: np.ndarray, lens: tuple[np.ndarray, np.ndarray] | None) -> CameraRays:
@@ -26,6 +31,8 @@ def camera_rays(camera: Camera, x: np.ndarray, y: np.ndarray, lens: tuple[np.nda
     a = camera.plane_from_raster
     plane_x = a[0, 0] * x + a[0, 1] * y + a[0, 2]
     plane_y = a[1, 0] * x + a[1, 1] * y + a[1, 2]
+    if camera.kind in PANORAMAS:
+        return _panorama(camera, plane_x, plane_y, lens)
     zero, minus_one = np.zeros_like(plane_x), np.full_like(plane_x, -1.0)
     if camera.kind == "PERSPECTIVE":
         origin, direction = np.stack([zero, zero, zero]), np.stack([plane_x, plane_y, minus_one])
@@ -35,21 +42,57 @@ def camera_rays(camera: Camera, x: np.ndarray, y: np.ndarray, lens: tuple[np.nda
         origin, direction = _through_lens(camera.aperture, origin, direction, *lens)
     depth = 1.0 / np.sqrt(dot(direction, direction))  # the direction has depth 1, so this is the cosine to the axis
     direction *= depth
+    return _in_world(camera, origin, direction, camera.clip_start / depth, camera.clip_end / depth)
+
+
+def _in_world(
+    camera: Camera,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    start: np.ndarray | float,
+    end: np.ndarray | float,
+    index: np.ndarray | None = None,
+) -> CameraRays:
+    """Rays of camera space that begin and end at the distances `start` and `end`."""
     axes, translation = camera.world_from_camera[:, :3].T, camera.world_from_camera[:, 3:]
-    start, end = camera.clip_start / depth, camera.clip_end / depth
     world_direction = to_world(direction, *axes)
-    return CameraRays(to_world(origin, *axes) + translation + world_direction * start, world_direction, end - start)
+    reach = np.broadcast_to(end - start, direction.shape[1:])
+    return CameraRays(to_world(origin, *axes) + translation + world_direction * start, world_direction, reach, index)
+
+
+def _panorama(
+    camera: Camera, plane_x: np.ndarray, plane_y: np.ndarray, lens: tuple[np.ndarray, np.ndarray] | None
+) -> CameraRays:
+    direction, seen = panorama_directions(camera, plane_x, plane_y)
+    index = None
+    if not np.all(seen):
+        index = np.flatnonzero(seen)
+        direction = np.take(direction, index, axis=1)
+        lens = None if lens is None else (lens[0][index], lens[1][index])
+    origin = np.zeros_like(direction)
+    if camera.aperture is not None and lens is not None:
+        lens_x, lens_y = _lens_point(camera.aperture, *lens)
+        first, second = across(camera, direction)
+        origin = first * lens_x + second * lens_y
+        direction = normalize(direction * camera.aperture.focus_distance - origin)
+    return _in_world(camera, origin, direction, camera.clip_start, camera.clip_end, index)
+
+
+def _lens_point(aperture: Aperture, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A point of the lens, in metres, (n,) each."""
+    if aperture.blades >= 3:
+        lens_x, lens_y = regular_polygon(u1, u2, aperture.blades, aperture.rotation)
+    else:
+        lens_x, lens_y = uniform_disk(u1, u2)
+    return lens_x * (aperture.radius / aperture.ratio), lens_y * aperture.radius
 
 
 def _through_lens(
     aperture: Aperture, origin: np.ndarray, direction: np.ndarray, u1: np.ndarray, u2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rays from a point of the lens to the pinhole ray's point on the plane in focus, in camera space."""
-    if aperture.blades >= 3:
-        lens_x, lens_y = regular_polygon(u1, u2, aperture.blades, aperture.rotation)
-    else:
-        lens_x, lens_y = uniform_disk(u1, u2)
-    offset = np.stack([lens_x * (aperture.radius / aperture.ratio), lens_y * aperture.radius, np.zeros_like(lens_x)])
+    lens_x, lens_y = _lens_point(aperture, u1, u2)
+    offset = np.stack([lens_x, lens_y, np.zeros_like(lens_x)])
     focus = origin + direction * aperture.focus_distance
     start = origin + offset
     return start, (focus - start) / aperture.focus_distance

@@ -63,6 +63,8 @@ def _first_hits(
     dx, dy = view.pair(0, pixel, sample)
     lens = view.pair(1, pixel, sample) if kernel.plan.needs("depth of field") else None
     rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
+    if rays.index is not None:
+        pixel = pixel[rays.index]
     hits = kernel.caster.closest(rays.origin, rays.direction, rays.reach)
     met = np.flatnonzero(hits.triangle >= 0)
     direction = np.take(rays.direction, met, axis=1)

@@ -63,6 +63,8 @@ class Tracer:
         x = np.take(column, pixel) + dx
         y = np.take(camera.height - 1.0 - row, pixel) + dy
         rays = camera_rays(camera, x, y, lens)
+        if rays.index is not None:
+            pixel, sample = pixel[rays.index], sample[rays.index]
         count = pixel.shape[0]
         paths = Paths(
             pixel, sample, rays.origin, rays.direction, np.ones((3, count)), np.full(count, np.inf), at_camera=True

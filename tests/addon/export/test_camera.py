@@ -119,8 +119,8 @@ def test_a_moving_camera_is_where_its_frame_has_it(studio):
 
 def test_what_no_raster_can_show_is_refused(studio):
     studio.quad()
-    studio.camera.data.type = "PANO"
-    with pytest.raises(Refused, match="camera 'camera': the lens type PANO"):
+    studio.camera.data.type = "CUSTOM"
+    with pytest.raises(Refused, match="camera 'camera': the lens type CUSTOM"):
         studio.export()
     studio.camera.data.type = "PERSP"
     parent = studio.add("parent", None)
