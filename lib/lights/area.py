@@ -9,7 +9,7 @@ import numpy as np
 
 from ..scene.lights import AreaLight
 from ..vectors import dot
-from .light import LightSample, column, luminance
+from .light import LightSample, aimed_at_ball, column, luminance
 from .spread import Spread
 
 
@@ -47,6 +47,7 @@ class AreaSampler:
             self._axes = (column((1.0, 0.0, 0.0)), column((0.0, 1.0, 0.0)), column((0.0, 0.0, 1.0)))
         self.normal = self._axes[2]
         self.sheared = self._skew != 0.0
+        self._reach2 = 0.25 * ((self._length_u + abs(self._skew)) ** 2 + self._length_v**2)
         self._radiance = column(light.radiance)
         self._spread = Spread(light.spread) if 0.0 < light.spread < math.pi else None
         self.power = math.pi * self._area * float(luminance(np.abs(self._radiance))[0])
@@ -59,6 +60,10 @@ class AreaSampler:
         np.subtract(s * self._length_u + t * self._skew, x, out=x)
         np.subtract(t * self._length_v, y, out=y)
         return self._towards(x, y, height, front, self._area)
+
+    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Rays that pass the ball about the light."""
+        return aimed_at_ball(self._center, self._reach2, origin, direction)
 
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Hit on the emitting side only."""

@@ -7,6 +7,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ..vectors import dot
+
 
 class LightSample(NamedTuple):
     """Directions towards a light, one for each point.
@@ -23,7 +25,7 @@ class LightSample(NamedTuple):
 
 
 class LightSampler(Protocol):
-    """One light, ready to be sampled. `intersect` and `pdf` exist where `delta` is False.
+    """One light, ready to be sampled. `candidates`, `intersect` and `pdf` exist where `delta` is False.
 
     `power`: luminance of the flux it sends into the scene, W; it only steers which light is chosen.
     """
@@ -35,11 +37,29 @@ class LightSampler(Protocol):
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""
 
+    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Indices of all rays that may meet the light, and of few others: what is cheap to say before `intersect` is asked."""
+
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance (n,) along unit `direction` (3, n), inf where missed, and the radiance (3, n) met there."""
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that `intersect` met at `distance`; 0 elsewhere."""
+
+
+def aimed_at_ball(center: np.ndarray, radius2: float, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Indices of the rays, (3, n) each, that pass a ball or all but do: max(0, o.d)^2 >= |o|^2 - r^2, o from origin to center.
+
+    The difference cancels for what is far and small; a millionth of a millionth of |o|^2 more than covers that.
+    """
+    offset = center - origin
+    along = dot(offset, direction)
+    np.clip(along, 0.0, None, out=along)
+    along *= along
+    beyond = dot(offset, offset)
+    beyond *= 1.0 - 1e-12
+    beyond -= radius2 * (1.0 + 1e-12)
+    return np.flatnonzero(along >= beyond)
 
 
 def luminance(color: np.ndarray) -> np.ndarray:

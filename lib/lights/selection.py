@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of several lights to sample."""
+"""Which of several lights to sample, and samples of the chosen ones."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..sampling.tables import Distribution1D
-from .light import LightSampler
+from .light import LightSample, LightSampler
+from .sphere import Spheres, SphereSampler
 
 
 class LightSelection:
@@ -19,12 +20,52 @@ class LightSelection:
             raise ValueError("there is no light to select")
         self.samplers = tuple(samplers)
         self._choice = Distribution1D(np.array([sampler.power for sampler in samplers]))
+        # Spheres are sampled all together, lights of other kinds one by one.
+        spheres = [k for k, sampler in enumerate(samplers) if type(sampler) is SphereSampler]
+        others = [k for k, sampler in enumerate(samplers) if type(sampler) is not SphereSampler]
+        self._batches: list[Spheres | LightSampler] = [samplers[k] for k in others]
+        self._batch_of, self._place = np.empty((2, len(samplers)), np.intp)
+        self._batch_of[others] = np.arange(len(others))
+        if spheres:
+            self._batches.append(Spheres([samplers[k] for k in spheres]))
+            self._batch_of[spheres], self._place[spheres] = len(others), np.arange(len(spheres))
 
-    def choose(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Index (n,) into `samplers`, its probability (n,), and what is left of the uniform `u`, uniform again (n,)."""
-        index, rest = self._choice.sample(u)
-        return index, self.probability(index), rest
+    def choose(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Index (n,) into `samplers` by the uniform `u`, and its probability (n,)."""
+        index = self._choice.index(u)
+        return index, self.probability(index)
 
     def probability(self, index: np.ndarray) -> np.ndarray:
         """Probability with which `choose` gives `index`, (n,)."""
         return np.take(self._choice.probability, index)
+
+    def sample(self, index: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """A direction from each point (3, n) towards the light `index` (n,) there."""
+        if len(self._batches) == 1:
+            return self._sample_batch(0, index, point, u1, u2)
+        batch = np.take(self._batch_of, index).astype(np.int16)
+        order = np.argsort(batch, kind="stable")
+        index, point, u1, u2 = (np.take(a, order, axis=-1) for a in (index, point, u1, u2))
+        stops = np.cumsum(np.bincount(batch, minlength=len(self._batches)))
+        count = index.shape[0]
+        whole = LightSample(np.empty((3, count)), np.empty(count), np.empty((3, count)), np.empty(count))
+        start = 0
+        for k, stop in enumerate(stops):
+            if stop > start:
+                here = slice(start, stop)
+                part = self._sample_batch(k, index[here], point[:, here], u1[here], u2[here])
+                for array, values in zip(whole, part, strict=True):
+                    array[..., here] = values
+            start = stop
+        back = np.empty_like(order)
+        back[order] = np.arange(count)
+        return LightSample(*(np.take(array, back, axis=-1) for array in whole))
+
+    def _sample_batch(
+        self, batch: int, index: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray
+    ) -> LightSample:
+        """Samples of lights of one batch."""
+        sampler = self._batches[batch]
+        if isinstance(sampler, Spheres):
+            return sampler.sample(np.take(self._place, index), point, u1, u2)
+        return sampler.sample(point, u1, u2)

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sphere of uniform radiance, sampled by the cone that it fills (Shirley, Wang and Zimmerman 1996)."""
+"""Spheres of uniform radiance, sampled by the cone that they fill (Shirley, Wang and Zimmerman 1996)."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..scene.lights import SphereLight
 from ..vectors import dot
 from .cone import density, uniform_cone
-from .light import LightSample, column, luminance
+from .light import LightSample, aimed_at_ball, column, luminance
 
 
 class SphereSampler:
@@ -18,75 +20,117 @@ class SphereSampler:
 
     def __init__(self, light: SphereLight) -> None:
         self.visible_camera = light.visible_camera
-        self._center = column(light.position)
-        self._radius2 = light.radius**2
-        self._radiance = column(light.radiance)
-        self.power = 4.0 * np.pi**2 * self._radius2 * float(luminance(np.abs(self._radiance))[0])
+        self.center = column(light.position)
+        self.radius2 = light.radius**2
+        self.radiance = column(light.radiance)
+        self.power = 4.0 * np.pi**2 * self.radius2 * float(luminance(np.abs(self.radiance))[0])
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform in the cone that the sphere fills; in all directions from inside."""
-        axis = self._center - point
-        squared = dot(axis, axis)
-        length = np.sqrt(squared)
-        axis /= np.where(length > 0.0, length, np.inf)
-        axis[2, length == 0.0] = 1.0
-        solid = self._one_minus_cos(squared)
-        wi, inner = uniform_cone(axis, solid, u1, u2)
-        off_axis2 = inner * (2.0 - inner)
-        off_axis2 *= squared
-        distance = self._distance(squared, length * (1.0 - inner), np.maximum(self._radius2 - off_axis2, 0.0))
-        radiance = np.empty_like(wi)
-        radiance[:] = self._radiance
-        return LightSample(wi, distance, radiance, density(solid))
+        radiance = np.empty_like(point)
+        radiance[:] = self.radiance
+        return _sample(self.center, self.radius2, radiance, point, u1, u2)
+
+    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Rays that all but pass the sphere."""
+        return aimed_at_ball(self.center, self.radius2, origin, direction)
 
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Nearest crossing from outside, the far one from inside."""
-        offset = self._center - origin
+        offset = self.center - origin
         squared = dot(offset, offset)
         along = dot(offset, direction)
         # The distance from the axis by a difference of vectors: squared - along^2 would cancel far from the light.
         offset -= along * direction
-        half_chord2 = self._radius2 - dot(offset, offset)
+        half_chord2 = self.radius2 - dot(offset, offset)
         hit = half_chord2 >= 0.0
-        hit &= (along > 0.0) | (squared <= self._radius2)
+        hit &= (along > 0.0) | (squared <= self.radius2)
         distance = np.full(hit.shape, np.inf)
         met = np.flatnonzero(hit)
-        distance[met] = self._distance(squared[met], along[met], half_chord2[met])
-        return distance, self._radiance * hit
+        distance[met] = _distance(squared[met] - self.radius2, along[met], half_chord2[met])
+        return distance, self.radiance * hit
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """One over the solid angle of the sphere, 1 / (4 pi) from inside."""
-        offset = self._center - origin
-        return density(self._one_minus_cos(dot(offset, offset))) * np.isfinite(distance)
+        offset = self.center - origin
+        return density(_one_minus_cos(dot(offset, offset), self.radius2)) * np.isfinite(distance)
 
     def inside(self, point: np.ndarray) -> np.ndarray:
         """Whether the points (3, n) lie inside, (n,)."""
-        offset = self._center - point
-        return dot(offset, offset) <= self._radius2
+        offset = self.center - point
+        return dot(offset, offset) <= self.radius2
 
-    def _one_minus_cos(self, squared: np.ndarray) -> np.ndarray:
-        """1 - cos of the half angle under which the sphere is seen from a squared distance; 2 from inside.
 
-        1 - cos = sin^2 / (1 + cos) does not cancel far away, cos^2 = (d^2 - r^2) / d^2 not close to the surface.
-        """
-        bounded = np.maximum(squared, self._radius2)
-        solid = bounded - self._radius2
-        solid /= bounded
-        np.sqrt(solid, out=solid)
-        solid += 1.0
-        solid *= bounded
-        np.divide(self._radius2, solid, out=solid)
-        inside = squared <= self._radius2
-        if inside.any():
-            solid[inside] = 2.0
-        return solid
+class Spheres:
+    """Several sphere lights, a chosen one sampled from each point."""
 
-    def _distance(self, squared: np.ndarray, along: np.ndarray, half_chord2: np.ndarray) -> np.ndarray:
-        """Distance to the sphere along a ray, by the product of the roots, d^2 - r^2: exact just outside."""
-        far = np.sqrt(half_chord2)
-        far += along
-        gap = squared - self._radius2
-        inside = gap <= 0.0
-        if not inside.any():
-            return gap / far
-        return np.where(inside, far, gap / np.where(inside, 1.0, far))
+    def __init__(self, lights: Sequence[SphereSampler]) -> None:
+        self._center = np.hstack([light.center for light in lights])
+        self._radius2 = np.array([light.radius2 for light in lights])
+        self._radiance = np.hstack([light.radiance for light in lights])
+
+    def sample(self, which: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """As `SphereSampler.sample` by the light `which` (n,)."""
+        center, radius2, radiance = (
+            np.take(table, which, axis=-1) for table in (self._center, self._radius2, self._radiance)
+        )
+        return _sample(center, radius2, radiance, point, u1, u2)
+
+
+def _sample(
+    center: np.ndarray,
+    radius2: np.ndarray | float,
+    radiance: np.ndarray,
+    point: np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
+) -> LightSample:
+    """Uniform in the cone of spheres about `center` (3, 1) or (3, n)."""
+    axis = center - point
+    squared = dot(axis, axis)
+    length = np.sqrt(squared)
+    solid = _one_minus_cos(squared, radius2)
+    if not length.all():
+        axis[2, length == 0.0] = 1.0
+        axis /= np.where(length > 0.0, length, 1.0)
+    else:
+        axis /= length
+    wi, inner = uniform_cone(axis, solid, u1, u2)
+    # What is left of the radius beside the ray, r^2 - d^2 sin^2.
+    half_chord2 = 2.0 - inner
+    half_chord2 *= inner
+    half_chord2 *= squared
+    np.subtract(radius2, half_chord2, out=half_chord2)
+    np.clip(half_chord2, 0.0, None, out=half_chord2)
+    squared -= radius2
+    np.subtract(1.0, inner, out=inner)
+    inner *= length
+    return LightSample(wi, _distance(squared, inner, half_chord2), radiance, density(solid))
+
+
+def _one_minus_cos(squared: np.ndarray, radius2: np.ndarray | float) -> np.ndarray:
+    """1 - cos of the half angle under which a sphere is seen from a squared distance; 2 from inside.
+
+    1 - cos = sin^2 / (1 + cos) does not cancel far away, cos^2 = (d^2 - r^2) / d^2 not close to the surface.
+    """
+    bounded = np.maximum(squared, radius2)
+    solid = bounded - radius2
+    solid /= bounded
+    np.sqrt(solid, out=solid)
+    solid += 1.0
+    solid *= bounded
+    np.divide(radius2, solid, out=solid)
+    inside = squared <= radius2
+    if inside.any():
+        solid[inside] = 2.0
+    return solid
+
+
+def _distance(gap: np.ndarray, along: np.ndarray, half_chord2: np.ndarray) -> np.ndarray:
+    """Distance to the sphere along a ray, by the product of the roots, `gap` = d^2 - r^2: exact just outside."""
+    far = np.sqrt(half_chord2)
+    far += along
+    inside = gap <= 0.0
+    if not inside.any():
+        return np.divide(gap, far, out=far)
+    return np.where(inside, far, gap / np.where(inside, 1.0, far))

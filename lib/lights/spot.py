@@ -31,6 +31,10 @@ class SpotSampler:
         sample = self._emitter.sample(point, u1, u2)
         return sample._replace(radiance=sample.radiance * self._dimming(point, sample.wi))
 
+    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Those of the sphere."""
+        return self._emitter.candidates(origin, direction)
+
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The sphere's hit, dimmed along the ray; a sphere that shows nothing there is still met."""
         distance, radiance = self._emitter.intersect(origin, direction)

@@ -36,6 +36,10 @@ class SunSampler:
         wi, _ = uniform_cone(self._direction, self._one_minus_cos, u1, u2)
         return LightSample(wi, np.full(count, np.inf), radiance, np.full(count, density(self._one_minus_cos)))
 
+    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Rays in the cone of the sun."""
+        return np.flatnonzero(self._within(direction))
+
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance inf everywhere; the radiance tells who sees the sun."""
         return np.full(direction.shape[1], np.inf), self._radiance * self._within(direction)

@@ -25,6 +25,10 @@ class Distribution1D:
         self._rows = rows
         self.probability = rows.probability[0]
 
+    def index(self, u: np.ndarray) -> np.ndarray:
+        """Index (n,) intp for uniforms `u` in [0, 1)."""
+        return self._rows.index(u)
+
     def sample(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index (n,) intp for uniforms `u` in [0, 1), and what is left of `u`: a uniform again, (n,)."""
         return self._rows.sample(None, u)
@@ -73,10 +77,26 @@ class _Rows:
             guide[row] = np.searchsorted(upper[row], edges, side="right")
         self._guide = np.minimum(guide, length - 1, out=guide).ravel()
 
+    def index(self, u: np.ndarray) -> np.ndarray:
+        """Index (n,) by `u` where there is one row only."""
+        return np.zeros(u.shape, np.intp) if self._length == 1 else self._flat_index(None, u)
+
     def sample(self, row: np.ndarray | None, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index (n,) by `u` within `row` (n,) (None where there is one row only), and the rest of `u`."""
         if self._length == 1:
             return np.zeros(u.shape, np.intp), u.copy()
+        flat = self._flat_index(row, u)
+        upper = np.take(self._upper, flat)
+        lower = np.take(self._upper, flat - 1, mode="wrap")
+        index = flat if row is None else flat - row * self._length
+        lower[index == 0] = 0.0
+        upper -= lower
+        rest = u - lower
+        rest /= upper
+        return index, np.clip(rest, 0.0, LARGEST_UNIFORM, out=rest)
+
+    def _flat_index(self, row: np.ndarray | None, u: np.ndarray) -> np.ndarray:
+        """Index by `u` into all rows one after the other."""
         bucket = (u * self._buckets).astype(np.intp)
         if row is not None:
             bucket += row * (self._buckets + 1)
@@ -90,14 +110,7 @@ class _Rows:
         open_ = np.flatnonzero(first < last)
         if open_.size:
             first[open_] = self._bisect(first[open_], last[open_], u[open_])
-        upper = np.take(self._upper, first)
-        lower = np.take(self._upper, first - 1, mode="wrap")
-        index = first if row is None else first - start
-        lower[index == 0] = 0.0
-        upper -= lower
-        rest = u - lower
-        rest /= upper
-        return index, np.clip(rest, 0.0, LARGEST_UNIFORM, out=rest)
+        return first
 
     def _bisect(self, first: np.ndarray, last: np.ndarray, u: np.ndarray) -> np.ndarray:
         """First index in [first, last] whose upper edge exceeds u."""

@@ -41,19 +41,23 @@ class Emitters:
             hidden = not light.visible_camera
             if hidden and paths.at_camera:
                 continue
-            distance, radiance = light.intersect(origin, paths.direction)
-            met = distance < end
-            met |= np.isinf(end) & np.isinf(distance) & radiance.any(axis=0)
-            if not straight:
-                met &= distance > paths.travelled
-                if hidden:
-                    met &= paths.scatterings > 0
-            index = np.flatnonzero(met)
-            if index.size == 0:
+            near = light.candidates(origin, paths.direction)
+            if near.size == 0:
                 continue
-            direction = np.take(paths.direction, index, axis=1)
-            density = light.pdf(np.take(origin, index, axis=1), direction, distance[index])
-            arriving = np.take(radiance, index, axis=1) * np.take(paths.throughput, index, axis=1)
+            start, direction, reach = np.take(origin, near, axis=1), np.take(paths.direction, near, axis=1), end[near]
+            distance, radiance = light.intersect(start, direction)
+            met = distance < reach
+            met |= np.isinf(reach) & np.isinf(distance) & radiance.any(axis=0)
+            if not straight:
+                met &= distance > paths.travelled[near]
+                if hidden:
+                    met &= paths.scatterings[near] > 0
+            at = np.flatnonzero(met)
+            if at.size == 0:
+                continue
+            index = near[at]
+            density = light.pdf(np.take(start, at, axis=1), np.take(direction, at, axis=1), distance[at])
+            arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
             arriving *= self._weight(paths.pdf[index], k, density)
             self._sums.add(paths.pixel[index], arriving)
 

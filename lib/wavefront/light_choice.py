@@ -13,7 +13,7 @@ from .kernel import Kernel
 
 @dataclass(frozen=True)
 class LightChoice:
-    """A light sample for each point, with the chance (n,) of its light and whether that light is a delta (n,), or () both."""
+    """A light sample for each point, with the chance of its light and whether that light is a delta, () or (n,) each."""
 
     sample: LightSample
     probability: np.ndarray
@@ -22,9 +22,8 @@ class LightChoice:
     def part(self, start: int, stop: int) -> LightChoice:
         """The samples from `start` to `stop`, sharing arrays."""
         piece = LightSample(*(a[..., start:stop] for a in self.sample))
-        if np.ndim(self.delta) == 0:
-            return LightChoice(piece, self.probability, self.delta)
-        return LightChoice(piece, self.probability[start:stop], self.delta[start:stop])
+        probability, delta = (a if np.ndim(a) == 0 else a[start:stop] for a in (self.probability, self.delta))
+        return LightChoice(piece, probability, delta)
 
 
 def choose_light(
@@ -34,12 +33,6 @@ def choose_light(
     lights = kernel.lights
     if len(lights) == 1:
         return LightChoice(lights[0].sample(position, u1, u2), np.float64(1.0), np.bool_(lights[0].delta))
-    index, probability, _ = kernel.selection.choose(choice)
-    count = position.shape[1]
-    wi, radiance = np.empty((3, count)), np.empty((3, count))
-    distance, pdf = np.empty(count), np.empty(count)
-    for k in np.flatnonzero(np.bincount(index, minlength=len(lights))):
-        at = np.flatnonzero(index == k)
-        one = lights[k].sample(np.take(position, at, axis=1), u1[at], u2[at])
-        wi[:, at], distance[at], radiance[:, at], pdf[at] = one
-    return LightChoice(LightSample(wi, distance, radiance, pdf), probability, kernel.light_is_delta[index])
+    index, probability = kernel.selection.choose(choice)
+    delta = np.take(kernel.light_is_delta, index) if kernel.light_is_delta.any() else np.bool_(False)
+    return LightChoice(kernel.selection.sample(index, position, u1, u2), probability, delta)

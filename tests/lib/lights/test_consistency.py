@@ -86,3 +86,19 @@ def test_nothing_behind_an_area_light(extended, rng):
     assert np.isinf(distance).all()
     assert not radiance.any()
     assert not extended.pdf(points, direction, distance).any()
+
+
+def test_every_ray_that_meets_a_light_is_a_candidate(extended, rng):
+    """From inside to 10,000 km away, aimed at the outline; and what is clearly aimed elsewhere is left out."""
+    away = rng.standard_normal((3, 20000))
+    away *= 10.0 ** rng.uniform(-2.0, 7.0, 20000) / np.linalg.norm(away, axis=0)
+    points = away + np.array([[0.2], [0.0], [1.5]])
+    wi = extended.sample(
+        points, rng.random(20000), np.where(rng.random(20000) < 0.5, 1.0 - 1e-12, rng.random(20000))
+    ).wi
+    distance, radiance = extended.intersect(points, wi)
+    met = np.flatnonzero(np.isfinite(distance) | radiance.any(axis=0))
+    assert met.size > 1000
+    assert np.isin(met, extended.candidates(points, wi)).all()
+    far = np.flatnonzero((away**2).sum(axis=0) > 9.0)
+    assert extended.candidates(points[:, far], -wi[:, far]).size < 0.01 * far.size

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from etalon.lib.lights.build import light_sampler
 from etalon.lib.lights.selection import LightSelection
-from etalon.lib.scene.lights import PointLight
+from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight
+
+AREA = (1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.0, 0.0, -1.0), "RECTANGLE"
 
 
 def lights(*powers):
@@ -15,25 +17,39 @@ def lights(*powers):
 def test_choice_follows_the_power(rng):
     selection = LightSelection(lights(1.0, 0.0, 2.0, 5.0))
     u = (np.arange(80000) + 0.5) / 80000
-    index, probability, rest = selection.choose(u)
+    index, probability = selection.choose(u)
     np.testing.assert_allclose(np.bincount(index, minlength=4) / 80000, np.array([1.0, 0.0, 2.0, 5.0]) / 8.0, atol=1e-4)
     np.testing.assert_allclose(probability, np.array([0.125, 0.0, 0.25, 0.625])[index])
     np.testing.assert_allclose(probability, selection.probability(index))
-    for light in (0, 2, 3):
-        kept = np.sort(rest[index == light])
-        np.testing.assert_allclose(kept, (np.arange(kept.size) + 0.5) / kept.size, atol=1e-9)
 
 
-def test_one_light_leaves_the_uniform_alone(rng):
-    u = rng.random(100)
-    index, probability, rest = LightSelection(lights(3.0)).choose(u)
+def test_one_light_is_always_chosen(rng):
+    index, probability = LightSelection(lights(3.0)).choose(rng.random(100))
     assert not index.any()
     assert np.all(probability == 1.0)
-    assert np.array_equal(rest, u)
+
+
+@pytest.mark.parametrize("kinds", ["SSS", "SPSAS", "PA", "A"])
+def test_a_chosen_light_gives_its_own_sample(rng, kinds):
+    """Lights are sampled in batches; each point must still get what its own light alone would give it."""
+    makers = {
+        "S": lambda k: SphereLight("s", (k, 4.0, 1.0), 0.2 + 0.3 * k, (1.0, 2.0, k)),
+        "P": lambda k: PointLight("p", (k, -3.0, 2.0), (3.0, k, 1.0)),
+        "A": lambda k: AreaLight("a", (k, 0.0, 5.0), *AREA, (k, 1.0, 2.0), np.pi),
+    }
+    samplers = [light_sampler(makers[kind](float(k + 1)), 1.0) for k, kind in enumerate(kinds)]
+    index, point = rng.integers(0, len(kinds), 500), rng.uniform(-1.0, 3.0, (3, 500))
+    u1, u2 = rng.random((2, 500))
+    together = LightSelection(samplers).sample(index, point, u1, u2)
+    for k, sampler in enumerate(samplers):
+        at = np.flatnonzero(index == k)
+        alone = sampler.sample(point[:, at], u1[at], u2[at])
+        for whole, part in zip(together, alone, strict=True):
+            np.testing.assert_allclose(whole[..., at], part, rtol=1e-13)
 
 
 def test_lights_without_power_are_chosen_alike():
-    index, probability, _ = LightSelection(lights(0.0, 0.0)).choose(np.array([0.1, 0.9]))
+    index, probability = LightSelection(lights(0.0, 0.0)).choose(np.array([0.1, 0.9]))
     assert index.tolist() == [0, 1]
     assert probability.tolist() == [0.5, 0.5]
 
