@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..errors import EtalonError
 from ..scene.scene import Scene
 from .catalogue import EFFECTS
+from .facts import Facts
 
 
 @dataclass(frozen=True)
@@ -21,9 +23,10 @@ class Decision:
 
 @dataclass(frozen=True)
 class Plan:
-    """Decisions on every effect of the catalogue, in its order."""
+    """Decisions on every effect of the catalogue, in its order. A plan that `prunes` leaves out lobes that add nothing, too."""
 
     decisions: tuple[Decision, ...]
+    prunes: ClassVar[bool] = True
 
     def needs(self, effect: str) -> bool:
         """Whether the effect of that name is needed."""
@@ -32,7 +35,26 @@ class Plan:
                 return decision.needed
         raise EtalonError(f"no effect is called '{effect}'; see lib/effects/catalogue.py")
 
+    def forcing(self, *effects: str) -> Forced:
+        """The same plan with the named effects run although the scene does not call for them; all where none is named."""
+        for effect in effects:
+            self.needs(effect)
+        return Forced(
+            tuple(
+                d if d.needed or (effects and d.effect not in effects) else Decision(d.effect, True, "forced")
+                for d in self.decisions
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Forced(Plan):
+    """A plan that runs more than its scene calls for, which shows what is saved and that nothing is lost."""
+
+    prunes: ClassVar[bool] = False
+
 
 def make_plan(scene: Scene) -> Plan:
     """Ask every effect of the catalogue whether this scene calls for it."""
-    return Plan(tuple(Decision(effect.name, *effect.called_for(scene)) for effect in EFFECTS))
+    facts = Facts(scene)
+    return Plan(tuple(Decision(effect.name, *effect.called_for(facts)) for effect in EFFECTS))

@@ -22,9 +22,9 @@ class Emitters:
 
     def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
         """The power heuristic for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
-        if self._kernel.options.direct == "mis":
+        if self._kernel.weighs:
             return power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
-        if self._kernel.options.direct == "bsdf":
+        if not self._kernel.samples_lights or self._kernel.options.direct == "bsdf":
             return np.ones_like(pdf)
         return np.where(np.isinf(pdf), 1.0, 0.0)  # only deltas and the camera see what light sampling covers
 
@@ -64,17 +64,17 @@ class Emitters:
     def sky(self, paths: Paths, escaped: np.ndarray) -> None:
         """The world, for the rays at `escaped` that left the scene."""
         kernel = self._kernel
-        if escaped.size == 0 or (kernel.sky is None and kernel.environment is None):
+        if escaped.size == 0 or (kernel.sky is None and not kernel.asks_world):
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
         if kernel.sky is not None:  # no light sampling competes for a constant sky
             self._sums.add(paths.pixel[escaped], throughput * kernel.sky)
             return
         direction = np.take(paths.direction, escaped, axis=1)
-        reach, radiance = kernel.environment.intersect(direction, direction)
-        density = kernel.environment.pdf(direction, direction, reach)
-        throughput *= radiance
-        throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
+        throughput *= kernel.world(direction)
+        if kernel.environment is not None:
+            density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
+            throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
         self._sums.add(paths.pixel[escaped], throughput)
 
     def faces(

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..departures.scene import departed
 from ..effects.plan import Plan
-from ..lights.build import light_samplers
+from ..lights.build import light_sampler, light_samplers
 from ..lights.environment import EnvironmentSampler
 from ..lights.selection import LightSelection
 from ..scene.scene import Scene
@@ -27,7 +27,8 @@ class Kernel:
 
     `lights` are the samplers of light objects, then the environment's, then the emissive mesh's, as far as the plan calls for them;
     `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None. `lit_from_below` lets light sampling reach
-    below smooth-shaded faces. A kernel `like` this one of the same mesh shares what depends on the mesh alone.
+    below smooth-shaded faces. The flags say which stages run. A kernel `like` this one of the same mesh shares what depends on the mesh
+    alone.
     """
 
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
@@ -37,30 +38,42 @@ class Kernel:
         self.caster = like.caster if same_mesh else Raycaster(scene.mesh)
         self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
-        self.materials = [PreparedMaterial(m, self.images, options) for m in scene.materials]
+        self.materials = [PreparedMaterial(m, self.images, options, plan.prunes) for m in scene.materials]
         self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry
         radius = self.caster.radius
-        self.lights = light_samplers(scene.lights, radius)
+        if plan.prunes:
+            self.lights = light_samplers(scene.lights, radius)
+        else:
+            self.lights = [light_sampler(light, radius) for light in scene.lights]
         self.sky: np.ndarray | None = None
         self.environment: EnvironmentSampler | None = None
-        if plan.needs("constant world"):
+        self.asks_world = plan.needs("environment world")
+        if plan.needs("environment table"):
+            self.environment = EnvironmentSampler(self.world, scene.world.table_resolution, radius)
+            self.lights.append(self.environment)
+        elif plan.needs("constant world"):
             world = np.asarray(fold(scene.world.radiance).value, np.float64)
             self.sky = np.maximum(np.broadcast_to(world, (3,)), 0.0)[:, None]
-        if plan.needs("environment world"):
-            self.environment = EnvironmentSampler(self._world, scene.world.table_resolution, radius)
-            self.lights.append(self.environment)
         self.emissive: EmissiveMesh | None = None
-        if plan.needs("mesh lights"):
+        if plan.needs("mesh lights") and any(m.emits for m in self.materials):
             self.emissive = EmissiveMesh(self.tables, self.materials, self.caster.planes)
             self.lights.append(self.emissive)
         self.selection = LightSelection(self.lights) if self.lights else None
         self.light_is_delta = np.array([light.delta for light in self.lights], bool)
         # Light sampling is called for by lights that nothing else finds, and wherever it is one of the strategies.
-        self.samples_lights = bool(self.light_is_delta.any()) or (bool(self.lights) and options.direct != "bsdf")
+        wanted = bool(self.light_is_delta.any()) or (bool(self.lights) and options.direct != "bsdf")
+        self.samples_lights = wanted and plan.needs("light sampling")
+        self.selects_lights = plan.needs("light selection") and bool(self.lights)
+        self.weighs = options.direct == "mis" and plan.needs("multiple importance sampling")
         self.lit_from_below = "light below the face" in options.departures
-        self.has_choices = len(self.lights) > 1 or any(m.mixes for m in self.materials)
+        self.asks_visibility = plan.needs("shadow rays") or self.lit_from_below
+        self.has_choices = plan.needs("light selection") or plan.needs("several lobes")
+        self.samples_lobes, self.last_rays = plan.needs("scattered rays"), plan.needs("last rays")
+        self.second_hits, self.several_materials = plan.needs("second hits"), plan.needs("several materials")
+        self.most_bounces = scene.transport.max_bounces if plan.needs("indirect light") else 0
+        self.roulette = options.russian_roulette and plan.needs("Russian roulette")
 
-    def _world(self, direction: np.ndarray) -> np.ndarray:
+    def world(self, direction: np.ndarray) -> np.ndarray:
         """The world's radiance from unit directions (3, n)."""
         radiance = evaluate(self.scene.world.radiance, Directions(direction), self.images)
         return np.broadcast_to(np.maximum(radiance, 0.0), direction.shape)

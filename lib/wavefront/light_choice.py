@@ -31,7 +31,7 @@ def choose_light(
 ) -> LightChoice:
     """Pick a light by power with `choice`, then a direction by (u1, u2), for each point (3, n)."""
     lights = kernel.lights
-    if len(lights) == 1:
+    if not kernel.selects_lights:
         return LightChoice(lights[0].sample(position, u1, u2), np.float64(1.0), np.bool_(lights[0].delta))
     index, probability = kernel.selection.choose(choice)
     delta = np.take(kernel.light_is_delta, index) if kernel.light_is_delta.any() else np.bool_(False)

@@ -6,37 +6,29 @@ from __future__ import annotations
 import numpy as np
 
 from ..bsdfs.mixture import Mixture
-from ..effects.catalogue import adds_nothing
+from ..effects.facts import adding_lobes
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import Closure, Emission, Material, Transparent
 from ..textures.evaluate import Evaluator, evaluate
-from ..textures.fold import fold
 from ..textures.images import ImageSet
 from .lobes import Site, build
 from .options import Options
 from .surface import SurfacePoints
 
 
-def folded(closure: Closure) -> Closure:
-    """The closure with the constant parts of its sockets worked out."""
-    sockets = {k: fold(v) for k, v in vars(closure).items() if isinstance(v, Expression)}
-    return type(closure)(**{**vars(closure), **sockets})
-
-
 class PreparedMaterial:
-    """One material, ready to be asked at points."""
+    """One material, ready to be asked at points. With `prunes` its sockets are folded, and lobes that add nothing left out."""
 
-    def __init__(self, material: Material, images: ImageSet, options: Options) -> None:
+    def __init__(self, material: Material, images: ImageSet, options: Options, prunes: bool) -> None:
         self.name = material.name
         self._images, self._options = images, options
-        lobes = [(fold(x.weight), folded(x.closure)) for x in material.lobes if not adds_nothing(x)]
+        lobes = [(x.weight, x.closure) for x in (adding_lobes(material) if prunes else material.lobes)]
         self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
         self.scatters = bool(self._scattering)
-        self.mixes = len(self._scattering) > 1
 
     def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:
         return evaluate(expression, points, self._images)

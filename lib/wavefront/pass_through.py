@@ -50,7 +50,7 @@ def split(
             chance[a:b] = np.divide(through, total, out=np.zeros(b - a), where=total > 0.0)
     alive = paths.passed < max(transport.transparent_max_bounces, 1)
     passes = alive & (uniform < chance)
-    scatters = alive & ~passes & (chance < 1.0) & (paths.scatterings <= transport.max_bounces)
+    scatters = alive & ~passes & (chance < 1.0) & (paths.scatterings <= kernel.most_bounces)
     index = np.flatnonzero(scatters)
     counts = [(material, int(np.count_nonzero(scatters[a:b]))) for material, a, b in groups]
     stops = np.cumsum([n for _, n in counts])

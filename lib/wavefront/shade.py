@@ -20,13 +20,13 @@ class Shaded:
     """Results for the points of one material.
 
     direct (3, n): f |cos| L / pdf by light sampling with its weight, before visibility and throughput, or None. wi (3, n) the next direction in
-    world space, weight (3, n) f |cos| / pdf, pdf (n,).
+    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on.
     """
 
     direct: np.ndarray | None
-    wi: np.ndarray
-    weight: np.ndarray
-    pdf: np.ndarray
+    wi: np.ndarray | None = None
+    weight: np.ndarray | None = None
+    pdf: np.ndarray | None = None
 
 
 def shade_all(
@@ -34,24 +34,30 @@ def shade_all(
     points: SurfacePoints,
     groups: list[tuple[int, int, int]],
     light: LightChoice | None,
-    uniforms: tuple[np.ndarray, np.ndarray, np.ndarray],
+    uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
 ) -> Shaded:
-    """Shade points that stand in groups (material, start, stop); `uniforms` pick the lobe and the direction within it."""
+    """Shade points that stand in groups (material, start, stop).
+
+    `uniforms` pick the lobe and the direction within it; None where no path goes on.
+    """
     size = points.size
     frame = orthonormal_basis(points.n)
     if len(groups) == 1 and kernel.materials[groups[0][0]].scatters:
         return _shade(kernel, groups[0][0], points, frame, light, uniforms)
     direct = None if light is None else np.zeros((3, size))
-    wi, weight, pdf = np.zeros((3, size)), np.zeros((3, size)), np.zeros(size)
+    onward = None if uniforms is None else (np.zeros((3, size)), np.zeros((3, size)), np.zeros(size))
     for material, a, b in groups:
         if kernel.materials[material].scatters:
             here = frame[0][:, a:b], frame[1][:, a:b]
             part = None if light is None else light.part(a, b)
-            shaded = _shade(kernel, material, points.part(a, b), here, part, tuple(u[a:b] for u in uniforms))
-            wi[:, a:b], weight[:, a:b], pdf[a:b] = shaded.wi, shaded.weight, shaded.pdf
+            picks = None if uniforms is None else tuple(u[a:b] for u in uniforms)
+            shaded = _shade(kernel, material, points.part(a, b), here, part, picks)
             if direct is not None:
                 direct[:, a:b] = shaded.direct
-    return Shaded(direct, wi, weight, pdf)
+            if onward is not None:
+                for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf), strict=True):
+                    whole[..., a:b] = one
+    return Shaded(direct, *(onward or ()))
 
 
 def _shade(
@@ -60,7 +66,7 @@ def _shade(
     points: SurfacePoints,
     frame: tuple[np.ndarray, np.ndarray],
     light: LightChoice | None,
-    uniforms: tuple[np.ndarray, np.ndarray, np.ndarray],
+    uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
 ) -> Shaded:
     """Shade points of one material in the frame (t, s, n)."""
     wo = to_local(points.wo, *frame, points.n)
@@ -68,6 +74,8 @@ def _shade(
     direct = None
     if light is not None:
         direct = np.zeros_like(wo) if mixture.all_delta else _direct(kernel, points, frame, mixture, light)
+    if uniforms is None:
+        return Shaded(direct)
     local, weight, pdf = mixture.sample(*uniforms)
     wi = to_world(local, *frame, points.n)
     if not kernel.tables.all_flat:  # both normals must see wi on the same side
@@ -83,13 +91,13 @@ def _direct(
     toward = to_local(sample.wi, *frame, points.n)
     value, pdf = mixture.evaluate(toward)
     density = sample.pdf * light.probability
-    if kernel.options.direct == "mis":
-        factor = power_heuristic(density, np.where(light.delta, 0.0, pdf))
-    elif kernel.options.direct == "lights":
-        factor = np.ones_like(density)
+    if kernel.weighs:
+        factor = power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
+        factor /= density
+    elif kernel.options.direct == "bsdf":
+        factor = np.where(light.delta, 1.0 / density, 0.0)
     else:
-        factor = np.where(light.delta, 1.0, np.zeros_like(density))
-    factor /= density
+        factor = 1.0 / density
     if not kernel.tables.all_flat and not kernel.lit_from_below:
         factor *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value = value * factor

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..effects.transport import ROULETTE_AFTER
 from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
 from ..vectors import dot
@@ -24,7 +25,6 @@ from .visibility import transmittance
 PIXEL, LENS, FIRST_STEP = 0, 1, 2
 BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
 DIMENSIONS_PER_STEP = 4
-ROULETTE_AFTER = 2
 
 
 class Tracer:
@@ -41,15 +41,19 @@ class Tracer:
         paths, reach = self._from_camera(column, row, pixel, sample)
         step = 0
         while paths.size:
-            hits = self._kernel.caster.closest(paths.origin, paths.direction, reach)
-            self.rays += paths.size
-            self._clock.lap("intersect")
+            hits = self._hits(paths, reach) if step == 0 or self._kernel.second_hits else _no_hits(paths.size)
             self._emitters.lights_met(paths, hits)
             self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
             self._clock.lap("emission")
             paths = self._scatter(paths, hits, step)
             reach = None
             step += 1
+
+    def _hits(self, paths: Paths, reach: np.ndarray | None) -> Hits:
+        hits = self._kernel.caster.closest(paths.origin, paths.direction, reach)
+        self.rays += paths.size
+        self._clock.lap("intersect")
+        return hits
 
     def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(dimension, paths.pixel, paths.sample)
@@ -94,6 +98,9 @@ class Tracer:
 
     def _by_material(self, hits: Hits) -> tuple[np.ndarray, Groups]:
         """Indices of the hits, sorted by material, and each material's (index, start, stop) in that order."""
+        if not self._kernel.several_materials:
+            order = np.flatnonzero(hits.triangle >= 0)
+            return order, [(int(self._kernel.material_of[0]), 0, order.size)] if order.size else []
         material = np.take(self._kernel.material_of, hits.triangle)  # a miss reads the last triangle, and is masked
         material = np.where(hits.triangle < 0, np.int16(-1), material)
         counts = np.bincount(material + 1, minlength=1)
@@ -114,7 +121,7 @@ class Tracer:
     ) -> Paths:
         """Pass through or scatter at the hits; the paths that go on."""
         if not self._transparent:
-            if step > self._kernel.scene.transport.max_bounces:
+            if step > self._kernel.most_bounces:
                 return paths.take(np.empty(0, np.intp))
             return self._shade(paths, points, offset, groups, step)
         uniform, _ = self._pair(FIRST_STEP + DIMENSIONS_PER_STEP * step + FATE, paths)
@@ -129,22 +136,28 @@ class Tracer:
 
     def _shade(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int) -> Paths:
         """Light sampling and BSDF sampling at all hits; the scattered paths."""
+        kernel = self._kernel
+        goes_on = kernel.samples_lobes and (kernel.last_rays or self._transparent or step < kernel.most_bounces)
+        if not goes_on and not kernel.samples_lights:
+            return paths.take(np.empty(0, np.intp))
         dimension = FIRST_STEP + DIMENSIONS_PER_STEP * step
         # A single lobe and a single light leave nothing to pick; a zero serves as well then.
         pick = choice = np.zeros(paths.size)
-        if self._kernel.has_choices:
+        if kernel.has_choices:
             pick, choice = self._pair(dimension + CHOICES, paths)
         light = None
-        if self._kernel.samples_lights:
-            light = choose_light(self._kernel, points.position, choice, *self._pair(dimension + LIGHT, paths))
+        if kernel.samples_lights:
+            light = choose_light(kernel, points.position, choice, *self._pair(dimension + LIGHT, paths))
         self._clock.lap("lights")
-        uniforms = (pick, *self._pair(dimension + BSDF, paths))
-        shaded = shade_all(self._kernel, points, groups, light, uniforms)
+        uniforms = (pick, *self._pair(dimension + BSDF, paths)) if goes_on else None
+        shaded = shade_all(kernel, points, groups, light, uniforms)
         self._clock.lap("shade")
         if light is not None:
             self._add_direct(paths, points, offset, light.sample, shaded.direct)
+        if not goes_on:
+            return paths.take(np.empty(0, np.intp))
         following = self._advance(paths, points, offset, shaded)
-        if self._kernel.options.russian_roulette and step >= ROULETTE_AFTER:
+        if kernel.roulette and step >= ROULETTE_AFTER:
             return _play_roulette(following, self._pair(dimension + FATE, following)[1])
         return following
 
@@ -155,6 +168,10 @@ class Tracer:
         direct *= paths.throughput
         index = np.flatnonzero(direct.any(axis=0))
         if index.size == 0:
+            return
+        if not self._kernel.asks_visibility:
+            self._sums.add(paths.pixel[index], np.take(direct, index, axis=1))
+            self._clock.lap("film")
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = _leave(points, offset, index, direction)
@@ -169,7 +186,10 @@ class Tracer:
     def _advance(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded) -> Paths:
         """The paths whose throughput is not zero, set out along wi."""
         throughput = shaded.weight * paths.throughput
-        index = np.flatnonzero(throughput.any(axis=0))
+        going = throughput.any(axis=0)
+        if self._transparent and not self._kernel.last_rays:
+            going &= paths.scatterings < self._kernel.most_bounces
+        index = np.flatnonzero(going)
         direction = np.take(shaded.wi, index, axis=1)
         following = Paths(
             paths.pixel[index],
@@ -185,6 +205,12 @@ class Tracer:
             following.scatterings = paths.scatterings[index] + 1
         self._clock.lap("advance")
         return following
+
+
+def _no_hits(count: int) -> Hits:
+    """What rays meet where it is known that they meet nothing."""
+    nowhere = np.zeros(count, np.float32)
+    return Hits(np.full(count, -1, np.int32), np.full(count, np.inf), nowhere, nowhere)
 
 
 def _play_roulette(paths: Paths, uniform: np.ndarray) -> Paths:

@@ -3,173 +3,17 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from etalon.lib.effects.catalogue import EFFECTS
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.errors import EtalonError
-from etalon.lib.scene.camera import Aperture
-from etalon.lib.scene.converters import Component
-from etalon.lib.scene.expressions import (
-    ZERO,
-    Attribute,
-    Bump,
-    Checker,
-    Constant,
-    Coordinates,
-    EnvironmentTexture,
-    ImageTexture,
-    Math,
-    NormalMap,
-    ValueToColor,
-    VectorToValue,
-)
-from etalon.lib.scene.images import Image
-from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
-from etalon.lib.scene.materials import (
-    Diffuse,
-    Emission,
-    Glass,
-    Glossy,
-    Lobe,
-    Material,
-    Metallic,
-    Refraction,
-    Specular,
-    Translucent,
-    Transparent,
-)
+from etalon.lib.scene.expressions import ZERO, Math, ValueToColor
+from etalon.lib.scene.materials import Diffuse, Emission, Glass, Transparent
 from etalon.lib.scene.world import World
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.scenes import color, cube, diffuse, floor, icosphere, material, orthographic, scene
-
-CAMERA = orthographic(4, 4, 3.0, (0.1, 0.1, 5.0))
-LENS = Aperture(0.1, 0, 0.0, 1.0, 5.0)
-HALF = Constant(0.5)
-POINT = PointLight("point", (0.0, 0.0, 3.0), (1.0, 1.0, 1.0))
-SUN = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0, 1.0))
-AREA = AreaLight("area", (0, 0, 3.0), (1.0, 0, 0), (0, -1.0, 0), (0, 0, -1.0), "RECTANGLE", (1.0, 1.0, 1.0), np.pi)
-SPHERE = SphereLight("sphere", (0.0, 0.0, 3.0), 0.5, (1.0, 1.0, 1.0))
-CONE = Cone((0, 0, -1.0), (1.0, 0, 0), (0, 1.0, 0), 0.7, 0.2)
-IMAGE = Image("image", np.ones((2, 2, 4), np.float32), "LINEAR")
-SLOPED = World(ValueToColor(VectorToValue(Coordinates("GENERATED"))), (8, 4))
-
-
-def of(*closures, **more):
-    return scene(cube(), material(*closures), CAMERA, **more)
-
-
-def with_uvs(the_scene):
-    count = the_scene.mesh.triangle_count
-    mesh = replace(the_scene.mesh, uvs={"": np.zeros((3, 2, count), np.float32)})
-    mesh = replace(mesh, attributes={"paint": np.ones((3, 6, count), np.float32)})
-    mesh = replace(mesh, generated=np.zeros((3, mesh.vertices.shape[1]), np.float32))
-    return replace(the_scene, mesh=mesh, images=(IMAGE,))
-
-
-TEXTURED = ImageTexture(Coordinates("UV"), 0)
-PATTERNED = Checker(Coordinates("UV"), color(0.2), color(0.8), HALF)
-PLAIN = of(Diffuse(color(0.5)))
-# Effect -> scenes that call for it, scenes that do not (the same without the cause, or with a cause that adds nothing).
-CASES = {
-    "depth of field": (
-        [replace(PLAIN, camera=replace(CAMERA, aperture=LENS))],
-        [PLAIN],
-    ),
-    "smooth normals": (
-        [scene(icosphere(smooth=True), diffuse(0.5), CAMERA)],
-        [scene(icosphere(), diffuse(0.5), CAMERA)],
-    ),
-    "Lambert": ([PLAIN], [of(Diffuse(color(0.5), HALF)), of(Diffuse(color(0.0))), of(Glossy())]),
-    "Oren-Nayar": ([of(Diffuse(color(0.5), HALF))], [PLAIN, of(Diffuse(color(0.0), HALF))]),
-    "Beckmann": ([of(Glossy("BECKMANN", roughness=HALF))], [of(Glossy("GGX", roughness=HALF)), PLAIN]),
-    "GGX": (
-        [of(Glossy("GGX", roughness=HALF)), of(Glossy("MULTI_GGX", roughness=HALF))],
-        [of(Glossy("BECKMANN", roughness=HALF)), of(Glossy("GGX", color(0.0), HALF)), PLAIN],
-    ),
-    "multiple scattering": ([of(Glossy("MULTI_GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
-    "anisotropy": (
-        [of(Glossy("GGX", roughness=HALF, anisotropy=HALF))],
-        [of(Glossy("GGX", roughness=HALF)), of(Glossy("GGX", roughness=HALF, anisotropy=Constant(1e-5)))],
-    ),
-    "Ashikhmin-Shirley": (
-        [of(Glossy("ASHIKHMIN_SHIRLEY", roughness=HALF))],
-        [of(Glossy("GGX", roughness=HALF))],
-    ),
-    "metals": ([of(Metallic("GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
-    "glossy layers": ([of(Specular("GGX", Constant(1.5)))], [of(Metallic("GGX", roughness=HALF))]),
-    "rough interfaces": (
-        [of(Glass(ior=Constant(1.5), roughness=HALF)), of(Refraction(ior=Constant(1.5), roughness=HALF))],
-        [of(Glass(ior=Constant(1.5)))],
-    ),
-    "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
-    "glass": (
-        [of(Glass(ior=Constant(1.5)))],
-        [of(Refraction(ior=Constant(1.5))), of(Glass(color(0.0), ior=Constant(1.5)))],
-    ),
-    "refraction": ([of(Refraction(ior=Constant(1.5)))], [of(Glass(ior=Constant(1.5)))]),
-    "transparent surfaces": (
-        [of(Transparent(color(0.5))), of(Diffuse(), Transparent(color(0.1)))],
-        [PLAIN, of(Transparent(color(0.0))), of(Glass())],
-    ),
-    "emission": ([of(Emission(color(1.0)))], [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))]),
-    "image textures": (
-        [with_uvs(of(Diffuse(TEXTURED))), with_uvs(scene(cube(), Material("m", (Lobe(Diffuse(), TEXTURED),)), CAMERA))],
-        [with_uvs(PLAIN)],
-    ),
-    "procedural textures": (
-        [with_uvs(of(Diffuse(PATTERNED)))],
-        [with_uvs(PLAIN), with_uvs(of(Diffuse(TEXTURED)))],
-    ),
-    "normal maps": (
-        [with_uvs(of(Diffuse(color(0.5), normal=NormalMap(color(0.7), HALF))))],
-        [with_uvs(PLAIN), with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
-    ),
-    "bumps": (
-        [with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
-        [with_uvs(PLAIN)],
-    ),
-    "mesh attributes": ([with_uvs(of(Diffuse(Attribute("paint"))))], [with_uvs(PLAIN)]),
-    "point lights": (
-        [replace(PLAIN, lights=(POINT,)), replace(PLAIN, lights=(SpotLight("s", (0, 0, 3.0), 0.0, (1.0,) * 3, CONE),))],
-        [PLAIN, replace(PLAIN, lights=(SUN, SPHERE, AREA))],
-    ),
-    "sphere lights": (
-        [
-            replace(PLAIN, lights=(SPHERE,)),
-            replace(PLAIN, lights=(SpotLight("s", (0, 0, 3.0), 0.2, (1.0,) * 3, CONE),)),
-        ],
-        [PLAIN, replace(PLAIN, lights=(SUN, POINT, AREA))],
-    ),
-    "sun lights": ([replace(PLAIN, lights=(SUN,))], [PLAIN, replace(PLAIN, lights=(POINT, AREA))]),
-    "area lights": ([replace(PLAIN, lights=(AREA,))], [PLAIN, replace(PLAIN, lights=(SUN, POINT))]),
-    "mesh lights": ([of(Emission(color(1.0)))], [PLAIN, replace(PLAIN, lights=(AREA,))]),
-    "constant world": ([replace(PLAIN, world=World(color(0.5)))], [PLAIN, replace(PLAIN, world=SLOPED)]),
-    "environment world": (
-        [
-            replace(PLAIN, world=SLOPED),
-            replace(PLAIN, world=World(EnvironmentTexture(Coordinates("GENERATED"), 0), (8, 4)), images=(IMAGE,)),
-        ],
-        [PLAIN, replace(PLAIN, world=World(color(0.5)))],
-    ),
-    "shadow rays": (
-        [replace(PLAIN, lights=(POINT,)), replace(PLAIN, world=SLOPED), of(Diffuse(), Emission())],
-        [PLAIN, replace(PLAIN, world=World(color(0.5)))],
-    ),
-    "light selection": (
-        [
-            replace(PLAIN, lights=(POINT, SUN)),
-            replace(PLAIN, lights=(POINT,), world=SLOPED),
-            replace(of(Emission()), lights=(SUN,)),
-        ],
-        [PLAIN, replace(PLAIN, lights=(POINT,)), replace(PLAIN, lights=(POINT,), world=World(color(0.5)))],
-    ),
-    "indirect light": (
-        [replace(PLAIN, transport=replace(PLAIN.transport, max_bounces=1))],
-        [replace(PLAIN, transport=replace(PLAIN.transport, max_bounces=0))],
-    ),
-}
+from etalon.tests.effect_cases import CAMERA, CASES, CROWDED, HALF, PLAIN, POINT, of
+from etalon.tests.scenes import color, cube, diffuse, floor, material, scene
 
 
 @pytest.mark.parametrize("effect", [effect.name for effect in EFFECTS])
@@ -231,11 +75,15 @@ def test_a_constant_behind_nodes_is_still_a_constant():
 
 def test_what_is_not_called_for_is_not_run(seed):
     """The stage clock knows no stage that the plan leaves out, and no shadow ray is traced where none is asked for."""
-    sky_only = replace(PLAIN, world=World(color(0.5)))
-    rendering = ReferenceRenderer(sky_only, Options(seed=seed, threads=1)).render(0, 4)
-    assert "shadow rays" not in rendering.stages
-    assert "pass through" not in rendering.stages
-    lit = replace(sky_only, lights=(POINT,))
-    assert "shadow rays" in ReferenceRenderer(lit, Options(seed=seed, threads=1)).render(0, 4).stages
+
+    def stages(the_scene):
+        return ReferenceRenderer(the_scene, Options(seed=seed, threads=1)).render(0, 4).stages
+
+    for outdoors in (PLAIN, CROWDED):
+        assert not {"shadow rays", "pass through"} & set(stages(replace(outdoors, world=World(color(0.5)))))
+    assert "shadow rays" in stages(replace(CROWDED, lights=(POINT,)))
+    alone = replace(PLAIN, lights=(POINT,))
+    assert not {"shadow rays", "advance"} & set(stages(alone))
+    assert ReferenceRenderer(alone, Options(threads=1)).render(0, 4).rays == 16 * 4
     veiled = of(Diffuse(color(0.5)), Transparent(color(0.5)), world=0.5)
-    assert "pass through" in ReferenceRenderer(veiled, Options(seed=seed, threads=1)).render(0, 4).stages
+    assert "pass through" in stages(veiled)

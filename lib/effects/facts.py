@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene holds, as far as the catalogue asks: what is seen, what shines, what its geometry allows; each worked out once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ..lights.build import light_sampler
+from ..scene.expressions import ONE, Constant, Expression
+from ..scene.lights import Light
+from ..scene.materials import (
+    Anisotropic,
+    Closure,
+    Emission,
+    Glass,
+    Lobe,
+    Material,
+    Refraction,
+    Translucent,
+    Transparent,
+)
+from ..scene.scene import Scene
+from ..textures.fold import Folder, fold
+from .geometry import Answer, meets_again
+
+
+def is_zero(expression: Expression) -> bool:
+    """Whether a folded expression is the constant zero."""
+    return isinstance(expression, Constant) and not np.any(expression.value)
+
+
+def folded(lobe: Lobe, fold: Folder) -> Lobe:
+    """The lobe with the constant parts of its sockets worked out."""
+    sockets = {k: fold(v) for k, v in vars(lobe.closure).items() if isinstance(v, Expression)}
+    return Lobe(type(lobe.closure)(**{**vars(lobe.closure), **sockets}), fold(lobe.weight))
+
+
+def adds_nothing(lobe: Lobe) -> bool:
+    """Whether weight, colour or strength of a folded lobe is the constant zero."""
+    sockets = [lobe.weight, getattr(lobe.closure, "color", ONE)]
+    if isinstance(lobe.closure, Emission):
+        sockets.append(lobe.closure.strength)
+    return any(is_zero(socket) for socket in sockets)
+
+
+def adding_lobes(material: Material) -> tuple[Lobe, ...]:
+    """The lobes of a material that add something, folded; nodes that several sockets share stay shared."""
+    fold = Folder()
+    return tuple(lobe for lobe in (folded(lobe, fold) for lobe in material.lobes) if not adds_nothing(lobe))
+
+
+def scatters(closure: Closure) -> bool:
+    """Whether a closure sends light on in a sampled direction."""
+    return not isinstance(closure, Emission | Transparent)
+
+
+def is_smooth(closure: Closure) -> bool:
+    """Whether a folded closure scatters into one direction or two, which no light sample ever finds."""
+    if isinstance(closure, Glass | Refraction):
+        return is_zero(closure.roughness)
+    return (
+        isinstance(closure, Anisotropic) and closure.distribution != "ASHIKHMIN_SHIRLEY" and is_zero(closure.roughness)
+    )
+
+
+class Facts:
+    """The facts of one scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    @cached_property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials that faces have, with the folded lobes that add something."""
+        count = np.bincount(self.scene.mesh.material_index, minlength=len(self.scene.materials))
+        used = (self.scene.materials[k] for k in np.flatnonzero(count))
+        return tuple(Material(material.name, adding_lobes(material)) for material in used)
+
+    @cached_property
+    def world(self) -> Expression:
+        """The world's radiance, folded."""
+        return fold(self.scene.world.radiance)
+
+    @cached_property
+    def world_varies(self) -> bool:
+        """Whether the world's radiance depends on the direction."""
+        return not isinstance(self.world, Constant)
+
+    @cached_property
+    def world_shines(self) -> bool:
+        """Whether the world is anything but black."""
+        return not is_zero(self.world)
+
+    @cached_property
+    def _lights(self) -> tuple[tuple[Light, bool], ...]:
+        samplers = ((light, light_sampler(light, 1.0)) for light in self.scene.lights)
+        return tuple((light, sampler.delta) for light, sampler in samplers if sampler.power > 0.0)
+
+    @property
+    def lights(self) -> tuple[Light, ...]:
+        """The light objects that send out anything."""
+        return tuple(light for light, _ in self._lights)
+
+    @property
+    def broad_lights(self) -> tuple[Light, ...]:
+        """Those of them that rays can meet."""
+        return tuple(light for light, delta in self._lights if not delta)
+
+    def named(self, kind: type | tuple[type, ...]) -> list[str]:
+        """Names of the materials with a closure of that kind."""
+        return [m.name for m in self.materials if any(isinstance(lobe.closure, kind) for lobe in m.lobes)]
+
+    @cached_property
+    def rough(self) -> list[str]:
+        """Names of the materials that scatter into more than one or two directions."""
+        return [
+            m.name for m in self.materials if any(scatters(x.closure) and not is_smooth(x.closure) for x in m.lobes)
+        ]
+
+    @cached_property
+    def scattering(self) -> list[str]:
+        """Names of the materials that scatter."""
+        return [m.name for m in self.materials if any(scatters(lobe.closure) for lobe in m.lobes)]
+
+    @cached_property
+    def meets_again(self) -> Answer:
+        """Whether what leaves a face can meet another, and the fact that says so."""
+        behind = self.named((Glass, Refraction, Translucent, Transparent))
+        return meets_again(self.scene.mesh, self.scene.camera, behind)

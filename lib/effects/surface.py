@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Questions about materials: which lobes, distributions and nodes are seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..scene.expressions import BeneathLayer, CoatTint, Expression, FresnelFactor, LayerWeight
+from ..scene.materials import Closure, Glass, Metallic, Specular
+from ..textures.fold import walk
+from .facts import Facts, is_smooth, is_zero, scatters
+from .geometry import Answer
+
+Question = Callable[[Facts], Answer]
+
+
+def named(names: list[str], what: str, none: str) -> Answer:
+    """Needed by the named things, at most three of them spelled out."""
+    if not names:
+        return False, none
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return True, f"{what} {', '.join(repr(n) for n in names[:3])}{more}"
+
+
+def closure(kind: type | tuple[type, ...], test: Callable[[Closure], bool] = lambda _: True) -> Question:
+    """Whether a material that is seen has a closure of `kind` that passes the test."""
+
+    def question(facts: Facts) -> Answer:
+        names = [
+            m.name for m in facts.materials if any(isinstance(x.closure, kind) and test(x.closure) for x in m.lobes)
+        ]
+        return named(names, "material", "no material that is seen has such a lobe")
+
+    return question
+
+
+def is_rough(closure: Closure) -> bool:
+    """Whether the roughness is anything but the constant zero."""
+    return not is_zero(closure.roughness)
+
+
+def distribution(*names: str) -> Question:
+    """Any closure with one of the distributions, smooth ones left out: they have none."""
+    return closure(Closure, lambda c: not is_smooth(c) and getattr(c, "distribution", None) in names)
+
+
+def _nodes(facts: Facts, kinds: tuple[type, ...]) -> list[str]:
+    names = []
+    for material in facts.materials:
+        sockets = (v for x in material.lobes for v in (x.weight, *vars(x.closure).values()))
+        if any(isinstance(n, kinds) for v in sockets if isinstance(v, Expression) for n in walk(v)):
+            names.append(material.name)
+    return names
+
+
+def socket(kinds: tuple[type, ...], none: str) -> Question:
+    """Whether a socket of a material that is seen holds a node of one of `kinds`, its constant parts worked out."""
+    return lambda facts: named(_nodes(facts, kinds), "material", none)
+
+
+def fresnel(facts: Facts) -> Answer:
+    """Whether a closure or a socket reflects by a Fresnel curve."""
+    curves = facts.named((Metallic, Specular, Glass))
+    factors = _nodes(facts, (FresnelFactor, LayerWeight, BeneathLayer, CoatTint))
+    return named(sorted({*curves, *factors}), "material", "no lobe and no socket has a Fresnel term")
+
+
+def several_lobes(facts: Facts) -> Answer:
+    """Whether a material scatters by more than one lobe."""
+    names = [m.name for m in facts.materials if sum(scatters(x.closure) for x in m.lobes) > 1]
+    return named(names, "material", "no material that is seen scatters by more than one lobe")
+
+
+def several_materials(facts: Facts) -> Answer:
+    """Whether hits must be told apart by their material."""
+    count = len(facts.materials)
+    return count > 1, f"faces have {count} materials" if count > 1 else "all faces have the same material"
+
+
+def smooth_normals(facts: Facts) -> Answer:
+    """Whether a face is shaded smooth."""
+    mesh = facts.scene.mesh
+    if mesh.corner_normals.shape[2] and mesh.smooth.any():
+        return True, f"{int(mesh.smooth.sum())} of {mesh.triangle_count} triangles are shaded smooth"
+    return False, "every face is shaded flat"

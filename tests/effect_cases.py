@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""For every effect of the catalogue: scenes that call for it, and scenes that do not."""
+
+from dataclasses import replace
+
+import numpy as np
+from etalon.lib.scene.camera import Aperture
+from etalon.lib.scene.converters import Component
+from etalon.lib.scene.expressions import (
+    ZERO,
+    Attribute,
+    Bump,
+    Checker,
+    Constant,
+    Coordinates,
+    EnvironmentTexture,
+    FresnelFactor,
+    ImageTexture,
+    NormalMap,
+    ValueToColor,
+    VectorToValue,
+)
+from etalon.lib.scene.images import Image
+from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
+from etalon.lib.scene.materials import (
+    Diffuse,
+    Emission,
+    Glass,
+    Glossy,
+    Lobe,
+    Material,
+    Metallic,
+    Refraction,
+    Specular,
+    Translucent,
+    Transparent,
+)
+from etalon.lib.scene.scene import Transport
+from etalon.lib.scene.world import World
+from etalon.tests.scenes import (
+    color,
+    cube,
+    diffuse,
+    emission,
+    floor,
+    glossy,
+    icosphere,
+    material,
+    orthographic,
+    perspective,
+    quad,
+    scene,
+)
+
+CAMERA = orthographic(4, 4, 3.0, (0.1, 0.1, 5.0))
+LENS = Aperture(0.1, 0, 0.0, 1.0, 5.0)
+HALF = Constant(0.5)
+POINT = PointLight("point", (0.0, 0.0, 3.0), (1.0, 1.0, 1.0))
+DARK = PointLight("dark", (1.0, 0.0, 3.0), (0.0, 0.0, 0.0))
+SUN = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0, 1.0))
+AREA = AreaLight("area", (0, 0, 3.0), (1.0, 0, 0), (0, -1.0, 0), (0, 0, -1.0), "RECTANGLE", (1.0, 1.0, 1.0), np.pi)
+SPHERE = SphereLight("sphere", (0.0, 0.0, 3.0), 0.5, (1.0, 1.0, 1.0))
+CONE = Cone((0, 0, -1.0), (1.0, 0, 0), (0, 1.0, 0), 0.7, 0.2)
+IMAGE = Image("image", np.ones((2, 2, 4), np.float32), "LINEAR")
+SLOPED = World(ValueToColor(VectorToValue(Coordinates("GENERATED"))), (8, 4))
+
+
+def of(*closures, **more):
+    return scene(cube(), material(*closures), CAMERA, **more)
+
+
+def with_uvs(the_scene):
+    count = the_scene.mesh.triangle_count
+    mesh = replace(the_scene.mesh, uvs={"": np.zeros((3, 2, count), np.float32)})
+    mesh = replace(mesh, attributes={"paint": np.ones((3, 6, count), np.float32)})
+    mesh = replace(mesh, generated=np.zeros((3, mesh.vertices.shape[1]), np.float32))
+    return replace(the_scene, mesh=mesh, images=(IMAGE,))
+
+
+TEXTURED = ImageTexture(Coordinates("UV"), 0)
+PATTERNED = Checker(Coordinates("UV"), color(0.2), color(0.8), HALF)
+PLAIN = of(Diffuse(color(0.5)))
+# More than one body: light that leaves a face may meet another.
+CROWD = [cube(), cube(0.3, (0.2, 0.3, 1.7), 1)]
+CROWDED = scene(CROWD, [diffuse(0.5), diffuse(0.8)], CAMERA)
+LAMP = of(Emission(color(1.0)))
+CROWDED_LAMP = scene(CROWD, [diffuse(0.5), emission(1.0)], CAMERA)
+LAMP_AND_MIRROR = [emission(1.0), material(Glossy("GGX"))]
+FLAT = scene(
+    [floor(1.0), quad((1.2, -1.0, 0.0), (0.5, 0.0, 0.0), (0.0, 2.0, 0.0))],
+    diffuse(0.5),
+    CAMERA,
+    (AREA, POINT),
+    bounces=2,
+)
+BOWL = scene(
+    [floor(0.5, -0.5), quad((0.5, -0.5, -0.5), (0.5, 0.0, 0.5), (0.0, 1.0, 0.0))], diffuse(0.7), CAMERA, (AREA,), 0.5
+)
+INSIDE = scene(cube(3.0), diffuse(0.8), perspective(4, 4, 1.0, (0.1, 0.2, 0.3)), (POINT,), bounces=2)
+# Effect -> scenes that call for it, scenes that do not (the same without the cause, or with a cause that adds nothing).
+CASES = {
+    "depth of field": (
+        [replace(PLAIN, camera=replace(CAMERA, aperture=LENS))],
+        [PLAIN],
+    ),
+    "smooth normals": (
+        [scene(icosphere(smooth=True), diffuse(0.5), CAMERA)],
+        [scene(icosphere(), diffuse(0.5), CAMERA)],
+    ),
+    "several materials": (
+        [scene([cube(), floor(2.0, -1.5, 1)], [diffuse(0.5), glossy(0.2)], CAMERA)],
+        [PLAIN, scene(cube(), [diffuse(0.5), glossy(0.2)], CAMERA)],
+    ),
+    "several lobes": (
+        [of(Diffuse(color(0.3)), Glossy("GGX", color(0.4), HALF))],
+        [PLAIN, of(Diffuse(color(0.3)), Glossy("GGX", color(0.0), HALF)), of(Diffuse(color(0.3)), Emission())],
+    ),
+    "Lambert": ([PLAIN], [of(Diffuse(color(0.5), HALF)), of(Diffuse(color(0.0))), of(Glossy())]),
+    "Oren-Nayar": ([of(Diffuse(color(0.5), HALF))], [PLAIN, of(Diffuse(color(0.0), HALF))]),
+    "mirrors": ([of(Glossy("GGX"))], [of(Glossy("GGX", roughness=HALF)), of(Glossy("ASHIKHMIN_SHIRLEY"))]),
+    "Beckmann": ([of(Glossy("BECKMANN", roughness=HALF))], [of(Glossy("GGX", roughness=HALF)), PLAIN]),
+    "GGX": (
+        [of(Glossy("GGX", roughness=HALF)), of(Glossy("MULTI_GGX", roughness=HALF))],
+        [of(Glossy("BECKMANN", roughness=HALF)), of(Glossy("GGX", color(0.0), HALF)), PLAIN],
+    ),
+    "multiple scattering": ([of(Glossy("MULTI_GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
+    "anisotropy": (
+        [of(Glossy("GGX", roughness=HALF, anisotropy=HALF))],
+        [of(Glossy("GGX", roughness=HALF)), of(Glossy("GGX", roughness=HALF, anisotropy=Constant(1e-5)))],
+    ),
+    "Ashikhmin-Shirley": (
+        [of(Glossy("ASHIKHMIN_SHIRLEY", roughness=HALF))],
+        [of(Glossy("GGX", roughness=HALF))],
+    ),
+    "Fresnel": (
+        [
+            of(Metallic("GGX", roughness=HALF)),
+            of(Glass(ior=Constant(1.5))),
+            of(Diffuse(ValueToColor(FresnelFactor(Constant(1.5))))),
+        ],
+        [PLAIN, of(Glossy("GGX", roughness=HALF)), of(Refraction(ior=Constant(1.5)))],
+    ),
+    "metals": ([of(Metallic("GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
+    "glossy layers": ([of(Specular("GGX", Constant(1.5)))], [of(Metallic("GGX", roughness=HALF))]),
+    "rough interfaces": (
+        [of(Glass(ior=Constant(1.5), roughness=HALF)), of(Refraction(ior=Constant(1.5), roughness=HALF))],
+        [of(Glass(ior=Constant(1.5)))],
+    ),
+    "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
+    "glass": (
+        [of(Glass(ior=Constant(1.5)))],
+        [of(Refraction(ior=Constant(1.5))), of(Glass(color(0.0), ior=Constant(1.5)))],
+    ),
+    "refraction": ([of(Refraction(ior=Constant(1.5)))], [of(Glass(ior=Constant(1.5)))]),
+    "transparent surfaces": (
+        [of(Transparent(color(0.5))), of(Diffuse(), Transparent(color(0.1)))],
+        [PLAIN, of(Transparent(color(0.0))), of(Glass())],
+    ),
+    "emission": ([of(Emission(color(1.0)))], [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))]),
+    "image textures": (
+        [with_uvs(of(Diffuse(TEXTURED))), with_uvs(scene(cube(), Material("m", (Lobe(Diffuse(), TEXTURED),)), CAMERA))],
+        [with_uvs(PLAIN)],
+    ),
+    "procedural textures": (
+        [with_uvs(of(Diffuse(PATTERNED)))],
+        [with_uvs(PLAIN), with_uvs(of(Diffuse(TEXTURED)))],
+    ),
+    "normal maps": (
+        [with_uvs(of(Diffuse(color(0.5), normal=NormalMap(color(0.7), HALF))))],
+        [with_uvs(PLAIN), with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
+    ),
+    "bumps": (
+        [with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
+        [with_uvs(PLAIN)],
+    ),
+    "mesh attributes": ([with_uvs(of(Diffuse(Attribute("paint"))))], [with_uvs(PLAIN)]),
+    "point lights": (
+        [replace(PLAIN, lights=(POINT,)), replace(PLAIN, lights=(SpotLight("s", (0, 0, 3.0), 0.0, (1.0,) * 3, CONE),))],
+        [PLAIN, replace(PLAIN, lights=(SUN, SPHERE, AREA))],
+    ),
+    "sphere lights": (
+        [
+            replace(PLAIN, lights=(SPHERE,)),
+            replace(PLAIN, lights=(SpotLight("s", (0, 0, 3.0), 0.2, (1.0,) * 3, CONE),)),
+        ],
+        [PLAIN, replace(PLAIN, lights=(SUN, POINT, AREA))],
+    ),
+    "sun lights": ([replace(PLAIN, lights=(SUN,))], [PLAIN, replace(PLAIN, lights=(POINT, AREA))]),
+    "area lights": ([replace(PLAIN, lights=(AREA,))], [PLAIN, replace(PLAIN, lights=(SUN, POINT))]),
+    "mesh lights": (
+        [CROWDED_LAMP],
+        [PLAIN, replace(PLAIN, lights=(AREA,)), of(Diffuse(), Emission()), scene(CROWD, LAMP_AND_MIRROR, CAMERA)],
+    ),
+    "constant world": ([replace(PLAIN, world=World(color(0.5)))], [PLAIN, replace(PLAIN, world=SLOPED)]),
+    "environment world": (
+        [
+            replace(PLAIN, world=SLOPED),
+            replace(PLAIN, world=World(EnvironmentTexture(Coordinates("GENERATED"), 0), (8, 4)), images=(IMAGE,)),
+        ],
+        [PLAIN, replace(PLAIN, world=World(color(0.5)))],
+    ),
+    "environment table": (
+        [replace(PLAIN, world=SLOPED)],
+        [replace(PLAIN, world=World(color(0.5))), replace(of(Glossy("GGX")), world=SLOPED)],
+    ),
+    "light sampling": (
+        [replace(PLAIN, lights=(POINT,)), replace(PLAIN, world=SLOPED), CROWDED_LAMP],
+        [PLAIN, replace(PLAIN, world=World(color(0.5))), replace(of(Glass(ior=HALF)), lights=(AREA,))],
+    ),
+    "light selection": (
+        [replace(PLAIN, lights=(POINT, SUN)), replace(PLAIN, lights=(POINT,), world=SLOPED)],
+        [
+            PLAIN,
+            replace(PLAIN, lights=(POINT,)),
+            replace(PLAIN, lights=(POINT, DARK)),
+            replace(PLAIN, lights=(POINT,), world=World(color(0.5))),
+            replace(of(Diffuse(color(0.5)), Emission()), lights=(SUN,)),
+        ],
+    ),
+    "multiple importance sampling": (
+        [replace(PLAIN, lights=(AREA,)), replace(PLAIN, world=SLOPED), CROWDED_LAMP],
+        [PLAIN, replace(PLAIN, lights=(POINT, SUN)), replace(PLAIN, world=World(color(0.5)))],
+    ),
+    "shadow rays": (
+        [replace(CROWDED, lights=(POINT,)), replace(CROWDED, world=SLOPED), CROWDED_LAMP],
+        [PLAIN, replace(CROWDED, world=World(color(0.5))), replace(PLAIN, lights=(AREA,)), FLAT],
+    ),
+    "scattered rays": (
+        [
+            replace(PLAIN, world=World(color(0.5))),
+            replace(PLAIN, lights=(AREA,)),
+            CROWDED_LAMP,
+            replace(CROWDED, lights=(POINT,), transport=Transport(1)),
+        ],
+        [PLAIN, replace(PLAIN, lights=(POINT,), transport=Transport(4)), replace(CROWDED, lights=(SUN,)), LAMP],
+    ),
+    "last rays": (
+        [replace(PLAIN, world=SLOPED), replace(CROWDED, lights=(SPHERE,)), CROWDED_LAMP],
+        [PLAIN, replace(CROWDED, lights=(POINT,), transport=Transport(3)), LAMP],
+    ),
+    "second hits": (
+        [replace(CROWDED, world=SLOPED), replace(of(Glass(ior=Constant(1.5))), lights=(AREA,)), BOWL],
+        [replace(PLAIN, world=SLOPED), replace(CROWDED, lights=(POINT,)), FLAT, replace(of(), world=SLOPED)],
+    ),
+    "indirect light": (
+        [replace(CROWDED, world=SLOPED, transport=Transport(1)), INSIDE],
+        [
+            replace(CROWDED, world=SLOPED),
+            replace(PLAIN, world=SLOPED, transport=Transport(3)),
+            replace(CROWDED, transport=Transport(3)),
+        ],
+    ),
+    "Russian roulette": (
+        [replace(CROWDED, world=SLOPED, transport=Transport(4))],
+        [
+            replace(CROWDED, world=SLOPED, transport=Transport(1)),
+            replace(PLAIN, world=SLOPED, transport=Transport(4)),
+        ],
+    ),
+}
