@@ -71,7 +71,7 @@ def render(arguments: Namespace) -> int:
                 progress((done + fraction) / arguments.replicates)
 
             try:
-                film = film.add(renderer.render(replicate, arguments.samples, spent, interrupted))
+                film.add(renderer.render(replicate, arguments.samples, spent, interrupted))
             except Cancelled:
                 break
         if not film.moments.n:

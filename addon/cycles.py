@@ -16,7 +16,9 @@ import numpy as np
 from ..lib.errors import EtalonError
 from ..lib.film.exr import read_exr
 from ..lib.film.rendering import Rendering
+from ..lib.film.windows import Box, Windows
 from .console import quiet
+from .export.camera import full_frame, rendered_region
 from .neutral import SEQUENCE, Changes, neutral
 
 __all__ = ["CyclesRenderer", "neutral"]
@@ -61,34 +63,38 @@ class CyclesRenderer:
         samples: int,
         progress: Callable[[float], None] = lambda fraction: None,
         cancelled: Callable[[], bool] = lambda: False,
+        windows: Windows | None = None,
     ) -> Rendering:
-        """Replicate number `replicate` with `samples` per pixel; different numbers are independent.
+        """Replicate number `replicate` with `samples` per pixel, or of the pixels in `windows`; different numbers are independent.
 
         `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file cost.
         Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart either: one is
         counted for each partial image in which the pixel was not finite. Raises EtalonError where Cycles cannot render or when cancelled.
         """
         begin = time.perf_counter()
-        total = nonfinite = 0
-        done, rendering, reading = 0, 0.0, 0.0
+        rendering = reading = 0.0
         with self._state(), tempfile.TemporaryDirectory(prefix="etalon-") as folder:
             path = Path(folder) / "cycles.exr"
-            while done < samples:
+            left, bottom, width, height = rendered_region(self.scene.render, *full_frame(self.scene.render))
+            whole = Windows((height, width), ((0, 0, width - 1, height - 1),))
+            total, nonfinite = np.zeros((height, width, 3)), np.zeros((height, width), np.int32)
+            work = list(_calls(whole if windows is None else windows, samples))
+            for number, (box, done, count) in enumerate(work):
                 if cancelled():
                     raise EtalonError("Cycles: cancelled before the image was done; nothing to keep")
-                count = min(samples - done, self._per_call())
-                rendering += self._call(path, replicate, done, samples, count)
+                with self._border(None if windows is None else box, left, bottom + height):
+                    rendering += self._call(path, replicate, done, samples, count)
                 start = time.perf_counter()
-                pixels = _pixels(path)
-                nonfinite = nonfinite + ~np.isfinite(pixels).all(axis=2)
-                total = total + pixels * (count / samples)
-                done += count
+                part = slice(box[1], box[3] + 1), slice(box[0], box[2] + 1)
+                if not done:  # what an overlapping rectangle left there is the same
+                    total[part] = nonfinite[part] = 0
+                _add(path, count / samples, total[part], nonfinite[part])
                 reading += time.perf_counter() - start
-                progress(done / samples)
-        height, width, _ = total.shape
+                progress((number + 1) / len(work))
         settings = time.perf_counter() - begin - rendering - reading
         stages = {"render": rendering, "read": reading, "settings": settings}
-        return Rendering(total, nonfinite.astype(np.int32), rendering, stages, height * width * samples)
+        pixels = (whole if windows is None else windows).pixels
+        return Rendering(total, nonfinite, rendering, stages, pixels * samples, windows=windows)
 
     @contextmanager
     def _state(self) -> Iterator[None]:
@@ -96,10 +102,23 @@ class CyclesRenderer:
         with neutral(self.scene, **self._neutral):
             yield
 
-    def _per_call(self) -> int:
-        render = self.scene.render
-        pixels = render.resolution_x * render.resolution_y * (render.resolution_percentage / 100) ** 2
-        return min(CHUNK, _power_of_two(max(int(CALL / max(pixels, 1)), 1) + 1) // 2)
+    @contextmanager
+    def _border(self, box: Box | None, left: int, top: int) -> Iterator[None]:
+        """Render only the pixels of `box`, whose image's upper left corner is (`left`, `top`) in the frame, y up; None: all of them."""
+        changes = Changes()
+        try:
+            if box is not None:
+                render = self.scene.render
+                width, height = full_frame(render)
+                # Blender cuts off what is left of a pixel, so half of one is added.
+                changes.set(render, "use_border", True)
+                changes.set(render, "border_min_x", (left + box[0] + 0.5) / width)
+                changes.set(render, "border_max_x", min((left + box[2] + 1.5) / width, 1.0))
+                changes.set(render, "border_min_y", (top - box[3] - 0.5) / height)
+                changes.set(render, "border_max_y", min((top - box[1] + 0.5) / height, 1.0))
+            yield
+        finally:
+            changes.undo()
 
     def _call(self, path: Path, replicate: int, done: int, samples: int, count: int) -> float:
         """Render `count` samples from sample `done` of a replicate of `samples` into a file; the seconds it took.
@@ -134,11 +153,24 @@ class CyclesRenderer:
             changes.undo()
 
 
-def _pixels(path: Path) -> np.ndarray:
-    """Radiance (height, width, 3) float64 from the file that Cycles wrote."""
+def _calls(windows: Windows, samples: int) -> Iterator[tuple[Box, int, int]]:
+    """Each render call as a rectangle, the samples that are done before it, and those that it adds."""
+    for box in windows.boxes:
+        pixels = (box[2] - box[0] + 1) * (box[3] - box[1] + 1)
+        most = min(CHUNK, _power_of_two(max(CALL // pixels, 1) + 1) // 2)
+        for done in range(0, samples, most):
+            yield box, done, min(most, samples - done)
+
+
+def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray) -> None:
+    """Add the image that Cycles wrote to `radiance` (height, width, 3), times `weight`, and count what is not finite."""
     channels = read_exr(path)
     path.unlink()
-    return np.stack([channels[name] for name in "RGB"], axis=2).astype(np.float64)
+    finite = True
+    for k, name in enumerate("RGB"):
+        radiance[..., k] += weight * channels[name].astype(np.float64)
+        finite = finite & np.isfinite(channels[name])
+    nonfinite += ~finite
 
 
 def _power_of_two(n: int) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.film.rendering import Rendering
+from ..lib.film.windows import Windows
 from ..lib.scene import archive
 from ..lib.scene.scene import Scene
 from .process import end, send, start
@@ -52,11 +53,17 @@ class SecondBlender:
         return archive.load(Path(reply["scene"]))
 
     def render(
-        self, replicate: int, samples: int, progress: Callable[[float], None], cancelled: Callable[[], bool]
+        self,
+        replicate: int,
+        samples: int,
+        progress: Callable[[float], None],
+        cancelled: Callable[[], bool],
+        windows: Windows | None,
     ) -> Rendering:
-        """One replicate; raises EtalonError if the process ends before it has one, as it does when it is closed."""
+        """One replicate, or its part in `windows`; raises EtalonError if the process ends before it has one, as it does when it is closed."""
+        wanted = {"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]}
         try:
-            send(self._process, json.dumps({"replicate": replicate, "samples": samples}) + "\n")
+            send(self._process, json.dumps(wanted) + "\n")
         except OSError as error:
             raise self._gone() from error
         for reply in self._replies():
@@ -66,7 +73,7 @@ class SecondBlender:
                 break
             progress(reply["progress"])
         with np.load(reply.pop("images")) as images:
-            return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], **reply)
+            return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], windows=windows, **reply)
 
     def close(self) -> None:
         """End the process at once."""

@@ -35,7 +35,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles", "job"))
-    errors, archive = (importlib.import_module(f"{package}.lib.{name}") for name in ("errors", "scene.archive"))
+    names = ("errors", "scene.archive", "film.windows")
+    errors, archive, windows = (importlib.import_module(f"{package}.lib.{name}") for name in names)
     console = importlib.import_module(f"{package}.addon.console")
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]
@@ -53,7 +54,10 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
             for line in sys.stdin:
                 wanted = json.loads(line)
-                done = renderer.render(wanted["replicate"], wanted["samples"], lambda f: say(progress=f), lambda: False)
+                part = wanted["windows"] and windows.Windows(*wanted["windows"])
+                done = renderer.render(
+                    wanted["replicate"], wanted["samples"], lambda f: say(progress=f), lambda: False, part
+                )
                 np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite)
                 say(
                     images=str(folder / "images.npz"),

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ..film.film import finite_or_nan
-from ..film.moments import Moments
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..wavefront.render import ReferenceRenderer
@@ -61,6 +60,7 @@ class PairedEffects:
         self._renderers: dict[frozenset[str], Any] = {}
         self._plain: list[np.ndarray] = []
         self._effects: dict[frozenset[str], list[np.ndarray]] = {}
+        self._regions: RegionMoments | None = None
         self.samples = 0
 
     def budget(self, samples: int, pairs: int, cost: float) -> None:
@@ -79,25 +79,30 @@ class PairedEffects:
 
     def __call__(self, names: frozenset[str], count: int, regions: Regions, excluded: np.ndarray) -> np.ndarray | None:
         """The effects of `names` on `regions` without the pixels `excluded` (height, width); None without a pair of them."""
+        if self._regions is None or (self._regions.excluded != excluded).any():
+            # Images are not kept, so what was made of them without these pixels is made again.
+            self._plain.clear()
+            self._effects.clear()
+            self._regions = RegionMoments(regions, excluded)
         effects = self._effects.setdefault(names, [])
         while len(effects) < count and (self._seconds is None or self._spent() < self._seconds):
             k = len(effects)
             if k == len(self._plain):
-                plain = self._image(frozenset(), k, regions.shape)
+                plain = self._means(frozenset(), k)
                 if plain is None:
                     break
                 self._plain.append(plain)
-            changed = self._image(names, k, regions.shape)
+            changed = self._means(names, k)
             if changed is None:
                 break
             effects.append(changed - self._plain[k])
-        if not effects:
-            return None
-        blank = RegionMoments(regions, Moments.empty((len(regions), 3)), excluded.ravel())
-        return np.stack([blank.add(effect).moments.mean for effect in effects[:count]])
+        return np.stack(effects[:count]) if effects else None
 
-    def _image(self, names: frozenset[str], pair: int, shape: tuple[int, int]) -> np.ndarray | None:
+    def _means(self, names: frozenset[str], pair: int) -> np.ndarray | None:
+        """The regions' means (N, 3) of one image."""
         if names not in self._renderers:
             self._renderers[names] = self._among.renderer(names)
         rendering = self._render(self._renderers[names], FIRST + pair, self.samples)
-        return None if rendering is None else finite_or_nan(rendering, shape)
+        if rendering is None:
+            return None
+        return self._regions.means(finite_or_nan(rendering, self._regions.regions.shape))

@@ -12,7 +12,7 @@ from .moments import Moments
 from .rendering import Rendering
 
 
-@dataclass(frozen=True)
+@dataclass
 class Film:
     """Moments (height, width, 3) of the radiance over replicates, in W m^-2 sr^-1.
 
@@ -39,32 +39,37 @@ class Film:
         """Height and width in pixels."""
         return self.nonfinite.shape
 
-    def add(self, rendering: Rendering) -> Film:
-        """Take one replicate more into a new film; raises EtalonError where the sizes differ."""
-        radiance = finite_or_nan(rendering, self.shape)
-        bad = np.isnan(radiance[..., 0])
-        counted = np.where(bad, np.maximum(rendering.nonfinite, 1), 0).astype(np.int32)
-        stages = {k: self.stages.get(k, 0.0) + rendering.stages.get(k, 0.0) for k in self.stages | rendering.stages}
-        return Film(
-            self.moments.add(radiance),
-            self.nonfinite + counted,
-            self.samples,
-            self.seconds + rendering.seconds,
-            stages,
-            self.camera_samples + rendering.camera_samples,
-            self.rays + rendering.rays,
-        )
+    def add(self, rendering: Rendering) -> None:
+        """Take one replicate more; raises EtalonError where the sizes differ."""
+        bad = nonfinite_pixels(rendering, self.shape)
+        where = None if rendering.windows is None else rendering.windows.mask
+        self.moments.add(_without(rendering.radiance, bad), where)
+        if bad.any():
+            self.nonfinite += np.where(bad, np.maximum(rendering.nonfinite, 1), 0).astype(np.int32)
+        for stage, seconds in rendering.stages.items():
+            self.stages[stage] = self.stages.get(stage, 0.0) + seconds
+        self.seconds += rendering.seconds
+        self.camera_samples += rendering.camera_samples
+        self.rays += rendering.rays
 
 
-def finite_or_nan(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray:
-    """The radiance (height, width, 3), all three channels NaN where a sample was not finite.
+def nonfinite_pixels(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray:
+    """Which of the pixels (height, width) that were rendered a non-finite sample reached.
 
     Negative radiance passes: it is odd, but a number, and the comparison shows it. Raises EtalonError where the
     size is not `shape`.
     """
-    radiance = np.asarray(rendering.radiance, float)
-    if radiance.shape != (*shape, 3):
-        got = " x ".join(str(s) for s in radiance.shape[1::-1])
+    if rendering.radiance.shape != (*shape, 3):
+        got = " x ".join(str(s) for s in rendering.radiance.shape[1::-1])
         raise EtalonError(f"an image is {got} pixels, the other {shape[1]} x {shape[0]}; render both at the same size")
-    bad = (np.asarray(rendering.nonfinite) > 0) | ~np.isfinite(radiance).all(axis=2)
+    bad = (rendering.nonfinite > 0) | ~np.isfinite(rendering.radiance).all(axis=2)
+    return bad if rendering.windows is None else bad & rendering.windows.mask
+
+
+def finite_or_nan(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray:
+    """The radiance (height, width, 3), all three channels NaN where a sample was not finite; raises as `nonfinite_pixels`."""
+    return _without(rendering.radiance, nonfinite_pixels(rendering, shape))
+
+
+def _without(radiance: np.ndarray, bad: np.ndarray) -> np.ndarray:
     return np.where(bad[..., None], np.nan, radiance) if bad.any() else radiance

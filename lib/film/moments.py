@@ -7,12 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# Elements handled at a time: what adding an image needs beside the moments themselves.
+_AT_A_TIME = 1 << 16
 
-@dataclass(frozen=True)
+
+@dataclass
 class Moments:
-    """`n` observations of an array: their `mean` and `m2`, the sum of squared deviations from it, both of the array's shape."""
+    """Observations of an array: their `mean` and `m2`, the sum of squared deviations from it, both of the array's shape.
 
-    n: int
+    `n` is how many, or, once some entries have been observed more often, how many of each along the leading axes.
+    """
+
+    n: int | np.ndarray
     mean: np.ndarray
     m2: np.ndarray
 
@@ -22,31 +28,56 @@ class Moments:
         return cls(0, np.zeros(shape), np.zeros(shape))
 
     @property
+    def most(self) -> int:
+        """The number of observations of the entry that has most."""
+        return int(np.max(self.n))
+
+    @property
+    def count(self) -> int | np.ndarray:
+        """`n` in a shape that broadcasts against the mean."""
+        return (
+            np.reshape(self.n, np.shape(self.n) + (1,) * (self.mean.ndim - np.ndim(self.n)))
+            if np.ndim(self.n)
+            else self.n
+        )
+
+    @property
     def variance(self) -> np.ndarray:
         """Unbiased variance of one observation; NaN where fewer than two were made."""
-        if self.n < 2:
-            return np.full(self.mean.shape, np.nan)
-        return self.m2 / (self.n - 1)
+        n = self.count
+        return np.where(n < 2, np.nan, self.m2 / np.maximum(n - 1, 1))
 
     @property
     def standard_error(self) -> np.ndarray:
         """Standard deviation of the mean; NaN where fewer than two observations were made."""
-        return np.sqrt(self.variance / max(self.n, 1))
+        return np.sqrt(self.variance / np.maximum(self.count, 1))
 
-    def add(self, values: np.ndarray) -> Moments:
-        """These moments and one observation more: `merge` with n = 1, in three arrays instead of seven."""
-        n = self.n + 1
-        delta = values - self.mean
-        mean = delta * (1.0 / n)
-        mean += self.mean
+    def add(self, values: np.ndarray, where: np.ndarray | None = None) -> None:
+        """Take one observation more into these moments: `merge` with n = 1.
+
+        With `where`, a mask over the leading axes, those entries alone are observed, and each keeps its own count from then on.
+        """
+        if where is not None:
+            self.n = np.full(where.shape, self.n, np.int32) if np.ndim(self.n) == 0 else self.n
+            self.n[where] += 1
+            self._update(where, values[where], self.count[where])
+            return
+        self.n = self.n + 1
+        rows = max(_AT_A_TIME // max(values[:1].size, 1), 1)
+        for start in range(0, len(values), rows):
+            part = slice(start, start + rows)
+            self._update(part, values[part], self.count if np.ndim(self.n) == 0 else self.count[part])
+
+    def _update(self, part: slice | np.ndarray, values: np.ndarray, n: int | np.ndarray) -> None:
+        delta = values - self.mean[part]
+        self.mean[part] += delta * (1.0 / n)
         delta *= delta
-        delta *= self.n / n
-        delta += self.m2
-        return Moments(n, mean, delta)
+        delta *= (n - 1) / n
+        self.m2[part] += delta
 
 
 def merge(a: Moments, b: Moments) -> Moments:
-    """Moments of the observations of `a` and `b` together.
+    """Moments of the observations of `a` and `b` together, each with one count for all entries.
 
     Chan, Golub and LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances" (1979),
     eq. 2.1: exact in exact arithmetic, so that tiles, seeds and machines merge in any order.

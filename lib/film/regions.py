@@ -89,54 +89,59 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
     return Regions((height, width), tuple(kinds), tuple(names), np.array(boxes), sparse.csr_array(sparse.vstack(rows)))
 
 
-@dataclass(frozen=True)
 class RegionMoments:
-    """Moments (K, 3) of the regions' means over replicates; `excluded` (height * width,) pixels count for nothing."""
+    """`moments` (K, 3) of the means of `regions` over replicates; `excluded` (height, width) pixels count for nothing.
 
-    regions: Regions
-    moments: Moments
-    excluded: np.ndarray
+    `sizes` (K,) is the weight that is left in each region, in pixels.
+    """
 
-    @classmethod
-    def empty(cls, regions: Regions) -> RegionMoments:
-        """No replicate yet, no pixel excluded."""
-        pixels = regions.shape[0] * regions.shape[1]
-        return cls(regions, Moments.empty((len(regions), 3)), np.zeros(pixels, bool))
+    def __init__(self, regions: Regions, excluded: np.ndarray | None = None) -> None:
+        self.regions = regions
+        self.moments = Moments.empty((len(regions), 3))
+        self.excluded = np.zeros(regions.shape, bool) if excluded is None else excluded
+        self.sizes = regions.weights @ (~self.excluded.ravel()).astype(float)
 
-    @property
-    def sizes(self) -> np.ndarray:
-        """Weight (K,) that is left in each region, in pixels."""
-        return self.regions.weights @ (~self.excluded).astype(float)
+    def means(self, radiance: np.ndarray, of: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """The means (K, 3) of an image (height, width, 3) over the regions `of`; NaN where no pixel is left."""
+        kept = radiance.reshape(-1, 3)
+        if self.excluded.any():
+            kept = np.where(self.excluded.reshape(-1, 1), 0.0, kept)
+        weights = self.regions.weights if isinstance(of, slice) else self.regions.weights[of]
+        sizes = self.sizes[of]
+        return (weights @ kept) / np.where(sizes > 0, sizes, np.nan)[:, None]
 
-    def add(self, radiance: np.ndarray) -> RegionMoments:
-        """One replicate (height, width, 3) more; regions with nothing left have mean NaN."""
-        kept = np.where(self.excluded[:, None], 0.0, radiance.reshape(-1, 3))
-        sizes = self.sizes
-        means = (self.regions.weights @ kept) / np.where(sizes > 0, sizes, np.nan)[:, None]
-        return RegionMoments(self.regions, self.moments.add(means), self.excluded)
+    def add(self, radiance: np.ndarray, of: np.ndarray | None = None) -> None:
+        """Take one replicate (height, width, 3) more, for the regions `of` (K,) bool alone if they are given."""
+        if of is None:
+            self.moments.add(self.means(radiance))
+            return
+        values = np.zeros_like(self.moments.mean)
+        values[of] = self.means(radiance, np.flatnonzero(of))
+        self.moments.add(values, of)
 
-    def exclude(self, pixels: np.ndarray, film: Moments) -> RegionMoments:
-        """The same without `pixels` (height, width) bool, also in the replicates that were added before.
+    def exclude(self, pixels: np.ndarray, film: Moments, of: np.ndarray | None = None) -> None:
+        """Leave out `pixels` (height, width) bool, also in the replicates that were added before; only from the regions `of`, if given.
 
         `film` holds the pixels' own moments over those replicates. The mean without them is then known exactly; of its
         m2 the covariance is not known, so it is bounded from above: the norm of a sum is at most the sum of norms
         (Cauchy-Schwarz), hence sqrt(m2(S - sum w x)) <= sqrt(m2(S)) + sum w sqrt(m2(x)). Claims stay valid, at worst late.
         """
-        new = pixels.ravel() & ~self.excluded
+        new = pixels & ~self.excluded
         if not new.any():
-            return self
-        before, excluded = self.sizes, self.excluded | new
-        after = RegionMoments(self.regions, self.moments, excluded).sizes
+            return
+        self.excluded = self.excluded | new
         columns = np.flatnonzero(new)
         weights = self.regions.weights[:, columns]
+        lost = np.asarray(weights.sum(axis=1)).ravel()
+        touched = np.flatnonzero((lost > 0) if of is None else (lost > 0) & of)
+        if touched.size == 0:
+            return
+        weights = weights[touched]
+        before = self.sizes[touched, None]
+        self.sizes[touched] = self.regions.weights[touched] @ (~self.excluded.ravel()).astype(float)
+        after = self.sizes[touched, None]
         mean, spread = film.mean.reshape(-1, 3)[columns], np.sqrt(film.m2.reshape(-1, 3)[columns])
-        touched = np.asarray(weights.sum(axis=1)).ravel() > 0
-        share = np.where(after > 0, after, np.nan)[:, None]
-        means = (self.moments.mean * before[:, None] - weights @ mean) / share
-        roots = (np.sqrt(self.moments.m2) * before[:, None] + weights @ spread) / share
-        moments = Moments(
-            self.moments.n,
-            np.where(touched[:, None], means, self.moments.mean),
-            np.where(touched[:, None], roots * roots, self.moments.m2),
-        )
-        return RegionMoments(self.regions, moments, excluded)
+        share = np.where(after > 0, after, np.nan)
+        moments = self.moments
+        moments.mean[touched] = (moments.mean[touched] * before - weights @ mean) / share
+        moments.m2[touched] = ((np.sqrt(moments.m2[touched]) * before + weights @ spread) / share) ** 2

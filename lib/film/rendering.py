@@ -7,13 +7,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .windows import Windows
+
 
 @dataclass(frozen=True)
 class Rendering:
     """One replicate, row 0 on top.
 
     radiance (height, width, 3) float64, W m^-2 sr^-1; nonfinite (height, width) int, the non-finite samples of each pixel;
-    seconds it took, and `stages` the same by stage; camera_samples and rays it traced.
+    seconds it took, and `stages` the same by stage; camera_samples and rays it traced. With `windows`, only their pixels were
+    rendered, and the others hold nothing.
     """
 
     radiance: np.ndarray
@@ -22,3 +25,4 @@ class Rendering:
     stages: dict[str, float] = field(default_factory=dict)
     camera_samples: int = 0
     rays: int = 0
+    windows: Windows | None = None

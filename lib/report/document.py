@@ -131,9 +131,9 @@ def _side(side: Side) -> dict[str, Any]:
     return {
         "name": side.name,
         "settings": side.settings,
-        "replicates": film.moments.n,
+        "replicates": side.replicates,
         "samples_per_replicate": film.samples,
-        "samples_per_pixel": film.samples * film.moments.n,
+        "samples_per_pixel": film.samples * side.replicates,
         "seconds": film.seconds,
         "stages": film.stages,
         "camera_samples": film.camera_samples,

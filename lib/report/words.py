@@ -107,9 +107,9 @@ def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float
     forecast = comparison.verdict.forecast
     if forecast is None:
         return None
-    sampling = comparison.seconds - comparison.pilot_seconds
     ends = forecast.low, forecast.factor, forecast.high, forecast.most
-    return tuple(comparison.pilot_seconds + f * sampling for f in ends)
+    round_ = comparison.candidate.replicates * comparison.round_seconds
+    return tuple(comparison.seconds + (f - 1) * round_ for f in ends)
 
 
 def _basis(comparison: Comparison) -> str:
@@ -117,10 +117,10 @@ def _basis(comparison: Comparison) -> str:
     for outcome in Outcome:
         if verdict.count(outcome):
             parts.append(f"{verdict.count(outcome)} {outcome.value}")
-    a, b = comparison.reference.film, comparison.candidate.film
+    a, b = comparison.reference, comparison.candidate
     return (
         f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {percent(verdict.confidence, sign=False)} "
-        f"for all of them together, from {a.moments.n} x {a.samples} and {b.moments.n} x {b.samples} samples a pixel "
+        f"for all of them together, from {a.replicates} x {a.film.samples} and {b.replicates} x {b.film.samples} samples a pixel "
         f"in {seconds(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
     )
 
@@ -166,7 +166,7 @@ def _forecast(comparison: Comparison) -> str:
     count = comparison.verdict.forecast.regions
     most = f"and {seconds(high)}" if high < 1e8 else "and no upper end yet"
     samples = (
-        comparison.candidate.film.samples * comparison.candidate.film.moments.n * comparison.verdict.forecast.factor
+        comparison.candidate.film.samples * comparison.candidate.replicates * comparison.verdict.forecast.factor
     )
     drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
     likely = f"about {seconds(median)}{drawn}" if median < 1e8 else "longer than can be told"

@@ -115,7 +115,7 @@ class Attribution:
         which depends on what was seen, and either p-value counts double.
         """
         if open_:
-            more = effects(names, max(PAIRS, sides[1].n // 2))
+            more = effects(names, max(PAIRS, sides[1].most // 2))
             self._pairs[names] = self._pairs[names] if more is None else more
         # A set that takes what agreed out of the tolerance is no explanation of the rest; not to claim one is always allowed.
         if (self._outside(names, sides) & ~self._wanted).any():

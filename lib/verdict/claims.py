@@ -45,14 +45,14 @@ def combine(
     """
     parts = [(candidate, 1.0), (reference, -factor)] + ([] if shift is None else [(shift, -factor)])
     value = sum(weight * part.mean for part, weight in parts) - offset
-    if min(part.n for part, _ in parts) < 2:
+    if min(part.most for part, _ in parts) < 2:
         nothing = np.full(value.shape, np.nan)
         return Combination(value, nothing, nothing)
-    variances = [weight * weight * part.variance / part.n for part, weight in parts]
+    variances = [weight * weight * part.variance / part.count for part, weight in parts]
     total = sum(variances)
     even = np.full(value.shape, 1.0 / len(parts))
     shares = [np.divide(v, total, out=even.copy(), where=total > 0) for v in variances]
-    df = 1.0 / sum(share * share / (part.n - 1) for share, (part, _) in zip(shares, parts, strict=True))
+    df = 1.0 / sum(share * share / (part.count - 1) for share, (part, _) in zip(shares, parts, strict=True))
     return Combination(value, np.sqrt(total), df)
 
 
@@ -121,7 +121,7 @@ def interval(candidate: Moments, reference: Moments, floor: float, tail: float) 
         return plain.df, plain.df
     q = -stdtrit(plain.df, tail)
     c, e = candidate.mean, reference.mean
-    qa, qb = q * q * candidate.variance / candidate.n, q * q * reference.variance / reference.n
+    qa, qb = q * q * candidate.variance / candidate.count, q * q * reference.variance / reference.count
     with np.errstate(divide="ignore", invalid="ignore"):
         lead = e * e - qb
         root = np.sqrt(np.maximum(c * c * qb + e * e * qa - qa * qb, 0.0))

@@ -65,7 +65,7 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
     is missing (Bonferroni): these give the interval, whatever the dependence; the median takes regions as independent.
     """
     open_regions = test.undecided & np.isfinite(reference.mean + candidate.mean).all(axis=1)
-    if not open_regions.any() or min(reference.n, candidate.n) < 2:
+    if not open_regions.any() or min(reference.most, candidate.most) < 2:
         return None
     upper, lower = tolerance_ends(candidate, reference, test.tolerance, test.floor)
     inside = np.concatenate([_errors(upper.value, upper, -1), _errors(lower.value, lower, +1)], axis=1)[open_regions]

@@ -91,11 +91,12 @@ class SequentialTest:
         share = look_share(len(self.looks) + 1, last)
         upper, lower = tolerance_ends(candidate, reference, self.tolerance, self.floor)
         p = np.stack([p_equivalent(upper, lower), p_different(upper, lower)])
-        self._evidence = np.minimum(self._evidence, p / share)
+        # What is decided may not be sampled any more, and has no share in this look.
+        self._evidence = np.where(self.undecided, np.minimum(self._evidence, p / share), self._evidence)
         rejected = holm(self._evidence.ravel(), self.level).reshape(2, -1)
         for row, outcome in enumerate((Outcome.EQUIVALENT, Outcome.DIFFERENT)):
             # A region decided before keeps its outcome, even if the other claim now passes too.
             now = rejected[row] & self.undecided
             self.outcomes[now] = outcome
-            self.decided_at[now] = min(reference.n, candidate.n)
-        self.looks.append(Look((reference.n, candidate.n), share, int(self.undecided.sum())))
+            self.decided_at[now] = min(reference.most, candidate.most)
+        self.looks.append(Look((reference.most, candidate.most), share, int(self.undecided.sum())))

@@ -71,7 +71,7 @@ def conclude(
         reasons.append(
             f"non-finite samples in {where}: these pixels are excluded, and an image that has any cannot be EQUIVALENT"
         )
-    if min(of_reference.n, of_candidate.n) < 2:
+    if min(of_reference.most, of_candidate.most) < 2:
         reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
     elif undecided:
         reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")

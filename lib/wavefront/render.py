@@ -13,6 +13,7 @@ import numpy as np
 from ..effects.plan import Plan, make_plan
 from ..errors import Cancelled
 from ..film.rendering import Rendering
+from ..film.windows import Windows
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
 from .kernel import Kernel
@@ -26,7 +27,7 @@ SMALLEST_TILE = 4096
 
 @dataclass(frozen=True)
 class Tile:
-    """Pixels `first` to `last` of the row-major image, samples `start` to `stop` of each."""
+    """Numbers `first` to `last` in the list of pixels, samples `start` to `stop` of each."""
 
     first: int
     last: int
@@ -88,20 +89,23 @@ class ReferenceRenderer:
         samples: int,
         progress: Callable[[float], None] = lambda _: None,
         cancelled: Callable[[], bool] = lambda: False,
+        windows: Windows | None = None,
     ) -> Rendering:
-        """One independent replicate of `samples` samples per pixel; raises Cancelled when asked to stop."""
+        """One independent replicate of `samples` samples per pixel, or of the pixels in `windows`; raises Cancelled when asked to stop."""
         begin = perf_counter()
         camera = self.scene.camera
-        pixels = camera.width * camera.height
+        shape = (camera.height, camera.width)
+        index = np.arange(shape[0] * shape[1]) if windows is None else np.flatnonzero(windows.mask)
         make = SobolSampler if self.options.sampler == "sobol" else RandomSampler
         sampler = make(self.options.seed, replicate, samples)
-        total, nonfinite = np.zeros((3, pixels)), np.zeros(pixels, np.int32)
+        radiance, nonfinite = np.zeros((*shape, 3)), np.zeros(shape, np.int32)
+        total, bad = radiance.reshape(-1, 3), nonfinite.reshape(-1)
         stages: dict[str, float] = {}
         rays = done = 0
-        work = list(tiles(pixels, samples, self._tile_paths(pixels * samples)))
+        work = list(tiles(index.size, samples, self._tile_paths(index.size * samples)))
 
         def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
-            return tile, *self._run(tile, sampler)
+            return tile, *self._run(index[tile.first : tile.last], tile, sampler)
 
         with ThreadPoolExecutor(self.options.threads) as pool:
             pending: set[Future] = set()
@@ -117,8 +121,9 @@ class ReferenceRenderer:
                     finished, pending = wait(pending, return_when=FIRST_COMPLETED)
                     for future in finished:
                         tile, sums, clock, traced = future.result()
-                        total[:, tile.first : tile.last] += sums.radiance
-                        nonfinite[tile.first : tile.last] += sums.nonfinite
+                        part = index[tile.first : tile.last]
+                        total[part] += sums.radiance.T
+                        bad[part] += sums.nonfinite
                         rays += traced
                         for stage, seconds in clock.seconds.items():
                             stages[stage] = stages.get(stage, 0.0) + seconds
@@ -129,18 +134,17 @@ class ReferenceRenderer:
             finally:
                 for future in pending:
                     future.cancel()
-        shape = (camera.height, camera.width)
-        total /= samples
-        radiance = np.ascontiguousarray(total.T).reshape(*shape, 3)
+        radiance /= samples
         seconds = perf_counter() - begin
-        return Rendering(radiance, nonfinite.reshape(shape), seconds, stages, pixels * samples, rays)
+        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows)
 
     def _tile_paths(self, paths: int) -> int:
         """Paths in a tile: as the options say, but small images still give every thread several tiles."""
         return min(self.options.tile_paths, max(paths // (4 * self.options.threads), SMALLEST_TILE))
 
-    def _run(self, tile: Tile, sampler: SobolSampler | RandomSampler) -> tuple[PixelSums, StageClock, int]:
-        index = np.arange(tile.first, tile.last)
+    def _run(
+        self, index: np.ndarray, tile: Tile, sampler: SobolSampler | RandomSampler
+    ) -> tuple[PixelSums, StageClock, int]:
         row, column = np.divmod(index, self.scene.camera.width)
         depth = tile.stop - tile.start
         sums, clock = PixelSums(index.size), StageClock()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from etalon.addon.cycles import CHUNK, CyclesRenderer, neutral
 from etalon.lib.errors import EtalonError
+from etalon.lib.film.windows import Windows
 from etalon.reference_scenes import building
 
 RADIANCE = (0.25, 1.5, 3000.0)
@@ -173,6 +174,26 @@ def test_replicates_are_independent_and_repeatable():
     # About the common mean, pairs of n independent replicates correlate by -1 / (n - 1), with deviation 1 / sqrt(256 pixels).
     assert abs(correlation.mean() + 1 / 23) < 0.02
     assert np.abs(correlation).max() < 6 / 16
+
+
+@pytest.mark.parametrize("bordered", [False, True])
+def test_a_part_is_the_image_in_that_part(bordered):
+    """To the last bit: the same samples of the same pixels, also where the file has a border of its own."""
+    scene = lit()
+    if bordered:
+        edges = {"min_x": 0.25, "max_x": 0.9, "min_y": 0.2, "max_y": 0.8}
+        scene.render.use_border = True
+        for name, value in edges.items():
+            setattr(scene.render, f"border_{name}", value)
+    before = snapshot(scene)
+    renderer = CyclesRenderer(scene, seed=3, threads=2)
+    whole = renderer.render(2, 2)
+    windows = Windows(whole.nonfinite.shape, ((0, 1, 2, 3), (4, 2, 6, 2), (5, 2, 9, 8)))
+    part = renderer.render(2, 2, windows=windows)
+    assert whole.radiance.shape == ((9, 10, 3) if bordered else (16, 16, 3))
+    np.testing.assert_array_equal(part.radiance, np.where(windows.mask[..., None], whole.radiance, 0.0))
+    assert part.camera_samples == 2 * windows.pixels
+    assert snapshot(scene) == before
 
 
 def test_a_replicate_of_many_samples_is_drawn_in_chunks():

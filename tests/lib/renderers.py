@@ -31,21 +31,27 @@ class Painter:
         self.name, self.settings = name, settings or {"kind": "painter"}
         self.truth, self.sigma, self.cost = truth, sigma, cost
         self.clock, self.change = clock or Clock(), change
-        self.asked = []
+        self.asked, self.windows = [], []
 
-    def render(self, replicate, samples, progress, cancelled):
+    def render(self, replicate, samples, progress, cancelled, windows):
         self.asked.append((replicate, samples))
+        self.windows.append(windows)
         rng = np.random.default_rng([zlib.crc32(self.name.encode()), replicate])
         noise = self.sigma / np.sqrt(samples) * rng.standard_normal((*self.truth.shape[:2], 1))
         image = self.truth * (1.0 + noise)
         if self.change is not None:
             image = self.change(replicate, image)
-        seconds = self.cost[0] + self.cost[1] * samples
+        share = 1.0 if windows is None else windows.mask.mean()
+        seconds = self.cost[0] + self.cost[1] * samples * share
+        if windows is not None:
+            image = np.where(windows.mask[..., None], image, np.nan)
         self.clock.now += seconds
         progress(0.5)
         progress(1.0)
         counts = (~np.isfinite(image).all(axis=2)).astype(int)
-        return Rendering(image, counts, seconds, {"paint": seconds}, image[..., 0].size * samples, 7)
+        return Rendering(
+            image, counts, seconds, {"paint": seconds}, round(image[..., 0].size * share) * samples, 7, windows
+        )
 
 
 def grey(value=1.0, width=24, height=20):

@@ -5,8 +5,9 @@ import json
 
 import numpy as np
 import pytest
-from etalon.lib import compare as module
-from etalon.lib.compare import PILOT, CompareOptions, compare
+from etalon.lib.compare import CompareOptions, compare
+from etalon.lib.comparison import meter as module
+from etalon.lib.comparison.pilot import PILOT
 from etalon.lib.errors import EtalonError
 from etalon.lib.report.document import plain
 from etalon.lib.verdict.outcome import Outcome
@@ -71,6 +72,85 @@ def test_coverage_makes_regions_by_the_users_names():
     named = dict(zip(found.regions.names, found.verdict.outcomes, strict=True))
     assert named["Gold"] is Outcome.DIFFERENT
     assert named["Silver"] is Outcome.EQUIVALENT
+
+
+def noisy_corner():
+    """What makes the first block of an image far noisier than the rest."""
+
+    def change(replicate, image):
+        rng = np.random.default_rng(replicate)
+        image[:16, :16] *= 1 + 0.03 * rng.standard_normal((1, 1, 1))
+        return image
+
+    return change
+
+
+def test_sampling_goes_on_where_it_is_undecided():
+    scene = blank(96, 80)
+    reference = Painter("the reference", grey(1.0, 96, 80), 0.01)
+    candidate = Painter("Cycles", grey(1.0, 96, 80), 0.01, change=noisy_corner())
+    found = compare(scene, reference, candidate, {}, CompareOptions(time=None, samples=16, replicates=2000))
+    assert found.verdict.outcome is Outcome.EQUIVALENT
+    corner = found.regions.names.index("x 0 to 15, y 0 to 15")
+    assert found.verdict.decided_at[corner] == found.reference.replicates > 30
+    assert {n for n in found.verdict.decided_at} <= {8, 12, 18, 27, 41, 62, 93, 140, 210, 315, 473, 710}
+    for side in (reference, candidate):
+        assert side.windows[0] is None
+        assert side.windows[-1].boxes == ((0, 0, 15, 15),)
+    n = found.reference.film.moments.n
+    assert (n[:16, :16] == found.reference.replicates).all()
+    assert (n[16:, 16:] < n[0, 0]).all()
+
+
+def test_a_difference_in_a_part_is_found_as_in_the_whole():
+    scene, other = blank(96, 80), grey(1.0, 96, 80)
+    other[:16, :16] *= 1.05
+    reference = Painter("the reference", grey(1.0, 96, 80), 0.01)
+    candidate = Painter("Cycles", other, 0.01, change=noisy_corner())
+    found = compare(scene, reference, candidate, {}, CompareOptions(time=None, samples=16, replicates=2000))
+    assert found.verdict.outcome is Outcome.DIFFERENT
+    assert candidate.windows[-1] is not None
+    corner = found.regions.names.index("x 0 to 15, y 0 to 15")
+    assert (found.verdict.low[corner] < 0.05).all()
+    assert (found.verdict.high[corner] > 0.05).all()
+
+
+def test_decisions_are_those_of_whole_images(monkeypatch):
+    """Parts save time, and change no decision: each region is judged on the same replicates at the same numbers of them."""
+
+    def decide():
+        reference = Painter("the reference", grey(1.0, 96, 80), 0.1)
+        candidate = Painter("Cycles", grey(1.003, 96, 80), 0.1, change=noisy_corner())
+        options = CompareOptions(time=None, samples=1, replicates=473)
+        return compare(blank(96, 80), reference, candidate, {}, options), candidate.windows
+
+    parts, windows = decide()
+    assert windows[-1] is not None
+    monkeypatch.setattr("etalon.lib.comparison.focus.LARGEST", 0.0)
+    whole, windows = decide()
+    assert windows[-1] is None
+    assert (parts.verdict.outcomes == whole.verdict.outcomes).all()
+    assert (parts.verdict.decided_at == whole.verdict.decided_at).all()
+    assert len(set(parts.verdict.decided_at)) > 2
+
+
+def test_a_pixel_that_fails_in_a_part_is_excluded_there():
+    def change(replicate, image):
+        image = noisy_corner()(replicate, image)
+        if replicate == 20:
+            image[3, 4] = np.nan
+        return image
+
+    scene = blank(96, 80)
+    reference = Painter("the reference", grey(1.0, 96, 80), 0.01)
+    candidate = Painter("Cycles", grey(1.0, 96, 80), 0.01, change=change)
+    found = compare(scene, reference, candidate, {}, CompareOptions(time=None, samples=16, replicates=2000))
+    assert found.verdict.outcome is Outcome.UNDECIDED
+    assert np.argwhere(found.excluded).tolist() == [[3, 4]]
+    assert found.candidate.film.nonfinite.sum() == 1
+    corner = found.regions.names.index("x 0 to 15, y 0 to 15")
+    assert found.verdict.outcomes[corner] is Outcome.EQUIVALENT
+    assert found.verdict.excluded[corner] == 1
 
 
 @pytest.fixture

@@ -91,11 +91,11 @@ class Cached:
     def __init__(self, name, renderer):
         self.name, self._renderer, self._done = name, renderer, {}
 
-    def render(self, replicate, samples, progress, cancelled):
+    def render(self, replicate, samples, progress, cancelled, windows):
         key = replicate, samples
         if key not in self._done:
             self._done[key] = self._renderer.render(replicate, samples)
-        return self._done[key]
+        return replace(self._done[key], windows=windows)
 
 
 @functools.cache

@@ -8,6 +8,7 @@ from etalon.lib.film.exr import read_exr, write_exr, write_film
 from etalon.lib.film.film import Film
 from etalon.lib.film.pictures import middle_exposure, signed8, srgb8
 from etalon.lib.film.rendering import Rendering
+from etalon.lib.film.windows import Windows
 
 
 def rendering(radiance, nonfinite=None, **more):
@@ -19,7 +20,7 @@ def test_a_film_adds_up_what_its_replicates_cost(rng):
     images = rng.random((3, 4, 5, 3))
     film = Film.empty(4, 5, samples=8)
     for image in images:
-        film = film.add(rendering(image))
+        film.add(rendering(image))
     np.testing.assert_allclose(film.moments.mean, images.mean(axis=0), rtol=1e-14)
     np.testing.assert_allclose(film.moments.variance, images.var(axis=0, ddof=1), rtol=1e-12)
     assert film.seconds == 1.5
@@ -36,20 +37,37 @@ def test_images_of_another_size_are_refused_with_both_sizes():
 def test_what_is_not_finite_is_counted_and_never_averaged_away(bad):
     image = np.ones((2, 2, 3))
     image[0, 1, 2] = bad
-    film = Film.empty(2, 2, 4).add(rendering(image)).add(rendering(np.ones((2, 2, 3))))
+    film = Film.empty(2, 2, 4)
+    film.add(rendering(image))
+    film.add(rendering(np.ones((2, 2, 3))))
     assert np.isnan(film.moments.mean[0, 1]).all()
     assert film.nonfinite.tolist() == [[0, 1], [0, 0]]
     assert (film.moments.mean[1] == 1).all()
 
 
+def test_a_part_of_the_image_adds_to_that_part(rng):
+    windows = Windows((4, 5), ((1, 0, 2, 1),))
+    images = rng.random((3, 4, 5, 3))
+    film = Film.empty(4, 5, 1)
+    film.add(rendering(images[0]))
+    for image in images[1:]:
+        film.add(rendering(np.where(windows.mask[..., None], image, np.nan), windows=windows))
+    assert (film.moments.n == np.where(windows.mask, 3, 1)).all()
+    assert not film.nonfinite.any()
+    np.testing.assert_allclose(film.moments.mean[windows.mask], images[:, windows.mask].mean(axis=0), rtol=1e-14)
+    np.testing.assert_array_equal(film.moments.mean[~windows.mask], images[0, ~windows.mask])
+
+
 def test_samples_that_a_renderer_discarded_count_too():
-    film = Film.empty(1, 2, 4).add(rendering(np.ones((1, 2, 3)), np.array([[0, 3]])))
+    film = Film.empty(1, 2, 4)
+    film.add(rendering(np.ones((1, 2, 3)), np.array([[0, 3]])))
     assert film.nonfinite.tolist() == [[0, 3]]
     assert np.isnan(film.moments.mean[0, 1]).all()
 
 
 def test_negative_radiance_is_a_number():
-    film = Film.empty(1, 1, 1).add(rendering(np.full((1, 1, 3), -0.25)))
+    film = Film.empty(1, 1, 1)
+    film.add(rendering(np.full((1, 1, 3), -0.25)))
     assert (film.moments.mean == -0.25).all()
 
 
@@ -66,7 +84,7 @@ def test_an_exr_gives_back_what_was_written(tmp_path, rng):
 def test_a_film_on_disk_has_its_errors_and_samples(tmp_path):
     film = Film.empty(1, 2, 4)
     for value in (1.0, 3.0):
-        film = film.add(rendering(np.full((1, 2, 3), value), np.array([[0, 1]])))
+        film.add(rendering(np.full((1, 2, 3), value), np.array([[0, 1]])))
     write_film(tmp_path / "film.exr", film)
     channels = read_exr(tmp_path / "film.exr")
     assert channels["G"][0, 0] == 2.0

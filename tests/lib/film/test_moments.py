@@ -22,7 +22,7 @@ def exact(values):
 def one_by_one(values):
     moments = Moments.empty(values.shape[1:])
     for row in values:
-        moments = moments.add(row)
+        moments.add(row)
     return moments
 
 
@@ -54,7 +54,8 @@ def test_merging_in_any_order_gives_the_same(rng):
 
 
 def test_one_observation_has_no_variance():
-    moments = Moments.empty((2,)).add(np.array([1.0, 2.0]))
+    moments = Moments.empty((2,))
+    moments.add(np.array([1.0, 2.0]))
     assert np.isnan(moments.variance).all()
     assert np.isnan(moments.standard_error).all()
 
@@ -64,6 +65,24 @@ def test_equal_observations_have_none_either():
     moments = one_by_one(np.full((50, 3), 0.1))
     assert (moments.m2 == 0).all()
     assert (moments.mean == 0.1).all()
+
+
+def test_entries_may_be_observed_more_often_than_others(rng):
+    values = rng.standard_normal((9, 4, 5, 3))
+    moments, often = Moments.empty((4, 5, 3)), rng.random((4, 5)) < 0.4
+    for k, row in enumerate(values):
+        moments.add(row if k < 3 else np.where(often[..., None], row, np.nan), None if k < 3 else often)
+    assert moments.most == 9
+    assert (moments.n == np.where(often, 9, 3)).all()
+    for which, count in ((often, 9), (~often, 3)):
+        direct = values[:count, which]
+        np.testing.assert_allclose(moments.mean[which], direct.mean(axis=0), rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(moments.variance[which], direct.var(axis=0, ddof=1), rtol=1e-12)
+    moments.add(values[0])
+    assert (moments.n == np.where(often, 10, 4)).all()
+    np.testing.assert_allclose(
+        moments.mean[~often], np.append(values[:3], values[:1], 0)[:, ~often].mean(axis=0), atol=1e-14
+    )
 
 
 def test_arguments_are_left_alone(rng):

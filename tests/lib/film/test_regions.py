@@ -60,9 +60,9 @@ def means(regions, images, excluded):
 def test_region_means_are_weighted_means(rng):
     regions = image_regions(20, 33, {"object": [("Ball", soft(rng))]})
     images = rng.random((6, 20, 33, 3))
-    moments = RegionMoments.empty(regions)
+    moments = RegionMoments(regions)
     for image in images:
-        moments = moments.add(image)
+        moments.add(image)
     direct = means(regions, images, np.zeros((20, 33), bool))
     np.testing.assert_allclose(moments.moments.mean, direct.mean(axis=0), rtol=1e-12)
     np.testing.assert_allclose(moments.moments.variance, direct.var(axis=0, ddof=1), rtol=1e-9)
@@ -71,27 +71,56 @@ def test_region_means_are_weighted_means(rng):
 def test_pixels_excluded_later_leave_the_exact_mean_and_no_less_variance(rng):
     regions = image_regions(20, 33, {"object": [("Ball", soft(rng))]})
     images = rng.random((6, 20, 33, 3))
-    moments, film = RegionMoments.empty(regions), Moments.empty((20, 33, 3))
+    moments, film = RegionMoments(regions), Moments.empty((20, 33, 3))
     for image in images[:4]:
-        moments, film = moments.add(image), film.add(image)
+        moments.add(image)
+        film.add(image)
     excluded = np.zeros((20, 33), bool)
     excluded[3, 7:20] = excluded[16:, 32] = True  # the last block loses all it has
-    moments = moments.exclude(excluded, film)
+    moments.exclude(excluded, film)
     holed = images.copy()
     holed[4:, excluded] = np.nan
     for image in holed[4:]:
-        moments = moments.add(image)
+        moments.add(image)
     direct = means(regions, images, excluded)
     np.testing.assert_allclose(moments.moments.mean[:-1], direct.mean(axis=0)[:-1], rtol=1e-12)
     assert np.isnan(moments.moments.mean[-1]).all()
     assert moments.sizes[-1] == 0
     assert (moments.moments.variance[:-1] >= direct.var(axis=0, ddof=1)[:-1] * (1 - 1e-12)).all()
-    again = moments.exclude(excluded, film)
-    assert again is moments
+    before = moments.moments.m2.copy()
+    moments.exclude(excluded, film)  # a second time is nothing new
+    np.testing.assert_array_equal(moments.moments.m2, before)
+
+
+def test_regions_that_are_not_rendered_keep_what_they_had(rng):
+    """Of a part of the image only the regions in it are added to, and only they lose a pixel that turns out bad there."""
+    regions = image_regions(16, 32, {})
+    right = np.array([False, False, True])
+    images = rng.random((5, 16, 32, 3))
+    moments, film = RegionMoments(regions), Moments.empty((16, 32, 3))
+    mask = np.zeros((16, 32), bool)
+    mask[:, 16:] = True
+    for image in images[:2]:
+        moments.add(image)
+        film.add(image)
+    before = moments.moments.mean.copy()
+    for image in images[2:4]:
+        part = np.where(mask[..., None], image, np.nan)
+        moments.add(part, right)
+        film.add(part, mask)
+    bad = np.zeros((16, 32), bool)
+    bad[3, 20] = True
+    moments.exclude(bad, film, right)
+    moments.add(np.where((mask & ~bad)[..., None], images[4], np.nan), right)
+    assert moments.moments.n.tolist() == [2, 2, 5]
+    np.testing.assert_array_equal(moments.moments.mean[:2], before[:2])
+    np.testing.assert_allclose(moments.moments.mean[2], images[:, mask & ~bad].mean(axis=(0, 1)), rtol=1e-12)
+    assert moments.sizes.tolist() == [512, 256, 255]
 
 
 def test_an_image_of_one_pixel_is_one_region_twice():
     regions = image_regions(1, 1, {})
     assert regions.kinds == ("image", "block")
-    moments = RegionMoments.empty(regions).add(np.array([[[1.0, 2.0, 3.0]]]))
+    moments = RegionMoments(regions)
+    moments.add(np.array([[[1.0, 2.0, 3.0]]]))
     assert moments.moments.mean.tolist() == [[1.0, 2.0, 3.0]] * 2

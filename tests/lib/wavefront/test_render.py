@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from etalon.lib.film.windows import Windows
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.materials import Diffuse, Glossy
 from etalon.lib.wavefront.options import Options
@@ -59,6 +60,15 @@ def test_more_samples_than_a_tile_holds(seed):
     whole = ReferenceRenderer(stage(), Options(seed=seed, threads=1)).render(0, 20)
     parted = ReferenceRenderer(stage(), Options(seed=seed, threads=2, tile_paths=12)).render(0, 20)
     np.testing.assert_allclose(parted.radiance, whole.radiance, rtol=1e-12)
+
+
+@pytest.mark.parametrize("tile_paths", [50, 4096])
+def test_a_part_is_the_image_in_that_part(tile_paths, seed):
+    renderer = ReferenceRenderer(stage(), Options(seed=seed, threads=2, tile_paths=tile_paths))
+    windows = Windows((9, 13), ((2, 1, 6, 2), (6, 2, 12, 8)))
+    whole, part = renderer.render(3, 16), renderer.render(3, 16, windows=windows)
+    np.testing.assert_allclose(part.radiance, np.where(windows.mask[..., None], whole.radiance, 0.0), rtol=1e-12)
+    assert part.camera_samples == 16 * windows.pixels
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Either side of a comparison: the renderer, and what it has rendered so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..film.film import Film
+from ..film.regions import RegionMoments, Regions
+from ..film.rendering import Rendering
+from ..film.windows import Windows
+
+
+class Renderer(Protocol):
+    """Either side: `settings` is what the report prints; `render` gives replicate number `replicate`, independent of all
+    others, with `samples` per pixel, or of the pixels in `windows` alone. After `cancelled` says so it may return
+    anything or raise an EtalonError.
+    """
+
+    name: str
+    settings: dict[str, Any]
+
+    def render(
+        self,
+        replicate: int,
+        samples: int,
+        progress: Callable[[float], None],
+        cancelled: Callable[[], bool],
+        windows: Windows | None,
+    ) -> Rendering:
+        """One replicate."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """One renderer's part: its `name` and `settings`, its film, and the moments of its regions."""
+
+    name: str
+    settings: dict[str, Any]
+    film: Film
+    regions: RegionMoments
+
+    @classmethod
+    def empty(cls, renderer: Renderer, regions: Regions, samples: int) -> Side:
+        """A side before its first replicate."""
+        film = Film.empty(*regions.shape, samples)
+        return cls(renderer.name, dict(renderer.settings), film, RegionMoments(regions))
+
+    @property
+    def replicates(self) -> int:
+        """How many it has rendered, of the whole image or of a part."""
+        return self.film.moments.most
+
+    def exclude(self, pixels: np.ndarray, of: np.ndarray | None) -> None:
+        """Leave `pixels` (height, width) out of the regions `of` (K,), or of all."""
+        self.regions.exclude(pixels, self.film.moments, of)
+
+    def add(self, rendering: Rendering, of: np.ndarray | None) -> None:
+        """Take one replicate more, for the regions `of` (K,), or for all."""
+        self.film.add(rendering)
+        self.regions.add(rendering.radiance, of)
