@@ -103,7 +103,7 @@ class RoughDielectric:
         The digits of `u1` beyond the sixteenth serve again to choose between reflection and refraction.
         """
         wo, eta = self._wo, self._eta
-        m = self._distribution.sample_visible(wo, self._alpha, self._alpha, u1, u2)
+        m = self._distribution.sample_visible(wo, self._alpha, self._alpha, u1, u2, self._lambda_o)
         cos_om = dot(wo, m)
         reflected, refracted, chance = self._interface.shares(np.clip(cos_om, 0.0, 1.0), eta)
         digits = u1 * _SPLIT

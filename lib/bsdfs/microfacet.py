@@ -11,6 +11,7 @@ from types import ModuleType
 import numpy as np
 
 from ..microfacets import ggx, masking
+from ..microfacets.directions import FLOOR
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
 from ..vectors import dot
 
@@ -43,11 +44,27 @@ class MicrofacetReflection:
         self._distribution, self._masking, self._strategy = distribution, masking_form, strategy
         self._lambda_o = distribution.smith_lambda(wo, alpha_x, alpha_y)
         self._above = wo[2] > 0.0
-        self._cos_o = np.where(self._above, wo[2], 1.0)
+        self._cos_o = np.maximum(wo[2], FLOOR)
         self._bound = ggx.bound(wo, alpha_x, alpha_y) if strategy == "bounded" else None
+        self._pdf_of_d = self._reflected_visible()
+
+    def _reflected_visible(self) -> np.ndarray | None:
+        """By what D is multiplied to give the density of wi, where that depends on wo alone, (n,)."""
+        if self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
+            normal = 1.0 + self._lambda_o
+            normal *= 4.0
+        elif self._strategy == "bounded":  # Eto and Tokuyoshi 2023, eq. 7
+            normal = 2.0 * self._lambda_o
+            normal += self._bound
+            normal += 1.0
+            normal *= 2.0
+        else:
+            return None
+        normal *= self._cos_o
+        return np.divide(1.0, normal, out=normal)
 
     def _shadowing(self, wi: np.ndarray, m: np.ndarray) -> np.ndarray:
-        """G(wi, wo, m) in the chosen form."""
+        """G(wi, wo, m) in the chosen form; Smith's do not ask how long m is."""
         if self._masking == "torrance_sparrow":
             return masking.torrance_sparrow(wi, self._wo, m)
         lambda_i = self._distribution.smith_lambda(wi, *self._alpha)
@@ -56,27 +73,32 @@ class MicrofacetReflection:
 
     def _pdf(self, wi: np.ndarray, m: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Density per steradian of wi of the chosen strategy; `m` is the half vector."""
-        if self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
-            return d / ((1.0 + self._lambda_o) * (4.0 * self._cos_o))
-        if self._strategy == "bounded":  # Eto and Tokuyoshi 2023, eq. 7
-            return d / ((self._bound + 1.0 + 2.0 * self._lambda_o) * (2.0 * self._cos_o))
+        if self._pdf_of_d is not None:
+            return d * self._pdf_of_d
         if self._strategy == "d_cos":  # the documents' pdf(m) = D cos, times the Jacobian they leave out
             return d * m[2] / (4.0 * np.abs(dot(self._wo, m)))
         if self._strategy == "cosine":
-            return np.maximum(wi[2], 0.0) * (1.0 / np.pi)
+            return np.clip(wi[2], 0.0, 1.0) * (1.0 / np.pi)
         return np.full(wi.shape[1], 0.5 / np.pi)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F |cos| and density, (n,); zero below the surface."""
         m = wi + self._wo
-        length = np.sqrt(dot(m, m))
-        m /= np.where(length > 0.0, length, 1.0)
+        np.clip(m[2], FLOOR, np.inf, out=m[2])  # lit directions have it positive
+        length2 = dot(m, m)
+        np.sqrt(length2, out=length2)
+        m /= length2
         d = self._distribution.density(m, *self._alpha)
-        lit = (wi[2] > 0.0) & self._above
-        pdf = np.where(lit, self._pdf(wi, m, d), 0.0)
+        lit = wi[2] > 0.0
+        lit &= self._above
+        d *= lit
+        pdf = self._pdf(wi, m, d)
+        if self._pdf_of_d is None:
+            pdf *= lit
         d *= self._shadowing(wi, m)
-        d /= 4.0 * self._cos_o
-        return np.where(lit, d, 0.0), pdf
+        d /= self._cos_o
+        d *= 0.25
+        return d, pdf
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Direction, weight f |cos| / pdf, density."""
@@ -86,24 +108,27 @@ class MicrofacetReflection:
             return wi, value / np.maximum(pdf, 1e-300), pdf
         wo, alpha = self._wo, self._alpha
         if self._strategy == "visible":
-            m = self._distribution.sample_visible(wo, *alpha, u1, u2)
+            m = self._distribution.sample_visible(wo, *alpha, u1, u2, self._lambda_o)
         elif self._strategy == "bounded":
-            m = ggx.sample_bounded(wo, *alpha, u1, u2)
+            m = ggx.sample_bounded(wo, *alpha, u1, u2, self._lambda_o)
         else:
             m = self._distribution.sample_d_cos(*alpha, u1, u2)
         cos_om = dot(wo, m)
-        wi = m * (2.0 * cos_om)
+        twice = 2.0 * cos_om
+        wi = m * twice
         wi -= wo
-        lit = (wi[2] > 0.0) & self._above & (cos_om > 0.0)
+        lit = wi[2] > 0.0
+        lit &= self._above
         weight = self._shadowing(wi, m)
         if self._strategy == "visible":  # D cancels: G2 / G1(wo)
             weight *= 1.0 + self._lambda_o
         elif self._strategy == "bounded":
             weight *= 0.5 * (self._bound + 1.0) + self._lambda_o
         else:
+            lit &= cos_om > 0.0
             weight *= cos_om / (self._cos_o * m[2])
-        pdf = self._pdf(wi, m, self._distribution.density(m, *alpha))
-        return wi, np.where(lit, weight, 0.0), pdf
+        weight *= lit
+        return wi, weight, self._pdf(wi, m, self._distribution.density(m, *alpha))
 
     def part(self, index: np.ndarray) -> MicrofacetReflection:
         """The same lobe at fewer points."""

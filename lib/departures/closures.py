@@ -14,7 +14,8 @@ from ..microfacets import beckmann
 RATIONAL = SimpleNamespace(
     density=beckmann.density,
     smith_lambda=beckmann.smith_lambda_rational,
-    sample_visible=beckmann.sample_visible,
+    # Samples follow the exact Lambda, whatever the lobe's.
+    sample_visible=lambda wo, alpha_x, alpha_y, u1, u2, _: beckmann.sample_visible(wo, alpha_x, alpha_y, u1, u2),
     sample_d_cos=beckmann.sample_d_cos,
 )
 """Beckmann's distribution with the rational Lambda in place of the exact one, both in masking and in the density."""

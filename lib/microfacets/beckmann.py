@@ -34,7 +34,7 @@ def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndar
     part = m[1] / alpha_y
     part *= part
     d += part
-    z = np.maximum(m[2], FLOOR, out=part)
+    z = np.clip(m[2], FLOOR, 1.0, out=part)
     z *= z
     np.divide(-1.0, z, out=z)
     d *= z
@@ -61,7 +61,7 @@ def smith_lambda(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np
     value *= 1.0 / _SQRT_PI
     value -= erfc(a, out=a)
     value *= 0.5
-    np.maximum(value, 0.0, out=value)
+    np.clip(value, 0.0, np.inf, out=value)
     below = w[2] <= 0.0
     if below.any():
         value[below] = HIDDEN
@@ -110,14 +110,21 @@ def sample_d_cos(
 
 
 def sample_visible(
-    wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray, u1: np.ndarray, u2: np.ndarray
+    wo: np.ndarray,
+    alpha_x: float | np.ndarray,
+    alpha_y: float | np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
+    lambda_o: np.ndarray | None = None,
 ) -> np.ndarray:
     """Microfacet normal visible from `wo`, density `densities.pdf_visible`, (3, n), z > 0.
 
     Stretch to roughness 1, sample the tangent along the view by the inversion of its exact distribution and the one
     across it as a Gaussian, turn and stretch back (Heitz and d'Eon 2014). `wo` (3, n) unit with wo.z > 0 (others give some
-    valid normal).
+    valid normal); `lambda_o` is the exact Lambda(wo) where it is known.
     """
+    if lambda_o is None:
+        lambda_o = smith_lambda(wo, alpha_x, alpha_y)
     x = wo[0] * alpha_x
     x += 1e-150  # at normal incidence every azimuth is as good; this one has a direction
     y = wo[1] * alpha_y
@@ -125,7 +132,7 @@ def sample_visible(
     across = y * y
     sine += across
     np.sqrt(sine, out=sine)
-    along = visible_tangent(sine, np.maximum(wo[2], FLOOR, out=across), u1)
+    along = visible_tangent(sine, np.clip(wo[2], FLOOR, 1.0, out=across), u1, lambda_o)
     across = ndtri(np.clip(u2, 0.5 - 0.5 * LARGEST_UNIFORM, LARGEST_UNIFORM, out=across), out=across)
     across *= np.sqrt(0.5)
     x /= sine
@@ -143,6 +150,6 @@ def sample_visible(
 def _slope_ratio(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
     """The cotangent of w seen by the stretched surface, a = w.z / |(alpha_x w.x, alpha_y w.y)|, bounded at both ends."""
     slope = stretched_sine_squared(w, alpha_x, alpha_y)
-    np.maximum(slope, FLOOR, out=slope)
+    np.clip(slope, FLOOR, np.inf, out=slope)
     np.sqrt(slope, out=slope)
-    return np.divide(np.maximum(w[2], FLOOR), slope, out=slope)
+    return np.divide(np.clip(w[2], FLOOR, 1.0), slope, out=slope)

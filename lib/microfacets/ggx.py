@@ -41,7 +41,7 @@ def smith_lambda(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np
     Heitz 2014, eq. 72 and 86, as s / (2 (1 + sqrt(1 + s))), which does not cancel. `w` (3, n) unit; HIDDEN where w.z <= 0.
     """
     s = stretched_sine_squared(w, alpha_x, alpha_y)
-    z = np.maximum(w[2], FLOOR)
+    z = np.clip(w[2], FLOOR, 1.0)
     root = z * z
     root += s
     np.sqrt(root, out=root)
@@ -74,15 +74,20 @@ def sample_d_cos(
 
 
 def sample_visible(
-    wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray, u1: np.ndarray, u2: np.ndarray
+    wo: np.ndarray,
+    alpha_x: float | np.ndarray,
+    alpha_y: float | np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
+    lambda_o: np.ndarray | None = None,
 ) -> np.ndarray:
     """Microfacet normal visible from `wo`, density `densities.pdf_visible`, (3, n), z > 0.
 
     Dupuy and Benyoub 2023: stretch to the hemisphere, add wo to a point uniform on the spherical cap z > -wo.z, stretch
     back.
-    `wo` (3, n) unit with wo.z > 0 (others give some valid normal).
+    `wo` (3, n) unit with wo.z > 0 (others give some valid normal); `lambda_o` is Lambda(wo) where it is known.
     """
-    return _sample_cap(wo, alpha_x, alpha_y, u1, u2, None)
+    return _sample_cap(wo, alpha_x, alpha_y, u1, u2, lambda_o, None)
 
 
 def bound(wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
@@ -105,13 +110,18 @@ def bound(wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarr
 
 
 def sample_bounded(
-    wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray, u1: np.ndarray, u2: np.ndarray
+    wo: np.ndarray,
+    alpha_x: float | np.ndarray,
+    alpha_y: float | np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
+    lambda_o: np.ndarray | None = None,
 ) -> np.ndarray:
     """As `sample_visible`, from the smaller cap z > -k wo.z, k = `bound`: fewer reflections below the horizon.
 
     Density of the reflected direction, per steradian: D(m) / (2 wo.z (k + 1 + 2 Lambda(o))) (Eto and Tokuyoshi 2023, eq. 7).
     """
-    return _sample_cap(wo, alpha_x, alpha_y, u1, u2, bound(wo, alpha_x, alpha_y))
+    return _sample_cap(wo, alpha_x, alpha_y, u1, u2, lambda_o, bound(wo, alpha_x, alpha_y))
 
 
 def _sample_cap(
@@ -120,18 +130,19 @@ def _sample_cap(
     alpha_y: float | np.ndarray,
     u1: np.ndarray,
     u2: np.ndarray,
+    lambda_o: np.ndarray | None,
     k: np.ndarray | None,
 ) -> np.ndarray:
     """Stretch wo, add a point of the cap z > -k wo.z (`k` None: 1) to it, stretch the sum back."""
+    if lambda_o is None:
+        lambda_o = smith_lambda(wo, alpha_x, alpha_y)
     m = np.empty((3, u1.shape[0]))
     x = np.multiply(wo[0], alpha_x, out=m[0])
     y = np.multiply(wo[1], alpha_y, out=m[1])
-    above = np.maximum(wo[2], FLOOR)
-    length = x * x
-    part = y * y
-    length += part
-    length += np.multiply(above, above, out=part)
-    np.sqrt(length, out=length)
+    above = np.clip(wo[2], FLOOR, 1.0)
+    length = 2.0 * lambda_o  # that of the stretched wo is wo.z (1 + 2 Lambda)
+    length += 1.0
+    length *= above
     x /= length
     y /= length
     above /= length
@@ -143,9 +154,9 @@ def _sample_cap(
     above += 1.0
     # The cap's z is 1 - drop: its sine and the sum's z come out of drop without cancelling.
     drop = np.multiply(above, u2, out=length)
-    sine = np.subtract(2.0, drop, out=part)
+    sine = 2.0 - drop
     sine *= drop
-    np.maximum(sine, 0.0, out=sine)
+    np.clip(sine, 0.0, 1.0, out=sine)
     np.sqrt(sine, out=sine)
     cap_x, cap_y = circle(u1)
     cap_x *= sine

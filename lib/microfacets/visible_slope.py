@@ -13,7 +13,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-from scipy.special import erf, erfc
+from scipy.special import erfc
 
 from ..sampling.tables import LARGEST_UNIFORM
 
@@ -23,10 +23,11 @@ _SQRT_PI = float(np.sqrt(np.pi))
 _ABOVE_END = 1e-10  # how far above -a the bracket begins at least: at -a itself the density is zero
 
 
-def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.ndarray:
+def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
     """The x above which lies 1 - u of the visible normals, (n,).
 
-    `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor; `u` in [0, 1].
+    `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor; `u` in [0, 1]. `lambda_o` is
+    Smith's Lambda of that angle, by which the mass of all visible normals is a sqrt(pi) (1 + Lambda).
     """
     u = np.clip(u, _LEAST, LARGEST_UNIFORM)
     cot = cosine / sine
@@ -39,18 +40,12 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.n
     np.maximum(low, cot + _ABOVE_END, out=low)
     np.maximum(x, low, out=x)
 
-    # The mass above x that is wanted, (1 - u) of the whole.
-    target = erf(cot)
-    np.subtract(1.0, target, out=target)
+    # Twice the mass above x that is wanted, (1 - u) of the whole.
+    target = np.add(1.0, lambda_o, out=cot)
     target *= c
-    target *= _SQRT_PI
-    cot *= cot
-    np.negative(cot, out=cot)
-    np.exp(cot, out=cot)
-    cot *= s
-    target += cot
     np.subtract(1.0, u, out=u)
     target *= u
+    target *= 2.0 * _SQRT_PI
 
     gauss = np.multiply(x, x, out=u)
     np.negative(gauss, out=gauss)
@@ -60,7 +55,7 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> np.n
     excess *= _SQRT_PI
     excess -= target
     excess += np.multiply(s, gauss, out=target)
-    weight = np.multiply(s, x, out=cot)
+    weight = np.multiply(s, x, out=target)
     weight += c
     gauss *= weight
     step = np.divide(excess, gauss, out=excess)  # twice Newton's step

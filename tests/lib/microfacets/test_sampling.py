@@ -6,8 +6,7 @@ from functools import partial
 import mpmath as mp
 import numpy as np
 import pytest
-from etalon.lib.microfacets import beckmann, densities, ggx, masking
-from etalon.lib.microfacets.visible_slope import visible_tangent
+from etalon.lib.microfacets import beckmann, densities, ggx, masking, visible_slope
 from etalon.tests.chi2 import Tangents, chi_square, sidak
 from scipy.special import erf, erfc
 
@@ -129,6 +128,11 @@ def slope_cases(rng, count):
     logit = rng.uniform(-36.0, 36.0, count)
     u = np.where(rng.random(count) < 0.5, rng.random(count), 1.0 / (1.0 + np.exp(-logit)))
     return 1.0 / np.sqrt(1.0 + cot * cot), cot / np.sqrt(1.0 + cot * cot), np.clip(u, 2.0**-54, 1.0 - 2.0**-53)
+
+
+def visible_tangent(sine, cosine, u):
+    view = np.stack([sine, np.zeros_like(sine), cosine])
+    return visible_slope.visible_tangent(sine, cosine, u, beckmann.smith_lambda(view, 1.0, 1.0))
 
 
 def test_visible_slope_inverts_its_distribution(rng):
