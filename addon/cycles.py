@@ -78,7 +78,7 @@ class CyclesRenderer:
             left, bottom, width, height = rendered_region(self.scene.render, *full_frame(self.scene.render))
             whole = Windows((height, width), ((0, 0, width - 1, height - 1),))
             total, nonfinite = np.zeros((height, width, 3)), np.zeros((height, width), np.int32)
-            work = list(_calls(whole if windows is None else windows, samples))
+            work = list(self._calls(whole if windows is None else windows, samples))
             for number, (box, done, count) in enumerate(work):
                 if cancelled():
                     raise EtalonError("Cycles: cancelled before the image was done; nothing to keep")
@@ -101,6 +101,17 @@ class CyclesRenderer:
         """The settings under which it renders."""
         with neutral(self.scene, **self._neutral):
             yield
+
+    def _calls(self, windows: Windows, samples: int) -> Iterator[tuple[Box, int, int]]:
+        """Each render call as a rectangle, the samples that are done before it, and those that it adds."""
+        for box in windows.boxes:
+            most = self._per_call((box[2] - box[0] + 1) * (box[3] - box[1] + 1))
+            for done in range(0, samples, most):
+                yield box, done, min(most, samples - done)
+
+    def _per_call(self, pixels: int) -> int:
+        """The most samples of one call that renders so many pixels: a power of two."""
+        return min(CHUNK, _power_of_two(max(CALL // pixels, 1) + 1) // 2)
 
     @contextmanager
     def _border(self, box: Box | None, left: int, top: int) -> Iterator[None]:
@@ -151,15 +162,6 @@ class CyclesRenderer:
                 return time.perf_counter() - start
         finally:
             changes.undo()
-
-
-def _calls(windows: Windows, samples: int) -> Iterator[tuple[Box, int, int]]:
-    """Each render call as a rectangle, the samples that are done before it, and those that it adds."""
-    for box in windows.boxes:
-        pixels = (box[2] - box[0] + 1) * (box[3] - box[1] + 1)
-        most = min(CHUNK, _power_of_two(max(CALL // pixels, 1) + 1) // 2)
-        for done in range(0, samples, most):
-            yield box, done, min(most, samples - done)
 
 
 def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray) -> None:

@@ -47,7 +47,7 @@ class CyclesWith(CyclesRenderer):
     """
 
     def __init__(self, scene: bpy.types.Scene, values: dict[str, Any], *, seed: int, threads: int) -> None:
-        if values.get("use_denoising") and not _denoiser_is_there():
+        if values.get("use_denoising") and not denoiser_is_there():
             raise EtalonError("this Blender was built without Open Image Denoise; use one from blender.org")
         super().__init__(scene, seed=seed, threads=threads)
         self._values = values
@@ -64,11 +64,11 @@ class CyclesWith(CyclesRenderer):
             finally:
                 changes.undo()
 
-    def _per_call(self) -> int:
+    def _per_call(self, pixels: int) -> int:
         return CHUNK
 
 
-def _denoiser_is_there() -> bool:
+def denoiser_is_there() -> bool:
     """Without it Cycles renders as if it had not been asked for."""
     import _cycles
 
