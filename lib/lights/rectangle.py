@@ -12,7 +12,7 @@ from .spherical_rectangle import SphericalRectangle
 
 # Beyond this many diagonals from the centre a rectangle is sampled by area: its solid angle then varies so little over it that
 # the exact inversion, four times as dear, buys no variance.
-FAR = 3.0
+FAR = 1.5
 # Below this solid angle (steradians) places are uniform in area: the two densities are then nearly one, and the inversion in
 # solid angle would lose its digits, its error being about 1e-16 / solid angle.
 SMALLEST_SOLID_ANGLE = 1e-7
