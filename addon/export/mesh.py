@@ -41,7 +41,7 @@ def read_mesh(
     the mesh lacks is zero, as in Cycles.
     Raises SceneError when a vertex is not finite.
     """
-    corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
+    triangles = _transposed(_read(mesh.loop_triangles, "vertices", np.int32, 3))
     positions = _transposed(_read(mesh.vertices, "co", np.float32, 3))
     # Blender stores an infinity that it is given as the largest number it has.
     finite = np.abs(positions) < np.finfo(np.float32).max
@@ -50,18 +50,18 @@ def read_mesh(
         raise SceneError(
             f"{name}: {count} vertices are not finite numbers; repair the mesh or the modifier that made it"
         )
-    vertex = _read(mesh.loops, "vertex_index", np.int32)
+    corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
     polygon = _read(mesh.loop_triangle_polygons, "value", np.int32)
     smooth = _smooth(mesh, polygon)
     return LocalMesh(
         positions=positions,
-        triangles=np.ascontiguousarray(vertex[corners].T),
+        triangles=triangles,
         slot=_slots(mesh, polygon),
         smooth=smooth,
-        corner_normals=_corner_normals(mesh, corners, vertex) if smooth.any() else None,
+        corner_normals=_corner_normals(mesh, corners, triangles) if smooth.any() else None,
         uvs={uv_map: _uvs(mesh, uv_map, corners) for uv_map in uv_maps},
         generated=_generated(mesh) if generated else None,
-        attributes={wanted: read_attribute(mesh, wanted, corners, vertex, polygon) for wanted in attributes},
+        attributes={wanted: read_attribute(mesh, wanted, corners, triangles, polygon) for wanted in attributes},
     )
 
 
@@ -96,15 +96,11 @@ def _smooth(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
     return np.full(polygon.size, mesh.normals_domain != "FACE") if sharp is None else ~sharp[polygon]
 
 
-def _corner_normals(mesh: bpy.types.Mesh, corners: np.ndarray, vertex: np.ndarray) -> np.ndarray:
+def _corner_normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """(3, 3, t) normals of the triangles' corners, those that Cycles reads."""
     if _splits_normals(mesh):
-        normals = _read(mesh.corner_normals, "vector", np.float32, 3)
-        index = corners
-    else:
-        normals = _read(mesh.vertex_normals, "vector", np.float32, 3)
-        index = vertex[corners]
-    return np.stack([_transposed(normals[index[:, k]]) for k in range(3)])
+        return _picked(_read(mesh.corner_normals, "vector", np.float32, 3), corners)
+    return _picked(_read(mesh.vertex_normals, "vector", np.float32, 3), triangles.T)
 
 
 def _splits_normals(mesh: bpy.types.Mesh) -> bool:
@@ -122,8 +118,15 @@ def _uvs(mesh: bpy.types.Mesh, uv_map: str, corners: np.ndarray) -> np.ndarray:
     layer = mesh.uv_layers.get(uv_map) if uv_map else next((one for one in mesh.uv_layers if one.active_render), None)
     if layer is None:
         return np.zeros((3, 2, corners.shape[0]), np.float32)
-    values = _read(layer.uv, "vector", np.float32, 2)
-    return np.stack([_transposed(values[corners[:, k]]) for k in range(3)])
+    return _picked(_read(layer.uv, "vector", np.float32, 2), corners)
+
+
+def _picked(rows: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """(3 corners, c, t) the `rows` (n, c) at `index` (t, 3); a corner at a time, for a million triangles weigh."""
+    picked = np.empty((3, rows.shape[1], index.shape[0]), rows.dtype)
+    for corner in range(3):
+        picked[corner] = rows[index[:, corner]].T
+    return picked
 
 
 def _generated(mesh: bpy.types.Mesh) -> np.ndarray:

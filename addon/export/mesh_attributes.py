@@ -19,12 +19,11 @@ _STORED = {
 
 
 def read_attribute(
-    mesh: bpy.types.Mesh, name: str, corners: np.ndarray, vertex: np.ndarray, polygon: np.ndarray
+    mesh: bpy.types.Mesh, name: str, corners: np.ndarray, triangles: np.ndarray, polygon: np.ndarray
 ) -> np.ndarray:
     """(3, 6, t) red, green, blue, alpha, factor and presence (0 or 1) at the triangles' corners; alpha alone 1 where there is nothing.
 
-    '' is the active render colour. `corners` (t, 3) are the triangles' loops, `vertex` the loops' vertices, `polygon` (t,) the
-    triangles' faces.
+    '' is the active render colour. `corners` (t, 3) are the triangles' loops, `triangles` (3, t) their vertices, `polygon` (t,) their faces.
     """
     attribute = mesh.attributes.get(name) if name else _render_color(mesh)
     values = np.zeros((3, 6, corners.shape[0]), np.float32)
@@ -35,7 +34,7 @@ def read_attribute(
     stored = np.empty(len(attribute.data) * width, dtype)
     attribute.data.foreach_get(field, stored)
     stored = stored.reshape(-1, width).astype(np.float32)
-    index = {"POINT": vertex[corners], "CORNER": corners, "FACE": np.repeat(polygon[:, None], 3, axis=1)}
+    index = {"POINT": triangles.T, "CORNER": corners, "FACE": np.repeat(polygon[:, None], 3, axis=1)}
     picked = stored[index[attribute.domain]].transpose(1, 2, 0)  # (3 corners, width, t)
     values[:, 5] = 1.0
     if width == 1:
