@@ -137,6 +137,14 @@ def cost(arguments: Namespace) -> int:
     return run(arguments)
 
 
+def audit(arguments: Namespace) -> int:
+    """Measure what each Cycles setting costs."""
+    with ended_by_interrupt():
+        from .audit import run
+
+    return run(arguments)
+
+
 def stability(arguments: Namespace) -> int:
     """Run the stability atlas, one line a case, and write its report."""
     from ..lib.stability import atlas
@@ -190,6 +198,7 @@ COMMANDS = {
     "scenes": scenes,
     "plan": plan,
     "cost": cost,
+    "audit": audit,
     "batch": batch,
     "stability": stability,
 }

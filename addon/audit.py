@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`etalon audit`: the user's own Cycles settings against the least biased state, one at a time, and what each one costs."""
+
+from __future__ import annotations
+
+import math
+from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..lib.audit.document import table
+from ..lib.audit.measure import audit
+from ..lib.audit.setting import FACTORY, FILE, Setting
+from ..lib.audit.write import write_audit
+from ..lib.compare import CompareOptions
+from ..lib.errors import EtalonError
+from ..lib.film.rendering import Rendering
+from .audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, Assignment, kept, noise_threshold
+from .console import bar, interruptible, quiet
+from .cycles import neutral
+from .cycles_settings import CyclesWith, denoiser_is_there
+from .neutral import SEQUENCE, Changes
+from .opening import open_target
+from .results import folder_beside
+
+# What `neutral` leaves alone, for it only adds noise or needs volumes, and an audit asks about.
+NEUTRAL_BESIDES = {
+    "light_sampling_threshold": 0.0,
+    "volume_bounces": MOST_BOUNCES,
+    "transparent_max_bounces": MOST_BOUNCES,
+}
+
+
+class CyclesAs(CyclesWith):
+    """Cycles in its neutral state but for `assignments`, properties of any data of the file; each replicate is one render call."""
+
+    def __init__(self, scene: bpy.types.Scene, assignments: list[Assignment], *, seed: int, threads: int) -> None:
+        super().__init__(scene, {}, seed=seed, threads=threads)
+        self._assignments = assignments
+        self._samples = 1
+
+    def render(self, replicate: int, samples: int, *others: Any) -> Rendering:
+        """As CyclesRenderer."""
+        self._samples = samples
+        return super().render(replicate, samples, *others)
+
+    @contextmanager
+    def _state(self) -> Iterator[None]:
+        with super()._state():
+            cycles, changes = self.scene.cycles, Changes()
+            try:
+                for owner, name, value in self._assignments:
+                    changes.set(owner, name, value)
+                if cycles.use_adaptive_sampling and hasattr(cycles, "sample_subset_length"):
+                    # Cycles makes the threshold stricter where it renders a part of the sequence only, as if others followed.
+                    whole = noise_threshold(cycles.adaptive_threshold) * math.sqrt(SEQUENCE / self._samples)
+                    changes.set(cycles, "adaptive_threshold", min(whole, 1.0))
+                yield
+            finally:
+                changes.undo()
+
+
+@dataclass
+class Asked:
+    """What is to be measured: `values` are settings with what each of them sets, `same` those that are as neutral."""
+
+    values: list[tuple[Setting, list[Assignment]]] = field(default_factory=list)
+    same: list[Setting] = field(default_factory=list)
+    missing: list[Setting] = field(default_factory=list)
+
+
+def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
+    """The settings of the file that are not as neutral, and the `factory` values too if so asked; read before `neutral` holds it."""
+    asked = Asked()
+    together: dict[str, list[Assignment]] = {FILE: [], FACTORY: []}
+    for entry in CATALOGUE:
+        values = entry.of_file(scene)
+        if not values:
+            continue
+        defaults = entry.of_factory(scene)
+        shown, statement = entry.shown(values), entry.statement
+        needs = entry.needs(values)
+        setting = Setting(entry.key, entry.label, shown, entry.neutral_shown, statement, needs=needs)
+        wanted = [(setting, values)] if entry.departs(values) else []
+        if not wanted:
+            asked.same.append(setting)
+        of_factory, needs = entry.shown(defaults), entry.needs(defaults)
+        if factory and entry.departs(defaults) and not (wanted and of_factory == shown):
+            key = f"{entry.key}-factory"
+            wanted.append((replace(setting, key=key, value=of_factory, origin=FACTORY, needs=needs), defaults))
+        if entry.key == DENOISER and not denoiser_is_there():
+            missing = "this Blender was built without Open Image Denoise; use one from blender.org"
+            asked.missing += [replace(candidate, missing=missing) for candidate, _ in wanted]
+            continue
+        asked.values += wanted
+        together[FILE] += values
+        together[FACTORY] += defaults
+    for origin, label in ((FILE, "all your settings"), (FACTORY, "all factory settings")):
+        count = sum(setting.origin == origin for setting, _ in asked.values)
+        if count > 1:
+            says = "All of them at once: what one hides another may show, so this is not the sum."
+            setting = Setting(f"together-{origin}", label, "together", "neutral", says, origin, together=True)
+            asked.values.append((setting, together[origin]))
+    return asked
+
+
+def run(arguments: Namespace) -> int:
+    """Open the scene, measure, print the table, leave the report; the user's settings come back."""
+    if arguments.scene is not None and arguments.scene.endswith(".npz"):
+        raise EtalonError(f"{arguments.scene}: Cycles cannot render a saved scene; give the .blend")
+    options = CompareOptions(
+        tolerance=arguments.tolerance,
+        confidence=arguments.confidence,
+        time=arguments.time,
+        samples=arguments.samples,
+        seed=arguments.seed,
+    )
+    name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
+    folder = arguments.out or Path("etalon-out") / name
+    scene = bpy.context.scene
+    asked, stays, samples = settings(scene, arguments.all), kept(scene), scene.cycles.samples
+    threads = arguments.threads
+    with (
+        folder_beside(folder) as beside,
+        interruptible() as interrupted,
+        bar(f"{name}: audit") as progress,
+        quiet(),
+        neutral(scene, max_bounces=MOST_BOUNCES, threads=threads) as changes,
+    ):
+        changes.set_all("cycles", [scene.cycles], NEUTRAL_BESIDES)
+        found = audit(
+            name,
+            CyclesAs(scene, stays, seed=options.seed, threads=threads),
+            [(s, CyclesAs(scene, stays + values, seed=options.seed, threads=threads)) for s, values in asked.values],
+            options,
+            samples,
+            tuple(asked.same),
+            tuple(asked.missing),
+            progress,
+            interrupted,
+        )
+        figures = write_audit(found, beside, arguments.repeat)
+    print(f"{name}: {found.rounds} rounds of {found.samples} samples a pixel, {found.stopped}")
+    print(table(figures))
+    print(f"report: {folder / 'audit.html'}")
+    return 0

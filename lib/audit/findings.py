@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What came of an audit: the series that the rounds leave of each setting, and what is claimed from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..compare import CompareOptions
+from ..cost.estimates import Estimate, of_geometric_mean
+from ..film.moments import Moments, merge
+from ..film.regions import Regions
+from ..film.rendering import Rendering
+from ..verdict.outcome import Outcome
+from ..verdict.sequential import holm
+from .paired import CHANNELS, interval, p_values, relative
+from .setting import Setting
+
+# A pixel's difference is drawn from this many standard errors on.
+DRAWN = 3.0
+# Blocks darker than this share of the whole image count, in noise, as if they were as bright.
+NOISE_FLOOR = 0.01
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What came of one setting.
+
+    `outcomes` (k,) of Outcome for each region, the whole image first; `difference`, `low`, `high` (k, 3) the relative difference to the
+    neutral state and its interval, simultaneous for all settings, regions and channels. `seconds` are the mean ones of a render call,
+    `time` their ratio to the neutral state's and `noise` the ratio of the pixels' variances, with 95 % intervals. `map` (height, width) is
+    the relative difference of each pixel, 0 where it is within DRAWN standard errors of 0, NaN where a sample was not finite.
+    """
+
+    setting: Setting
+    outcomes: np.ndarray
+    difference: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    seconds: float
+    time: Estimate
+    noise: Estimate
+    map: np.ndarray
+
+    @property
+    def outcome(self) -> Outcome:
+        """DIFFERENT if a region is, EQUIVALENT if all are."""
+        if (self.outcomes == Outcome.DIFFERENT).any():
+            return Outcome.DIFFERENT
+        return Outcome.EQUIVALENT if (self.outcomes == Outcome.EQUIVALENT).all() else Outcome.UNDECIDED
+
+    @property
+    def worst(self) -> tuple[int, int]:
+        """Region and channel of the block whose difference is at least the largest; of all estimates, where none is sure to be any."""
+        sure = np.maximum(np.maximum(self.low, -self.high), 0.0)[1:]
+        size = sure if np.nanmax(sure, initial=0.0) > 0 else np.abs(self.difference[1:])
+        place, channel = np.unravel_index(np.argmax(np.nan_to_num(size, nan=-1.0)), size.shape)
+        return 1 + int(place), int(channel)
+
+
+@dataclass(frozen=True)
+class Audit:
+    """All settings of one scene in one run; `same` are those that are at their neutral value, `missing` those that cannot be rendered.
+
+    `neutral` (height, width, 3) is the image of the neutral state, `seconds_neutral` the mean seconds of one render call of it, `nonfinite` the
+    number of pixels in which a sample of any image was not finite, `asked` the samples a pixel that the user's file asks for. `stopped`
+    is 'time', 'cancelled' or 'nothing to measure'.
+    """
+
+    scene: str
+    options: CompareOptions
+    findings: tuple[Finding, ...]
+    same: tuple[Setting, ...]
+    missing: tuple[Setting, ...]
+    regions: Regions | None
+    neutral: np.ndarray
+    floor: float
+    rounds: int
+    samples: int
+    asked: int
+    nonfinite: int
+    seconds_neutral: float
+    stopped: str
+    started: str
+    seconds: float
+    settings: dict[str, object]
+    versions: dict[str, str]
+
+
+@dataclass
+class Series:
+    """What the rounds so far say of one setting: regions' means of both sides, pixels' differences, seconds, and noise for each two rounds."""
+
+    user: list[np.ndarray] = field(default_factory=list)
+    neutral: list[np.ndarray] = field(default_factory=list)
+    pixels: Moments | None = None
+    seconds: list[float] = field(default_factory=list)
+    noise: list[float] = field(default_factory=list)
+    before: tuple[np.ndarray, np.ndarray] | None = None
+
+    def add(self, regions: Regions, neutral: np.ndarray, rendering: Rendering) -> np.ndarray:
+        """Take one pair more; pixels (height, width) that are not finite on either side count on neither, and are returned."""
+        used = np.isfinite(neutral).all(axis=2) & np.isfinite(rendering.radiance).all(axis=2)
+        user, plain = (np.where(used[..., None], image, 0.0) for image in (rendering.radiance, neutral))
+        sizes = regions.weights @ used.ravel().astype(float)
+        share = np.where(sizes > 0, sizes, np.nan)[:, None]
+        for means, image in ((self.user, user), (self.neutral, plain)):
+            means.append((regions.weights @ image.reshape(-1, CHANNELS)) / share)
+        gap = (user - plain).mean(axis=2)
+        one = Moments(1, gap, np.zeros(gap.shape))
+        self.pixels = one if self.pixels is None else merge(self.pixels, one)
+        self.seconds.append(rendering.seconds)
+        if self.before is None:
+            self.before = user.astype(np.float32), plain.astype(np.float32)
+        else:
+            self.noise.append(_noise_ratio(regions, (user, plain), self.before, self.neutral[-1]))
+            self.before = None
+        return ~used
+
+
+def _noise_ratio(
+    regions: Regions, now: tuple[np.ndarray, np.ndarray], then: tuple[np.ndarray, np.ndarray], means: np.ndarray
+) -> float:
+    """Variance of the pixels of the first image over that of the second, from two independent replicates of both.
+
+    Each block counts relative to its own brightness, the region `means` (k, 3), so that neither the brightest nor the darkest speak for all.
+    """
+    levels = np.square(means).mean(axis=1)
+    weight = 1.0 / np.maximum(np.nan_to_num(levels[1:]), NOISE_FLOOR**2 * levels[0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squares = [regions.weights[1:] @ np.square(a - b).sum(axis=2).ravel() for a, b in zip(now, then, strict=True)]
+        return float(np.divide(squares[0] @ weight, squares[1] @ weight))
+
+
+def judge(
+    settings: list[Setting],
+    series: list[Series],
+    seconds: np.ndarray,
+    options: CompareOptions,
+    floor: float,
+    image: np.ndarray,
+    bad: np.ndarray,
+) -> tuple[Finding, ...]:
+    """Judge all settings together, so that one level holds for all that is claimed."""
+    if not settings:
+        return ()
+    pairs = [(np.stack(entry.user), np.stack(entry.neutral)) for entry in series]
+    p = np.stack([p_values(user, neutral, options.tolerance, floor) for user, neutral in pairs])
+    rejected = holm(np.nan_to_num(p, nan=1.0).ravel(), 1 - options.confidence).reshape(p.shape)
+    tail = (1 - options.confidence) / (2 * CHANNELS * p.shape[0] * p.shape[2])
+    grey, found = image.mean(axis=2), []
+    for setting, entry, (user, neutral), (inside, outside) in zip(settings, series, pairs, rejected, strict=True):
+        outcomes = np.full(inside.shape, Outcome.UNDECIDED)
+        outcomes[inside] = Outcome.EQUIVALENT
+        outcomes[outside] = Outcome.DIFFERENT
+        low, high = interval(user, neutral, floor, tail)
+        sure = np.abs(entry.pixels.mean) >= DRAWN * np.nan_to_num(entry.pixels.standard_error)
+        drawn = np.where(sure, relative(entry.pixels.mean, grey, floor), 0.0)
+        found.append(
+            Finding(
+                setting=setting,
+                outcomes=outcomes,
+                difference=relative((user - neutral).mean(axis=0), neutral.mean(axis=0), floor),
+                low=low,
+                high=high,
+                seconds=float(np.mean(entry.seconds)),
+                time=of_geometric_mean(np.array(entry.seconds) / seconds),
+                noise=of_geometric_mean(np.array(entry.noise or [np.nan])),
+                map=np.where(bad, np.nan, drawn),
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two images made from the same random numbers: claims about their true relative difference, from replicates taken in pairs.
+
+Replicate i gives the mean of a region with the setting, u_i, and without it, n_i. They are not independent of each other, and need
+not be: every claim is about one series of numbers, u_i - (1 -+ t) n_i, whose mean and spread Student's t judges. The claims, their
+p-values and the floor below which a difference is not relative to its region any more are those of the verdict (verdict/claims.py).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ..verdict.claims import Combination, p_different, p_equivalent
+
+CHANNELS = 3
+
+
+def relative(difference: np.ndarray, neutral: np.ndarray, floor: float) -> np.ndarray:
+    """`difference` / max(|neutral|, floor), elementwise; 0 where both are 0, infinite where only the scale is."""
+    scale = np.maximum(np.abs(neutral), floor)
+    unscaled = np.where(difference == 0, 0.0, np.copysign(np.inf, difference))
+    return np.divide(difference, scale, out=unscaled, where=scale > 0)
+
+
+def p_values(user: np.ndarray, neutral: np.ndarray, tolerance: float, floor: float) -> np.ndarray:
+    """p-values (2, k) of "inside the tolerance in every channel" and "outside it in some", for series (replicates, k, 3).
+
+    1 everywhere with fewer than two replicates.
+    """
+    mean = neutral.mean(axis=0)
+    inside = np.abs(mean) >= floor
+    slope = np.where(inside, tolerance * np.sign(mean), 0.0)
+    step = np.where(inside, 0.0, tolerance * floor)
+    upper = _combination(user - (1 + slope) * neutral - step)
+    lower = _combination(user - (1 - slope) * neutral + step)
+    return np.stack([p_equivalent(upper, lower), p_different(upper, lower)])
+
+
+def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -> tuple[np.ndarray, np.ndarray]:
+    """Both ends (k, 3) of the interval of the relative difference, with probability `tail` beyond each.
+
+    Fieller's for paired observations ("Some problems in interval estimation", 1954): all rho with |D - rho E| <= q s(d - rho n),
+    where d = u - n; infinite ends where E is not distinct from 0, and (D -+ q s(d)) / floor where |E| is below `floor`. NaN with fewer
+    than two replicates.
+    """
+    count = len(user)
+    if count < 2:
+        nothing = np.full(user.shape[1:], np.nan)
+        return nothing, nothing
+    q = -stdtrit(count - 1, tail)
+    gap = user - neutral
+    d, e = gap.mean(axis=0), neutral.mean(axis=0)
+    of_d, of_e = gap - d, neutral - e
+    dd, ee, de = (
+        q * q * (a * b).sum(axis=0) / (count * (count - 1)) for a, b in ((of_d, of_d), (of_e, of_e), (of_d, of_e))
+    )
+    lead, middle = e * e - ee, d * e - de
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(np.maximum(middle * middle - lead * (d * d - dd), 0.0))
+        low = np.where(lead > 0, (middle - root) / lead, -np.inf)
+        high = np.where(lead > 0, (middle + root) / lead, np.inf)
+    dark = np.abs(e) < floor if floor > 0 else e == 0
+    half = np.sqrt(dd)
+    return np.where(dark, relative(d - half, e, floor), low), np.where(dark, relative(d + half, e, floor), high)
+
+
+def _combination(series: np.ndarray) -> Combination:
+    """Mean, standard error and degrees of freedom of a series (replicates, k, 3)."""
+    count, mean = len(series), series.mean(axis=0)
+    if count < 2:
+        nothing = np.full(mean.shape, np.nan)
+        return Combination(mean, nothing, nothing)
+    return Combination(mean, series.std(axis=0, ddof=1) / np.sqrt(count), np.full(mean.shape, count - 1.0))
