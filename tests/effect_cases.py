@@ -4,6 +4,7 @@
 from dataclasses import replace
 
 import numpy as np
+from etalon.lib.effects.plan import make_plan
 from etalon.lib.scene.camera import Aperture
 from etalon.lib.scene.converters import Component
 from etalon.lib.scene.expressions import (
@@ -16,6 +17,7 @@ from etalon.lib.scene.expressions import (
     EnvironmentTexture,
     FresnelFactor,
     ImageTexture,
+    Math,
     NormalMap,
     ValueToColor,
     VectorToValue,
@@ -62,6 +64,7 @@ AREA = AreaLight("area", (0, 0, 3.0), (1.0, 0, 0), (0, -1.0, 0), (0, 0, -1.0), "
 SPHERE = SphereLight("sphere", (0.0, 0.0, 3.0), 0.5, (1.0, 1.0, 1.0))
 CONE = Cone((0, 0, -1.0), (1.0, 0, 0), (0, 1.0, 0), 0.7, 0.2)
 IMAGE = Image("image", np.ones((2, 2, 4), np.float32), "LINEAR")
+AROUND = World(ValueToColor(Math("ADD", VectorToValue(Coordinates("GENERATED")), HALF, ZERO)), (8, 4))
 SLOPED = World(ValueToColor(VectorToValue(Coordinates("GENERATED"))), (8, 4))
 
 
@@ -125,7 +128,7 @@ CASES = {
     ),
     "multiple scattering": ([of(Glossy("MULTI_GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
     "anisotropy": (
-        [of(Glossy("GGX", roughness=HALF, anisotropy=HALF))],
+        [with_uvs(of(Glossy("GGX", roughness=HALF, anisotropy=HALF)))],
         [of(Glossy("GGX", roughness=HALF)), of(Glossy("GGX", roughness=HALF, anisotropy=Constant(1e-5)))],
     ),
     "Ashikhmin-Shirley": (
@@ -258,3 +261,38 @@ CASES = {
         ],
     ),
 }
+
+
+def indoors(the_scene):
+    """The scene with a floor of its first material beneath, two bounces, and a light if it has none: much of it is called for."""
+    mesh, below = the_scene.mesh, floor(2.0, -1.5)
+    more = below.triangles.shape[1]
+
+    def longer(table, value=0.0):
+        return np.concatenate([table, np.full((*table.shape[:-1], more), value, table.dtype)], axis=-1)
+
+    normals = mesh.corner_normals
+    if normals.shape[2]:
+        normals = longer(normals)
+    vertices = np.concatenate([mesh.vertices, below.vertices], axis=1)
+    mesh = replace(
+        mesh,
+        vertices=vertices,
+        triangles=np.concatenate([mesh.triangles, below.triangles + mesh.vertices.shape[1]], axis=1).astype(np.int32),
+        material_index=longer(mesh.material_index, 0),
+        object_index=longer(mesh.object_index, 0),
+        smooth=longer(mesh.smooth, False),
+        corner_normals=normals,
+        uvs={k: longer(v, 0.25) for k, v in mesh.uvs.items()},
+        attributes={k: longer(v, 1.0) for k, v in mesh.attributes.items()},
+        generated=vertices.astype(np.float32) if mesh.generated.size else mesh.generated,
+    )
+    return replace(lit(the_scene), mesh=mesh, transport=Transport(2))
+
+
+def lit(the_scene):
+    """The scene with a light if it has none."""
+    plan = make_plan(the_scene)
+    shining = ("light sampling", "constant world", "environment world", "emission")
+    shines = bool(the_scene.lights) or any(plan.needs(effect) for effect in shining)
+    return the_scene if shines else replace(the_scene, world=AROUND)

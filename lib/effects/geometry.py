@@ -14,7 +14,7 @@ from ..vectors import cross
 Answer = tuple[bool, str]
 
 # Faces that are looked at first, one by one: nearly every scene that is not convex shows it by one of them.
-PROBES = 64
+PROBES = 16
 # Pairs of a face and a vertex that are looked at in all; half a second's work.
 MOST_PAIRS = 2e8
 _BLOCK = 2_000_000
@@ -55,10 +55,12 @@ def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
 def _shape(mesh: Mesh, batches: Iterable[np.ndarray]) -> tuple[bool, bool]:
     """Whether all vertices lie on the planes of the faces in `batches`, and whether they lie on or behind them."""
     center = _center(mesh)
+    centered = mesh.vertices - center
     flat = True
     for faces in batches:
         normal, distance, tolerance = _planes(mesh, center, faces)
-        heights = normal.T @ (mesh.vertices - center) - distance[:, None]
+        heights = normal.T @ centered
+        heights -= distance[:, None]
         if np.any(heights.max(axis=1) > tolerance):
             return False, False
         flat = flat and bool(np.all(heights.min(axis=1) >= -tolerance))

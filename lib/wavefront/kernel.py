@@ -51,7 +51,7 @@ class Kernel:
         if plan.needs("environment table"):
             self.environment = EnvironmentSampler(self.world, scene.world.table_resolution, radius)
             self.lights.append(self.environment)
-        elif plan.needs("constant world"):
+        if plan.needs("constant world") and not self.asks_world:
             world = np.asarray(fold(scene.world.radiance).value, np.float64)
             self.sky = np.maximum(np.broadcast_to(world, (3,)), 0.0)[:, None]
         self.emissive: EmissiveMesh | None = None

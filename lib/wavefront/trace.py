@@ -200,7 +200,7 @@ class Tracer:
             shaded.pdf[index],
         )
         if self._transparent:
-            following.scatter_origin = np.take(points.position, index, axis=1)
+            following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
             following.scatterings = paths.scatterings[index] + 1
         self._clock.lap("advance")
