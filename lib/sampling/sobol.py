@@ -19,6 +19,7 @@ from scipy.stats import qmc
 
 SETS = 32
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_LOWER = np.uint64(0xFFFFFFFF)
 
 
 def hash64(key: np.ndarray) -> np.ndarray:
@@ -75,7 +76,7 @@ class SobolSampler:
         self._lock = threading.Lock()
 
     def _table(self, dimension: int) -> np.ndarray:
-        """The point sets of one dimension, (2, SETS * n) uint32."""
+        """The point sets of one dimension, (SETS * n,) uint64: the first coordinate in the lower half, the second in the upper."""
         table = self._tables.get(dimension)
         if table is None:
             with self._lock:
@@ -92,7 +93,8 @@ class SobolSampler:
             keys = hash64(key + _GOLDEN * np.arange(1, 2 * SETS + 1, dtype=np.uint64)).reshape(2, SETS, 1)
         points = owen_scramble(self._base[:, None, :], keys)
         shuffled = order.permuted(np.broadcast_to(np.arange(count), (SETS, count)), axis=1)
-        return np.take_along_axis(points, shuffled[None], axis=2).reshape(2, SETS * count)
+        first, second = np.take_along_axis(points, shuffled[None], axis=2).reshape(2, SETS * count).astype(np.uint64)
+        return first | second << np.uint64(32)
 
     def tile(self, pixels: np.ndarray) -> SobolTile:
         """The sampler's view of some pixels, given by their index in the image."""
@@ -113,19 +115,17 @@ class SobolTile:
         table = sampler._table(dimension)
         with np.errstate(over="ignore"):
             key = hash64(self._pixel_keys + _GOLDEN * np.uint64(dimension + 1))
-        count = table.shape[1] // SETS
-        start = (hash64(key) % np.uint64(SETS)).astype(np.intp) * count
-        shift = np.ascontiguousarray(key.view(np.uint32).reshape(-1, 2).T)
+        start = (hash64(key) % np.uint64(SETS)).astype(np.intp) * (table.size // SETS)
         index = np.take(start, pixel)
         index += sample
-        return _uniform(table[0], index, shift[0], pixel), _uniform(table[1], index, shift[1], pixel)
+        bits = np.take(table, index)
+        bits ^= np.take(key, pixel)  # both coordinates at once
+        return _uniform(bits & _LOWER), _uniform(bits >> np.uint64(32))
 
 
-def _uniform(table: np.ndarray, index: np.ndarray, shift: np.ndarray, pixel: np.ndarray) -> np.ndarray:
-    """Shifted table entries as the midpoints of 2**-32 wide cells: never 0, never 1."""
-    bits = np.take(table, index)
-    bits ^= np.take(shift, pixel)
-    u = bits * 2.0**-32
+def _uniform(bits: np.ndarray) -> np.ndarray:
+    """Integers below 2**32 as the midpoints of 2**-32 wide cells: never 0, never 1."""
+    u = bits.view(np.int64) * 2.0**-32
     u += 2.0**-33
     return u
 
