@@ -148,12 +148,15 @@ class CyclesRenderer:
             length = "sample_subset_length" if hasattr(self.scene.cycles, "sample_subset_length") else "samples"
             changes.set(self.scene.cycles, length, count)
             changes.set(self.scene.render, "filepath", str(path))
+            # Asked for one layer by name, Blender shows another one's image, or that of the time before.
+            for layer in self.scene.view_layers:
+                changes.set(layer, "use", layer.name == self._layer)
             # Without the tag, persistent data renders the settings of the time before.
             self.scene.update_tag()
             with quiet():
                 start = time.perf_counter()
                 try:
-                    bpy.ops.render.render(write_still=True, scene=self.scene.name, layer=self._layer)
+                    bpy.ops.render.render(write_still=True, scene=self.scene.name)
                 except RuntimeError as error:
                     reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
                     raise EtalonError(

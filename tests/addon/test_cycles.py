@@ -239,6 +239,25 @@ def test_scenes_that_cannot_be_rendered_are_refused_by_name():
         CyclesRenderer(scene)
 
 
+def test_the_first_layer_in_use_is_rendered_and_all_stay_in_use():
+    """Of three layers the first is off, and only the second shows the black sheet before the sky."""
+    scene = glowing()
+    sheet = building.rectangle("Sheet", building.diffuse("Black", (0, 0, 0)), (0, 0, 0), (8, 0, 0), (0, 8, 0))
+    shown = bpy.data.collections.new("shown")
+    scene.collection.children.link(shown)
+    for collection in sheet.users_collection:
+        collection.objects.unlink(sheet)
+    shown.objects.link(sheet)
+    scene.view_layers[0].layer_collection.children["shown"].exclude = True
+    for name, exclude in (("middle", False), ("last", True)):
+        scene.view_layers.new(name).layer_collection.children["shown"].exclude = exclude
+    scene.view_layers[0].use = False
+    cycles = CyclesRenderer(scene, threads=1)
+    for replicate in range(2):
+        assert not cycles.render(replicate, 1).radiance.any()
+    assert [layer.use for layer in scene.view_layers] == [False, True, True]
+
+
 def test_an_animated_light_that_must_hold_is_refused_and_one_at_the_value_is_not():
     scene = building.start("animated", 8, 8, 0)
     building.sphere_light("Ball", (0.0, 0.0, 2.0), 0.3, (1.0, 1.0, 1.0))
