@@ -8,6 +8,8 @@ from typing import TypeVar
 
 import bpy
 
+from ..lib.errors import EtalonError
+
 Result = TypeVar("Result")
 
 
@@ -15,7 +17,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
     """Return `function(depsgraph)` for the depsgraph in render mode, which Blender hands to a render engine only.
 
     An engine that renders nothing is registered for the time of the call. The scene's settings come back, and whatever
-    `function` raises is raised here.
+    `function` raises is raised here; EtalonError where the scene renders no view layer.
     """
     results: list[Result] = []
     errors: list[BaseException] = []
@@ -48,4 +50,6 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
         bpy.utils.unregister_class(Exporter)
     if errors:
         raise errors[0]
+    if not results:
+        raise EtalonError(f"{scene.name}: no view layer is used for rendering; switch one on")
     return results[0]

@@ -4,6 +4,7 @@
 import bpy
 import pytest
 from etalon.addon.render_depsgraph import with_render_depsgraph
+from etalon.lib.errors import EtalonError
 
 
 @pytest.fixture
@@ -48,3 +49,9 @@ def test_several_view_layers_are_one_export(scene):
     calls = []
     with_render_depsgraph(scene, lambda depsgraph: calls.append(depsgraph.view_layer.name))
     assert calls == ["ViewLayer"]
+
+
+def test_a_scene_without_a_layer_to_render_is_refused(scene):
+    scene.view_layers[0].use = False
+    with pytest.raises(EtalonError, match="Scene: no view layer is used for rendering"):
+        with_render_depsgraph(scene, lambda depsgraph: depsgraph.mode)
