@@ -37,7 +37,8 @@ class RectangleSampler(AreaSampler):
         if near.size:
             close = self._sample_near(np.take(point, near, axis=1), u1[near], u2[near])
             for whole, part in zip(sample, close, strict=True):
-                whole[..., near] = part
+                for row, values in zip(np.atleast_2d(whole), np.atleast_2d(part), strict=True):
+                    row[near] = values
         return sample
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:

@@ -44,8 +44,9 @@ def shade_all(
     frame = orthonormal_basis(points.n)
     if len(groups) == 1 and kernel.materials[groups[0][0]].scatters:
         return _shade(kernel, groups[0][0], points, frame, light, uniforms)
-    direct = None if light is None else np.zeros((3, size))
-    onward = None if uniforms is None else (np.zeros((3, size)), np.zeros((3, size)), np.zeros(size))
+    made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
+    direct = None if light is None else made((3, size))
+    onward = None if uniforms is None else (made((3, size)), made((3, size)), made(size))
     for material, a, b in groups:
         if kernel.materials[material].scatters:
             here = frame[0][:, a:b], frame[1][:, a:b]

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ..effects.transport import ROULETTE_AFTER
@@ -101,14 +103,11 @@ class Tracer:
         if not self._kernel.several_materials:
             order = np.flatnonzero(hits.triangle >= 0)
             return order, [(int(self._kernel.material_of[0]), 0, order.size)] if order.size else []
-        material = np.take(self._kernel.material_of, hits.triangle)  # a miss reads the last triangle, and is masked
-        material = np.where(hits.triangle < 0, np.int16(-1), material)
-        counts = np.bincount(material + 1, minlength=1)
-        if counts.size == 2 and counts[0] == 0:
-            return np.arange(material.size), [(0, 0, material.size)]
-        order = np.argsort(material, kind="stable")[counts[0] :]
-        stops = np.cumsum(counts[1:])
-        return order, [(k, int(b - n), int(b)) for k, (b, n) in enumerate(zip(stops, counts[1:], strict=True)) if n]
+        material = np.take(self._kernel.material_of, hits.triangle)  # of a miss, the last entry: -1
+        order = np.argsort(material, kind="stable")
+        edges = np.searchsorted(np.take(material, order), np.arange(len(self._kernel.materials) + 1)).tolist()
+        groups = [(k, a - edges[0], b - edges[0]) for k, (a, b) in enumerate(pairwise(edges)) if b > a]
+        return order[edges[0] :], groups
 
     def _next(
         self,
@@ -174,13 +173,16 @@ class Tracer:
             self._clock.lap("film")
             return
         direction = np.take(sample.wi, index, axis=1)
-        origin = _leave(points, offset, index, direction)
+        origin = np.take(_leave(points, offset, sample.wi), index, axis=1)
         through = transmittance(self._kernel, origin, direction, sample.distance[index])
         self.rays += index.size
         self._clock.lap("shadow rays")
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
         index = index[lit]
-        self._sums.add(paths.pixel[index], np.take(direct, index, axis=1) * np.take(through, lit, axis=1))
+        arriving = np.take(direct, index, axis=1)
+        if self._transparent:
+            arriving *= np.take(through, lit, axis=1)
+        self._sums.add(paths.pixel[index], arriving)
         self._clock.lap("film")
 
     def _advance(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded) -> Paths:
@@ -190,12 +192,11 @@ class Tracer:
         if self._transparent and not self._kernel.last_rays:
             going &= paths.scatterings < self._kernel.most_bounces
         index = np.flatnonzero(going)
-        direction = np.take(shaded.wi, index, axis=1)
         following = Paths(
             paths.pixel[index],
             paths.sample[index],
-            _leave(points, offset, index, direction),
-            direction,
+            np.take(_leave(points, offset, shaded.wi), index, axis=1),
+            np.take(shaded.wi, index, axis=1),
             np.take(throughput, index, axis=1),
             shaded.pdf[index],
         )
@@ -225,9 +226,8 @@ def _play_roulette(paths: Paths, uniform: np.ndarray) -> Paths:
     return going
 
 
-def _leave(points: SurfacePoints, offset: np.ndarray, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def _leave(points: SurfacePoints, offset: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """Origins off the plane on the side of `direction`, by what float32 can resolve."""
-    ng = np.take(points.ng, index, axis=1)
-    ng *= np.copysign(offset[index], dot(ng, direction))
-    ng += np.take(points.position, index, axis=1)
-    return ng
+    origin = points.ng * np.copysign(offset, dot(points.ng, direction))
+    origin += points.position
+    return origin
