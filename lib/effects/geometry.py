@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
 from ..scene.camera import Camera
 from ..scene.mesh import Mesh
-from ..vectors import cross
+from ..vectors import cross, dot
 
 Answer = tuple[bool, str]
 
@@ -17,17 +18,20 @@ Answer = tuple[bool, str]
 PROBES = 16
 # Pairs of a face and a vertex that are looked at in all; half a second's work.
 MOST_PAIRS = 2e8
-_BLOCK = 2_000_000
-# A vertex counts as on a plane up to half the height, in units of the face's largest coordinate about the scene's centre, at which
-# rays set out from it (raycaster.py): what stands no higher cannot be met.
+_BLOCK = 200_000
+# A vertex counts as on a face's plane up to half the height, in units of the face's largest coordinate about the scene's centre, at
+# which rays set out from it (raycaster.py): what stands no higher cannot be met. Vertices come from a few steps in float32, so that the
+# faces of one flat polygon are turned against each other by some such units over a face's height; by no more than this angle, in radians.
 _TOLERANCE = 1.5 * 2.0**-23
+_STEPS = 12.0
+_LARGEST_TURN = 2e-3
 
 
 def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
     """Whether a ray that leaves a face can meet a face, and why; `behind` names the materials through which light gets to back sides.
 
-    False is a proof: either all faces lie in one plane, or none has anything in front of it, they are closed and opaque, and the camera
-    is outside. True may only mean that no proof was found.
+    False is a proof, up to the rounding of vertices: either all faces lie in one plane, or none has anything in front of it, they are
+    closed and opaque, and the camera is outside. True may only mean that no proof was found.
     """
     count, vertices = mesh.triangle_count, mesh.vertices.shape[1]
     if count == 0:
@@ -58,27 +62,49 @@ def _shape(mesh: Mesh, batches: Iterable[np.ndarray]) -> tuple[bool, bool]:
     centered = mesh.vertices - center
     flat = True
     for faces in batches:
-        normal, distance, tolerance = _planes(mesh, center, faces)
-        heights = normal.T @ centered
-        heights -= distance[:, None]
-        if np.any(heights.max(axis=1) > tolerance):
+        planes = _planes(mesh, center, faces)
+        heights = planes.normal.T @ centered
+        heights -= planes.distance[:, None]
+        if not _within(heights, planes, centered):
             return False, False
-        flat = flat and bool(np.all(heights.min(axis=1) >= -tolerance))
+        flat = flat and _within(-heights, planes, centered)
     return flat, True
+
+
+def _within(heights: np.ndarray, planes: _Planes, places: np.ndarray) -> bool:
+    """Whether no height (k, v) of `places` (3, v) over the planes exceeds what rounding can make of zero."""
+    for face in np.flatnonzero(heights.max(axis=1) > planes.tolerance):
+        above = np.flatnonzero(heights[face] > planes.tolerance[face])
+        away = np.linalg.norm(places[:, above] - planes.corner[:, face, None], axis=0)
+        if np.any(heights[face, above] > planes.tolerance[face] + planes.turn[face] * away):
+            return False
+    return True
 
 
 def _center(mesh: Mesh) -> np.ndarray:
     return 0.5 * (mesh.vertices.min(axis=1) + mesh.vertices.max(axis=1))[:, None]
 
 
-def _planes(mesh: Mesh, center: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Unit normals (3, k), distances from `center` (k,) and tolerances (k,) of faces; a face without area has a normal of zero."""
+class _Planes(NamedTuple):
+    """Planes of k faces: a corner and the unit normal (3, k), distance from the centre, tolerance and turn (k,); see above."""
+
+    corner: np.ndarray
+    normal: np.ndarray
+    distance: np.ndarray
+    tolerance: np.ndarray
+    turn: np.ndarray
+
+
+def _planes(mesh: Mesh, center: np.ndarray, faces: np.ndarray) -> _Planes:
+    """A face without area has a normal of zero: nothing lies above it."""
     a, b, c = (mesh.vertices[:, corner] - center for corner in mesh.triangles[:, faces])
     normal = cross(b - a, c - a)
-    length = np.sqrt((normal * normal).sum(axis=0))
-    normal /= np.where(length > 0.0, length, 1.0)
-    largest = np.abs(np.concatenate([a, b, c])).max(axis=0)
-    return normal, (normal * a).sum(axis=0), _TOLERANCE * largest
+    doubled = np.sqrt(dot(normal, normal))
+    normal /= np.where(doubled > 0.0, doubled, 1.0)
+    tolerance = _TOLERANCE * np.abs(np.concatenate([a, b, c])).max(axis=0)
+    longest = np.sqrt(np.max([dot(x - y, x - y) for x, y in ((a, b), (b, c), (c, a))], axis=0))
+    turn = _STEPS * tolerance * longest / np.where(doubled > 0.0, doubled, np.inf)
+    return _Planes(a, normal, dot(normal, a), tolerance, np.where(turn <= _LARGEST_TURN, turn, 0.0))
 
 
 def _closed(triangles: np.ndarray, vertices: int) -> bool:
@@ -92,10 +118,10 @@ def _closed(triangles: np.ndarray, vertices: int) -> bool:
 def _outside(mesh: Mesh, camera: Camera) -> bool:
     """Whether one face's plane has all places where camera rays begin in front of it."""
     center = _center(mesh)
-    normal, distance, tolerance = _planes(mesh, center, np.arange(mesh.triangle_count))
+    planes = _planes(mesh, center, np.arange(mesh.triangle_count))
     places, margin = _starts(camera)
-    nearest = (normal.T @ (places - center)).min(axis=1) - distance
-    return bool(np.any(nearest > margin + 4.0 * tolerance))
+    nearest = (planes.normal.T @ (places - center)).min(axis=1) - planes.distance
+    return bool(np.any(nearest > margin + _LARGEST_TURN * np.linalg.norm(places - center)))
 
 
 def _starts(camera: Camera) -> tuple[np.ndarray, float]:
