@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import os
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from ...lib.errors import EtalonError
 from ...lib.scene.mesh import Mesh, Object
+from .coincident import coincident_faces
 from .mesh import LocalMesh
 
 UNKNOWN_MEMORY = 8 * 2**30
@@ -93,7 +95,9 @@ class Placements:
                 _fill(mesh, group, instances, first_vertex, first_triangle)
                 first_vertex += group.local.positions.shape[1] * len(instances)
                 first_triangle += group.local.triangles.shape[1] * len(instances)
-        return _without_degenerate(mesh)
+        mesh = _without_degenerate(mesh)
+        _log_faces(mesh, coincident_faces(mesh), "lie exactly on others; Cycles has them shadow each other")
+        return mesh
 
 
 def _memory() -> int:
@@ -201,6 +205,15 @@ def _face_normals(mesh: Mesh, at: slice) -> np.ndarray:
     return np.where(length > 0.0, normals / np.where(length > 0.0, length, 1.0), up)
 
 
+def _log_faces(mesh: Mesh, marked: np.ndarray, what: str) -> None:
+    """Say of how many faces something holds, (t,) bool, once for all objects of one name."""
+    counts: Counter[str] = Counter()
+    for index in np.flatnonzero(per_object := np.bincount(mesh.object_index[marked])):
+        counts[mesh.objects[index].name] += int(per_object[index])
+    for name, count in counts.items():
+        _LOG.warning("%s: %d faces %s", name, count, what)
+
+
 def _without_degenerate(mesh: Mesh) -> Mesh:
     """The mesh without triangles that have no area, each object's count logged."""
     keep = np.empty(mesh.triangle_count, bool)
@@ -214,9 +227,7 @@ def _without_degenerate(mesh: Mesh) -> Mesh:
         keep[at] = np.sqrt(np.einsum("cn,cn->n", normal, normal)) > _THINNEST * longest
     if keep.all():
         return mesh
-    for index, count in enumerate(np.bincount(mesh.object_index[~keep], minlength=len(mesh.objects))):
-        if count:
-            _LOG.warning("%s: %d faces without area left out", mesh.objects[index].name, count)
+    _log_faces(mesh, ~keep, "without area left out")
     return Mesh(
         vertices=mesh.vertices,
         triangles=np.compress(keep, mesh.triangles, axis=1),

@@ -7,6 +7,7 @@ import tracemalloc
 import bpy
 import numpy as np
 import pytest
+from etalon.addon.export.coincident import coincident_faces
 from etalon.addon.export.mesh import read_mesh
 from etalon.addon.export.placements import Placements
 from etalon.lib.errors import EtalonError
@@ -312,6 +313,20 @@ def test_faces_without_area_are_left_out_and_counted(studio, caplog):
         mesh = studio.export().mesh
     assert mesh.triangle_count == 1
     assert "thin: 2 faces without area left out" in caplog.text
+
+
+def test_faces_on_top_of_each_other_are_counted_by_name(studio, caplog):
+    """Copies of an object in one place, turned or turned over; a face that shares but an edge is none, nor is its mirror image."""
+    square, order = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 2, 1)], [(0, 1, 2), (0, 2, 3)]
+    studio.add("sheet", studio.mesh("sheet", square, order))
+    studio.add("copy", studio.mesh("copy", square[::-1], [(1, 2, 3)]))
+    studio.add("apart", studio.mesh("apart", [(x, y, -z) for x, y, z in square], order))
+    with caplog.at_level(logging.WARNING):
+        mesh = studio.export().mesh
+    assert coincident_faces(mesh).tolist() == [True, False, True, False, False]
+    assert "sheet: 1 faces lie exactly on others" in caplog.text
+    assert "copy: 1 faces" in caplog.text
+    assert "apart" not in caplog.text
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
