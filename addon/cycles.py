@@ -173,7 +173,7 @@ def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray)
     path.unlink()
     finite = True
     for k, name in enumerate("RGB"):
-        radiance[..., k] += weight * channels[name].astype(np.float64)
+        radiance[..., k] += np.multiply(channels[name], weight, dtype=np.float64)
         finite = finite & np.isfinite(channels[name])
     nonfinite += ~finite
 

@@ -100,6 +100,7 @@ def compare(
             for one in sides:
                 one.exclude(excluded, wanted)
             side.add(rendering, wanted)
+            del rendering  # not while the other side renders
         n = sides[1].replicates
         if n == 0:
             raise EtalonError(f"{scene.name}: cancelled before both sides had an image; there is nothing to compare")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,9 @@ import OpenImageIO
 from ..errors import EtalonError
 from .film import Film
 
+# Rows of an image in one piece: a multiple of what OpenEXR compresses together.
+_ROWS = 64
+
 
 def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
     """Write `channels`, name -> (height, width) array, as float32; a reader finds them under the same names.
@@ -19,29 +23,10 @@ def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
     "R", "G", "B" make the picture that viewers show; "error.R" is channel R of a layer "error". The file is written beside its
     place and renamed. Raises EtalonError where it cannot be written, ValueError where the arrays differ in shape.
     """
-    path = Path(path)
-    names = list(channels)
-    if len({np.shape(channel) for channel in channels.values()}) != 1:
+    shapes = {np.shape(channel) for channel in channels.values()}
+    if len(shapes) != 1:
         raise ValueError(f"{path}: channels of different shapes")
-    height, width = np.shape(channels[names[0]])
-    count = len(names)
-    pixels = np.empty((height, width, count), np.float32)
-    for k, name in enumerate(names):
-        pixels[..., k] = channels[name]
-    spec = OpenImageIO.ImageSpec(width, height, count, "float")
-    spec.channelnames = names
-    spec.attribute("compression", "zip")
-    beside = path.with_name(f".unfinished-{os.getpid()}-{path.name}")
-    try:
-        file = OpenImageIO.ImageOutput.create(str(beside))
-        good = file is not None and file.open(str(beside), spec) and file.write_image(pixels) and file.close()
-        if not good:
-            raise _failure(path, file, "cannot be written", "make room or name another folder")
-        os.replace(beside, path)
-    except OSError as error:
-        raise EtalonError(f"{path}: cannot be written ({error.strerror}); name another folder") from error
-    finally:
-        beside.unlink(missing_ok=True)
+    _write(Path(path), list(channels), *shapes, lambda rows: [channel[rows] for channel in channels.values()])
 
 
 def write_film(path: Path | str, film: Film) -> None:
@@ -49,11 +34,37 @@ def write_film(path: Path | str, film: Film) -> None:
 
     Pixels with non-finite samples are NaN; the standard error is NaN everywhere after a single replicate.
     """
-    moments = film.moments
-    error = moments.standard_error
-    channels = {name: moments.mean[..., c] for c, name in enumerate("RGB")}
-    channels |= {f"error.{name}": error[..., c] for c, name in enumerate("RGB")}
-    write_exr(path, channels | {"samples": moments.n * film.samples - film.nonfinite})
+
+    def channels(rows: slice) -> list[np.ndarray]:
+        moments = film.moments.part(rows)
+        error, finite = moments.standard_error, moments.n * film.samples - film.nonfinite[rows]
+        return [*np.moveaxis(moments.mean, 2, 0), *np.moveaxis(error, 2, 0), finite]
+
+    _write(Path(path), [*"RGB", *(f"error.{name}" for name in "RGB"), "samples"], film.shape, channels)
+
+
+def _write(path: Path, names: list[str], shape: tuple[int, int], channels: Callable[[slice], list[np.ndarray]]) -> None:
+    """Write what `channels` gives for the rows that it is asked for, a few at a time."""
+    height, width = shape
+    spec = OpenImageIO.ImageSpec(width, height, len(names), "float")
+    spec.channelnames = names
+    spec.attribute("compression", "zip")
+    beside = path.with_name(f".unfinished-{os.getpid()}-{path.name}")
+    try:
+        file = OpenImageIO.ImageOutput.create(str(beside))
+        good = file is not None and file.open(str(beside), spec)
+        for start in range(0, height if good else 0, _ROWS):
+            end = min(start + _ROWS, height)
+            pixels = np.stack(channels(slice(start, end)), axis=2, dtype=np.float32, casting="same_kind")
+            good = good and file.write_scanlines(start, end, 0, pixels)
+        good = good and file.close()
+        if not good:
+            raise _failure(path, file, "cannot be written", "make room or name another folder")
+        os.replace(beside, path)
+    except OSError as error:
+        raise EtalonError(f"{path}: cannot be written ({error.strerror}); name another folder") from error
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def read_exr(path: Path | str) -> dict[str, np.ndarray]:
@@ -68,7 +79,7 @@ def read_exr(path: Path | str) -> dict[str, np.ndarray]:
         file.close()
     if pixels is None:
         raise _failure(path, file, "cannot be read", "write it again")
-    return {name: np.ascontiguousarray(pixels[..., i]) for i, name in enumerate(names)}
+    return {name: pixels[..., i] for i, name in enumerate(names)}
 
 
 def _failure(path: Path | str, file: object, what: str, remedy: str) -> EtalonError:

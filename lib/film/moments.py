@@ -27,6 +27,10 @@ class Moments:
         """No observation yet."""
         return cls(0, np.zeros(shape), np.zeros(shape))
 
+    def part(self, rows: slice) -> Moments:
+        """The moments of some of the entries along the first axis, as views."""
+        return Moments(self.n if np.ndim(self.n) == 0 else self.n[rows], self.mean[rows], self.m2[rows])
+
     @property
     def most(self) -> int:
         """The number of observations of the entry that has most."""
@@ -45,12 +49,14 @@ class Moments:
     def variance(self) -> np.ndarray:
         """Unbiased variance of one observation; NaN where fewer than two were made."""
         n = self.count
-        return np.where(n < 2, np.nan, self.m2 / np.maximum(n - 1, 1))
+        return self.m2 * np.where(n < 2, np.nan, 1.0 / np.maximum(n - 1, 1))
 
     @property
     def standard_error(self) -> np.ndarray:
         """Standard deviation of the mean; NaN where fewer than two observations were made."""
-        return np.sqrt(self.variance / np.maximum(self.count, 1))
+        error = self.variance
+        error /= np.maximum(self.count, 1)
+        return np.sqrt(error, out=error)
 
     def add(self, values: np.ndarray, where: np.ndarray | None = None) -> None:
         """Take one observation more into these moments: `merge` with n = 1.

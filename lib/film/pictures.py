@@ -20,27 +20,34 @@ def srgb8(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
 
     IEC 61966-2-1.
     """
-    finite = np.isfinite(radiance).all(axis=2)
-    linear = np.clip(np.where(finite[..., None], radiance, 0.0) * 2.0**exposure, 0.0, 1.0)
-    code = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    out = np.rint(255 * code).astype(np.uint8)
-    out[~finite] = NONFINITE
+    out = np.empty(radiance.shape, np.uint8)
+    for row, values in enumerate(
+        radiance
+    ):  # whole images of intermediate values would be as large as all films together
+        finite = np.isfinite(values).all(axis=1)
+        linear = np.clip(np.where(finite[:, None], values, 0.0) * 2.0**exposure, 0.0, 1.0)
+        code = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+        out[row] = np.rint(255 * code)
+        out[row, ~finite] = NONFINITE
     return out
 
 
 def signed8(difference: np.ndarray, limit: float) -> np.ndarray:
     """A signed difference (height, width) as uint8 colours: blue at -limit, white at 0, red at +limit, magenta where NaN."""
-    known = ~np.isnan(difference)
-    place = np.clip(np.where(known, difference, 0.0) / limit, -1.0, 1.0)
-    out = np.stack([np.interp(place, (-1, 0, 1), (BELOW[c], EQUAL[c], ABOVE[c])) for c in range(3)], axis=2)
-    out = np.rint(out).astype(np.uint8)
-    out[~known] = NONFINITE
+    out = np.empty((*difference.shape, 3), np.uint8)
+    for row, values in enumerate(difference):
+        known = ~np.isnan(values)
+        place = np.clip(np.where(known, values, 0.0) / limit, -1.0, 1.0)
+        for c in range(3):
+            out[row, :, c] = np.rint(np.interp(place, (-1, 0, 1), (BELOW[c], EQUAL[c], ABOVE[c])))
+        out[row, ~known] = NONFINITE
     return out
 
 
 def middle_exposure(radiance: np.ndarray) -> float:
     """The exposure, in stops, that brings the brightest per cent of the image to white; 0 for a black one."""
-    bright = radiance[np.isfinite(radiance).all(axis=2)].max(axis=-1, initial=0.0)
+    bright = radiance.max(axis=-1, initial=0.0)
+    bright = bright[np.isfinite(bright)]
     level = np.quantile(bright, 0.99) if bright.size else 0.0
     return float(-np.log2(level)) if level > 0 else 0.0
 

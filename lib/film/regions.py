@@ -7,7 +7,7 @@ claimed of it needs no assumption about how pixels depend on one another inside 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -57,12 +57,14 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
     each pixel that a camera ray meets first. What is nowhere visible makes no region. Raises EtalonError for weights of another
     size, negative or not finite.
     """
-    pixels = np.arange(height * width)
-    rows: list[sparse.csr_array] = [sparse.csr_array(np.ones((1, height * width)))]
+    pixels = np.arange(
+        height * width, dtype=np.int32
+    )  # half of what 64 bits would take, of the largest arrays there are
+    rows = [_rows(pixels, np.ones(pixels.size), [pixels.size], pixels.size)]
     kinds, names, boxes = ["image"], ["whole image"], [(0, 0, width - 1, height - 1)]
     for kind, entries in coverage.items():
         for name, weights in entries:
-            weights = sparse.csr_array(weights, dtype=float)
+            weights = sparse.coo_array(weights, dtype=float)
             if weights.shape != (height, width):
                 raise EtalonError(
                     f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
@@ -71,15 +73,17 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
                 raise EtalonError(f"{name}: its coverage has negative or non-finite weights")
             if not weights.data.any():
                 continue
-            y, x = weights.nonzero()
-            rows.append(sparse.csr_array(weights.reshape((1, -1))))
+            y, x = (place.astype(np.int32)[weights.data > 0] for place in weights.coords)
+            rows.append(_rows(y * np.int32(width) + x, weights.data[weights.data > 0], [x.size], pixels.size))
             kinds.append(kind)
             names.append(name)
             boxes.append((x.min(), y.min(), x.max(), y.max()))
     columns = -(-width // block)
     owner = (pixels // width // block) * columns + pixels % width // block
     count = -(-height // block) * columns
-    rows.append(sparse.csr_array((np.ones(height * width), (owner, pixels)), shape=(count, height * width)))
+    order = np.argsort(owner, kind="stable").astype(np.int32)
+    rows.append(_rows(order, np.ones(pixels.size), np.bincount(owner), pixels.size))
+    del owner, order
     for index in range(count):
         x, y = index % columns * block, index // columns * block
         box = (x, y, min(x + block, width) - 1, min(y + block, height) - 1)
@@ -87,6 +91,12 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
         names.append(f"x {box[0]} to {box[2]}, y {box[1]} to {box[3]}")
         boxes.append(box)
     return Regions((height, width), tuple(kinds), tuple(names), np.array(boxes), sparse.csr_array(sparse.vstack(rows)))
+
+
+def _rows(pixel: np.ndarray, weight: np.ndarray, counts: Sequence[int], pixels: int) -> sparse.csr_array:
+    """Rows of `counts` weights each, one after the other, over so many `pixels`."""
+    ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+    return sparse.csr_array((weight, pixel, ends), shape=(len(counts), pixels))
 
 
 class RegionMoments:

@@ -50,10 +50,14 @@ def write_report(comparison: Comparison, folder: Path, command: str = "") -> Non
 
 def relative_difference(comparison: Comparison) -> np.ndarray:
     """(candidate - reference) / max(|reference|, floor) of each pixel (height, width, 3); 0 where both are 0."""
-    reference, candidate = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
-    scale = np.maximum(np.abs(reference), comparison.verdict.floor)
-    gap = candidate - reference
-    return np.divide(gap, scale, out=np.where(gap == 0, 0.0, np.copysign(np.inf, gap)), where=scale > 0)
+    means = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
+    out = np.empty_like(means[0])
+    for row, (reference, candidate) in enumerate(zip(*means, strict=True)):
+        scale = np.maximum(np.abs(reference), comparison.verdict.floor)
+        gap = candidate - reference
+        out[row] = np.where(gap == 0, 0.0, np.copysign(np.inf, gap))
+        np.divide(gap, scale, out=out[row], where=scale > 0)
+    return out
 
 
 def _write_all(comparison: Comparison, folder: Path, command: str) -> None:
@@ -69,7 +73,7 @@ def _write_all(comparison: Comparison, folder: Path, command: str) -> None:
     write_png(folder / "reference.png", srgb8(comparison.reference.film.moments.mean, exposure))
     write_png(folder / "cycles.png", srgb8(comparison.candidate.film.moments.mean, exposure))
     limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance
-    write_png(folder / "difference.png", signed8(np.clip(difference, -limit, limit).mean(axis=2), limit))
+    write_png(folder / "difference.png", signed8(np.stack([np.clip(row, -limit, limit).mean(axis=1) for row in difference]), limit))
 
 
 def _html(comparison: Comparison, figures: dict[str, Any]) -> str:

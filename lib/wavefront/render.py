@@ -16,6 +16,7 @@ from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
+from .heap import settle_heap
 from .kernel import Kernel
 from .options import Options
 from .sums import PixelSums, StageClock
@@ -44,15 +45,6 @@ def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
             yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
 
 
-def _keep_heap() -> None:
-    """Teach the C library's allocator to keep what is freed.
-
-    glibc hands arrays of some 100 kB back to the system at every free and has their pages faulted in again at the next use,
-    which costs kernels a factor of two. Freeing one large block, never touched, raises its thresholds; elsewhere it does nothing.
-    """
-    np.empty(31 << 20, np.uint8)
-
-
 class ReferenceRenderer:
     """The scene by the book. One object renders any number of replicates; each has its own scrambling."""
 
@@ -68,7 +60,7 @@ class ReferenceRenderer:
         self.scene, self.options = scene, options
         self.plan = make_plan(scene) if plan is None else plan
         self.kernel = Kernel(scene, self.plan, options, like)
-        _keep_heap()
+        settle_heap()
 
     def under(self, options: Options) -> ReferenceRenderer:
         """The same scene under other options; the acceleration structure is shared."""
@@ -95,7 +87,7 @@ class ReferenceRenderer:
         begin = perf_counter()
         camera = self.scene.camera
         shape = (camera.height, camera.width)
-        index = np.arange(shape[0] * shape[1]) if windows is None else np.flatnonzero(windows.mask)
+        index = np.arange(shape[0] * shape[1], dtype=np.int32) if windows is None else np.flatnonzero(windows.mask)
         make = SobolSampler if self.options.sampler == "sobol" else RandomSampler
         sampler = make(self.options.seed, replicate, samples)
         radiance, nonfinite = np.zeros((*shape, 3)), np.zeros(shape, np.int32)
