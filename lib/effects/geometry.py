@@ -17,7 +17,7 @@ Answer = tuple[bool, str]
 # Faces that are looked at first, one by one: nearly every scene that is not convex shows it by one of them.
 PROBES = 16
 # Pairs of a face and a vertex that are looked at in all; half a second's work.
-MOST_PAIRS = 2e8
+MOST_PAIRS = 6e8
 _BLOCK = 200_000
 # A vertex counts as on a face's plane up to half the height, in units of the face's largest coordinate about the scene's centre, at
 # which rays set out from it (raycaster.py): what stands no higher cannot be met. Vertices come from a few steps in float32, so that the
