@@ -197,6 +197,7 @@ def _audit(commands: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--samples", type=count, metavar="N", help="samples a pixel in each render (what the time allows)"
     )
+    parser.add_argument("--replicates", type=count, metavar="R", help="rounds of renders (what the time allows)")
     parser.add_argument(
         "--out", type=Path, metavar="FOLDER", help="folder for audit.html, audit.json and maps (etalon-out/SCENE)"
     )

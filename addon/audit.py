@@ -118,6 +118,7 @@ def run(arguments: Namespace) -> int:
         confidence=arguments.confidence,
         time=arguments.time,
         samples=arguments.samples,
+        replicates=arguments.replicates,
         seed=arguments.seed,
     )
     name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
@@ -145,7 +146,7 @@ def run(arguments: Namespace) -> int:
             interrupted,
         )
         figures = write_audit(found, beside, arguments.repeat)
-    print(f"{name}: {found.rounds} rounds of {found.samples} samples a pixel, {found.stopped}")
+    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
     print(table(figures))
     print(f"report: {folder / 'audit.html'}")
     return 0

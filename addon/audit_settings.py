@@ -143,7 +143,7 @@ CATALOGUE = (
         "light-threshold",
         "Light Threshold",
         {"cycles.light_sampling_threshold": 0.0},
-        "Ends light samples below it at random: unbiased, fewer shadow rays for more noise.",
+        "Ends light samples below it at random: unbiased, fewer shadow rays for more noise. Nothing where the light tree is on.",
     ),
     Entry(
         ADAPTIVE,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -65,7 +66,7 @@ class Audit:
 
     `neutral` (height, width, 3) is the image of the neutral state, `seconds_neutral` the mean seconds of one render call of it, `nonfinite` the
     number of pixels in which a sample of any image was not finite, `asked` the samples a pixel that the user's file asks for. `stopped`
-    is 'time', 'cancelled' or 'nothing to measure'.
+    is 'time', 'replicates', 'cancelled' or 'nothing to measure'.
     """
 
     scene: str
@@ -122,15 +123,16 @@ class Series:
 def _noise_ratio(
     regions: Regions, now: tuple[np.ndarray, np.ndarray], then: tuple[np.ndarray, np.ndarray], means: np.ndarray
 ) -> float:
-    """Variance of the pixels of the first image over that of the second, from two independent replicates of both.
+    """Variance of the pixels of the first image over that of the second, from two independent replicates of both; NaN where that has none.
 
     Each block counts relative to its own brightness, the region `means` (k, 3), so that neither the brightest nor the darkest speak for all.
     """
     levels = np.square(means).mean(axis=1)
-    weight = 1.0 / np.maximum(np.nan_to_num(levels[1:]), NOISE_FLOOR**2 * levels[0])
     with np.errstate(divide="ignore", invalid="ignore"):
+        weight = 1.0 / np.maximum(np.nan_to_num(levels[1:]), NOISE_FLOOR**2 * levels[0])
         squares = [regions.weights[1:] @ np.square(a - b).sum(axis=2).ravel() for a, b in zip(now, then, strict=True)]
-        return float(np.divide(squares[0] @ weight, squares[1] @ weight))
+        user, plain = (float(s @ weight) for s in squares)
+    return user / plain if plain > 0 else math.nan
 
 
 def judge(

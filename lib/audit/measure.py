@@ -80,8 +80,9 @@ def audit(
     progress: Callable[[float], None] = lambda fraction: None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Audit:
-    """Render the `neutral` state and each of the `candidates` in rounds for `options.time` seconds, and compare them pair by pair.
+    """Render the `neutral` state and each of the `candidates` in rounds, and compare them pair by pair.
 
+    There are rounds for `options.time` seconds, and at most `options.replicates`.
     A renderer must draw the same random numbers for the same replicate, whatever its setting. Samples a pixel are
     `options.samples`, or what the time allows, at most the `asked`. Cancelling keeps the rounds that are complete; raises EtalonError
     where there is none.
@@ -117,7 +118,9 @@ def audit(
             for entry, rendering in zip(series, got[1:], strict=True):
                 bad |= entry.add(regions, plain.radiance, rendering)
             rounds += 1
-            if run.elapsed + (run.elapsed - begin) > options.time:
+            if options.replicates is not None and rounds >= options.replicates:
+                stopped = "replicates"
+            elif run.elapsed + (run.elapsed - begin) > options.time:
                 stopped = "time"
     except _Stop:
         stopped = "cancelled"
@@ -183,6 +186,6 @@ def _block(height: int, width: int) -> int:
 
 
 def _turns(number: int, count: int) -> list[int]:
-    """The order of one round: another one first each time, and every other round backwards, so that nobody has a place of its own."""
-    order = [(number + k) % count for k in range(count)]
+    """The order of one round: every other one backwards, and then another one first, so that nobody has a place of its own."""
+    order = [(number // 2 + k) % count for k in range(count)]
     return order[::-1] if number % 2 else order

@@ -37,7 +37,7 @@ def run(capfd, *words):
     return code, out, [line for line in err.replace("\r", "\n").splitlines() if line.strip() and "%|" not in line]
 
 
-@pytest.mark.parametrize("words", [[], ["compare"], ["render"], ["scenes"], ["plan"], ["batch"]])
+@pytest.mark.parametrize("words", [[], ["compare"], ["render"], ["scenes"], ["plan"], ["batch"], ["audit"]])
 def test_help_needs_no_blender(words):
     script = (
         "import sys; from etalon.addon.cli import main; code = main(sys.argv[1:])\n"
