@@ -12,6 +12,8 @@ from ..vectors import dot
 from .light import LightSample, aimed_at_ball, column, luminance
 from .spread import Spread
 
+_SMALLEST = 1e-300
+
 
 class AreaSampler:
     """A flat light, sampled uniformly by area; rectangle.py and ellipse.py say what shape it has.
@@ -29,7 +31,8 @@ class AreaSampler:
         edge_u, edge_v = np.array(light.edge_u, float), np.array(light.edge_v, float)
         normal = np.cross(edge_u, edge_v)
         area = float(np.linalg.norm(normal))
-        self._area = area * self._area_of_unit
+        self._area = area * self._area_of_unit or 1.0  # what one divides by, also where nothing is lit
+        self._lights = area > 0.0
         if area > 0.0:
             normal /= math.copysign(area, float(normal @ light.normal))
             self._length_u = float(np.linalg.norm(edge_u))
@@ -50,16 +53,17 @@ class AreaSampler:
         self._reach2 = 0.25 * ((self._length_u + abs(self._skew)) ** 2 + self._length_v**2)
         self._radiance = column(light.radiance)
         self._spread = Spread(light.spread) if 0.0 < light.spread < math.pi else None
-        self.power = math.pi * self._area * float(luminance(np.abs(self._radiance))[0])
+        self.power = math.pi * area * self._area_of_unit * float(luminance(np.abs(self._radiance))[0])
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform over the area."""
         x, y, height = self.local(point)
-        front = height > 0.0
+        dark = self._unlit(height)
         s, t = self._place(u1, u2)
-        np.subtract(s * self._length_u + t * self._skew, x, out=x)
-        np.subtract(t * self._length_v, y, out=y)
-        return self._towards(x, y, height, front, self._area)
+        np.subtract(self._along_u(s, t), x, out=x)
+        t *= self._length_v
+        np.subtract(t, y, out=y)
+        return self._towards(x, y, height, dark, self._area)
 
     def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Rays that pass the ball about the light."""
@@ -98,7 +102,7 @@ class AreaSampler:
         offset = point - self._center
         across, up, normal = self._axes
         height = dot(normal, offset)
-        if self._area == 0.0:
+        if not self._lights:
             height[:] = -1.0
         return dot(across, offset), dot(up, offset), height
 
@@ -108,39 +112,69 @@ class AreaSampler:
         s = x - t * self._skew if self._skew else x
         return self._holds(s / self._length_u, t)
 
+    def _along_u(self, s: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """The x of the place (s, t)."""
+        x = s * self._length_u
+        if self._skew:
+            x += t * self._skew
+        return x
+
+    @staticmethod
+    def _unlit(height: np.ndarray) -> np.ndarray:
+        """Indices of the points that the light does not reach; their height becomes 1, which keeps all that follows finite."""
+        dark = np.flatnonzero(~(height > 0.0))
+        if dark.size:
+            height[dark] = 1.0
+        return dark
+
     def _towards(
-        self, x: np.ndarray, y: np.ndarray, height: np.ndarray, front: np.ndarray, area: np.ndarray | float
+        self, x: np.ndarray, y: np.ndarray, height: np.ndarray, dark: np.ndarray, area: np.ndarray | float
     ) -> LightSample:
-        """The sample whose end lies x and y from the foot of the point, where `front` says that the light reaches it.
+        """The sample whose end lies x and y from the foot of the point; the light does not reach the points at `dark`.
 
         `area` is what was sampled uniformly.
         """
+        across2, distance = self._reach(x, y, height)
+        pdf = distance * distance
+        pdf *= distance
+        pdf /= height
+        pdf /= area
+        np.clip(pdf, _SMALLEST, None, out=pdf)
+        return LightSample(self._direction(x, y, height, distance), distance, self._shine(across2, height, dark), pdf)
+
+    @staticmethod
+    def _reach(x: np.ndarray, y: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """x^2 + y^2, and the distance of the place x and y from the foot."""
         across2 = x * x
-        across2 += y * y
-        distance = across2 + height * height
-        np.sqrt(distance, out=distance)
-        pdf = self._density(height, np.where(front, distance, np.inf), area)
-        pdf[~front] = 1.0
-        return LightSample(self._direction(x, y, height, distance), distance, self._shine(across2, height, front), pdf)
+        squared = y * y
+        across2 += squared
+        np.multiply(height, height, out=squared)
+        squared += across2
+        return across2, np.sqrt(squared, out=squared)
 
     def _direction(self, x: np.ndarray, y: np.ndarray, height: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """Unit vectors (3, n) to places that lie x and y from the foot of a point at `height`; zero at no distance."""
-        inverse = 1.0 / np.where(distance > 0.0, distance, np.inf)
-        x, y, down = x * inverse, y * inverse, height * inverse
-        wi = np.empty((3, x.shape[0]))
+        inverse = 1.0 / np.clip(distance, _SMALLEST, np.inf)
+        x, y, down = x * inverse, y * inverse, np.multiply(height, inverse, out=inverse)
+        wi, scratch = np.empty((3, x.shape[0])), np.empty_like(x)
         for out, across, up, normal in zip(wi, *(axis[:, 0] for axis in self._axes), strict=True):
             np.multiply(x, across, out=out)
-            out += y * up
-            out -= down * normal
+            out += np.multiply(y, up, out=scratch)
+            out -= np.multiply(down, normal, out=scratch)
         return wi
 
-    def _shine(self, across2: np.ndarray, height: np.ndarray, front: np.ndarray) -> np.ndarray:
-        """Radiance (3, n) at the angle whose tangent is sqrt(across2) / height."""
-        if self._spread is None:
-            return self._radiance * front
-        factor = self._spread(np.sqrt(across2) / np.where(front, height, 1.0))
-        factor *= front
-        return self._radiance * factor
+    def _shine(self, across2: np.ndarray, height: np.ndarray, dark: np.ndarray) -> np.ndarray:
+        """Radiance (3, n) at the angle whose tangent is sqrt(across2) / height, none for the points at `dark`."""
+        factor = None if self._spread is None else self._spread(np.sqrt(across2) / height)
+        radiance = np.empty((3, height.shape[0]))
+        for out, channel in zip(radiance, self._radiance[:, 0], strict=True):
+            if factor is None:
+                out.fill(channel)
+            else:
+                np.multiply(factor, channel, out=out)
+            if dark.size:
+                out[dark] = 0.0
+        return radiance
 
     @staticmethod
     def _density(height: np.ndarray, distance: np.ndarray, area: np.ndarray | float) -> np.ndarray:

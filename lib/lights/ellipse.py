@@ -22,18 +22,19 @@ class EllipseSampler(AreaSampler):
         if self._spread is None:
             return super().sample(point, u1, u2)
         x, y, height = self.local(point)
-        front = height > 0.0
-        reach = np.where(front, height, 1.0) * self._spread.tan_half
+        dark = self._unlit(height)
+        reach = height * self._spread.tan_half
         area = np.minimum(math.pi * reach * reach, self._area)
         s, t = self._place(u1, u2)
-        place_x, place_y = s * self._length_u + t * self._skew, t * self._length_v
+        place_x, place_y = self._along_u(s, t), t * self._length_v
         narrow = np.flatnonzero(area < self._area)
         if narrow.size:
             reach = 2.0 * reach[narrow]
             place_x[narrow] = x[narrow] + reach * s[narrow]
             place_y[narrow] = y[narrow] + reach * t[narrow]
-            front[narrow] &= self.contains(place_x[narrow], place_y[narrow])
-        return self._towards(place_x - x, place_y - y, height, front, area)
+            beyond = narrow[~self.contains(place_x[narrow], place_y[narrow])]
+            dark = np.concatenate([dark, beyond])
+        return self._towards(place_x - x, place_y - y, height, dark, area)
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """Area density times distance^2 / cosine at the light; 0 where the spread keeps the light from the point."""

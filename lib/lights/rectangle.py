@@ -60,7 +60,7 @@ class RectangleSampler(AreaSampler):
 
     def _sample_near(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform in solid angle; uniform in area where that is below `SMALLEST_SOLID_ANGLE`."""
-        bounds, height, front = self._seen(point)
+        bounds, height, dark = self._seen(point)
         x0, x1, y0, y1 = bounds
         seen = SphericalRectangle(*bounds, height)
         solid = seen.solid_angle
@@ -69,21 +69,18 @@ class RectangleSampler(AreaSampler):
         if small.size:
             x[small] = x0[small] + u1[small] * (x1 - x0)[small]
             y[small] = y0[small] + u2[small] * (y1 - y0)[small]
-        across2 = x * x
-        across2 += y * y
-        distance = across2 + height * height
-        np.sqrt(distance, out=distance)
+        across2, distance = self._reach(x, y, height)
         pdf = self._density_seen(bounds, height, solid, small, distance)
-        return LightSample(self._direction(x, y, height, distance), distance, self._shine(across2, height, front), pdf)
+        return LightSample(self._direction(x, y, height, distance), distance, self._shine(across2, height, dark), pdf)
 
     def _pdf_near(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """One over the solid angle that is sampled."""
-        bounds, height, front = self._seen(origin)
+        bounds, height, dark = self._seen(origin)
         hit = np.isfinite(distance)
         solid = SphericalRectangle(*bounds, height).solid_angle
         small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
         distance = np.where(hit, distance, 0.0)
-        hit &= front
+        hit[dark] = False
         if self._spread is not None:
             across, up, _ = self._axes
             x, y = distance * dot(across, direction), distance * dot(up, direction)
@@ -91,14 +88,14 @@ class RectangleSampler(AreaSampler):
         return self._density_seen(bounds, height, solid, small, distance) * hit
 
     def _seen(self, point: np.ndarray) -> tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray]:
-        """Bounds (x0, x1, y0, y1) of what can shine on the points, about their feet, their height, and where there is any.
+        """Bounds (x0, x1, y0, y1) of what can shine on the points, about their feet, their height, and where there is none.
 
-        Where there is none the numbers are those of a unit square 1 m away.
+        There the numbers are those of a unit square 1 m away.
         """
         x, y, height = self.local(point)
-        front = height > 0.0
         half_u, half_v = 0.5 * self._length_u, 0.5 * self._length_v
-        x0, x1, y0, y1 = -half_u - x, half_u - x, -half_v - y, half_v - y
+        x0, x1, y0, y1 = -half_u - x, np.subtract(half_u, x, out=x), -half_v - y, np.subtract(half_v, y, out=y)
+        front = height > 0.0
         if self._spread is not None:
             reach = height * self._spread.tan_half
             x0, y0 = np.maximum(x0, -reach), np.maximum(y0, -reach)
@@ -107,7 +104,7 @@ class RectangleSampler(AreaSampler):
         dark = np.flatnonzero(~front)
         if dark.size:
             x0[dark], x1[dark], y0[dark], y1[dark], height[dark] = -0.5, 0.5, -0.5, 0.5, 1.0
-        return (x0, x1, y0, y1), height, front
+        return (x0, x1, y0, y1), height, dark
 
     def _density_seen(
         self,

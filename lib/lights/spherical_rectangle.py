@@ -35,23 +35,28 @@ class _Strip:
         self.height2 = height * height
         self.q0, self.q1 = y0 * y0 + self.height2, y1 * y1 + self.height2
         self.product = y0 * y1
+        self.size = np.abs(self.product)
+        self.twice_positive = self.product + self.size
         self.determinant = (y1 - y0) * height
 
     def edge(self, x: np.ndarray) -> _Edge:
         """The edge at `x`."""
         x2 = x * x
-        r0, r1 = np.sqrt(x2 + self.q0), np.sqrt(x2 + self.q1)
-        d = r0 * r1
-        d += np.abs(self.product)
-        # r0 r1 + y0 y1 cancels where y0 < 0; the difference of the squares does not.
         squares = x2 + self.q0
-        squares += self.q1 - self.height2
+        r0, r1 = np.sqrt(squares), np.sqrt(x2 + self.q1)
+        # r0 r1 + y0 y1 cancels where y0 < 0; the difference of the squares does not.
+        squares += self.q1
+        squares -= self.height2
         x2 += self.height2
         squares *= x2
-        squares /= d
-        d = np.where(self.product < 0.0, squares, d)
+        d = r0 * r1
+        d += self.size
+        np.divide(squares, d, out=d)  # r0 r1 - |y0 y1|
+        d += self.twice_positive
         d += x2
-        d += x * (r0 + r1)
+        np.add(r0, r1, out=x2)
+        x2 *= x
+        d += x2
         return _Edge(x, r0, r1, d)
 
     def half_angle(self, near: _Edge, far: _Edge) -> np.ndarray:
@@ -100,10 +105,10 @@ class SphericalRectangle:
         """Place (x, y), uniform in solid angle for uniforms in [0, 1): x by u1, y by u2; Urena et al. 2013, section 4."""
         x0, x1, y0, y1 = self._bounds
         x = self._x(u1)
-        np.negative(x, out=x, where=x0 + x1 < 0.0)
+        x *= np.copysign(1.0, x0 + x1)
         np.minimum(np.maximum(x, x0, out=x), x1, out=x)
         y = self._y(x, u2)
-        np.negative(y, out=y, where=y0 + y1 < 0.0)
+        y *= np.copysign(1.0, y0 + y1)
         return x, np.minimum(np.maximum(y, y0, out=y), y1, out=y)
 
     def _x(self, u1: np.ndarray) -> np.ndarray:
@@ -157,16 +162,24 @@ class SphericalRectangle:
         x2 += strip.height2
         r0, r1 = np.sqrt(x2 + strip.y0 * strip.y0), np.sqrt(x2 + strip.y1 * strip.y1)
         rest = 1.0 - u2
+        h0 = strip.y0 / r0
         y = strip.y1 / r1
         y *= u2
-        y += strip.y0 / r0 * rest
-        # Of 1 - h and 1 + h the smaller keeps its digits, as such a sum of those at the edges.
-        near = x2 / (r0 * (r0 + np.abs(strip.y0)))
-        high = x2 / (r1 * (r1 + strip.y1))
-        across = strip.y0 < 0.0
-        far = 2.0 - near
-        low = np.where(across, far, near)
-        other = np.where(across, near, far)
+        y += h0 * rest
+        # Of 1 - h and 1 + h the smaller keeps its digits, as such a sum of those at the edges: at y0 they are 1 - |h0|, to which
+        # 2 |h0| is added on one side, at y1 > 0 `high` and 2 - high.
+        low = np.abs(strip.y0)
+        low += r0
+        low *= r0
+        np.divide(x2, low, out=low)
+        high = strip.y1 + r1
+        high *= r1
+        np.divide(x2, high, out=high)
+        over = np.abs(h0)
+        other = h0 + over
+        other += low
+        over -= h0
+        low += over
         low *= rest
         low += high * u2
         np.subtract(2.0, high, out=high)
@@ -175,6 +188,6 @@ class SphericalRectangle:
         other += high
         np.minimum(low, other, out=low)
         low *= 2.0 - low
-        x2 /= np.maximum(low, np.finfo(float).tiny, out=low)
+        x2 /= np.clip(low, np.finfo(float).tiny, np.inf, out=low)
         y *= np.sqrt(x2, out=x2)
         return y
