@@ -46,7 +46,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
         return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
     owner = f"material '{material.name}'"
     bump_only = material.displacement_method == "BUMP"
-    lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only)
+    lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
     if not material.use_transparent_shadow and any(isinstance(lobe.closure, Transparent) for lobe in lobes):
         refusals.append(Refusal(owner, "'Transparent Shadows' switched off", "switch it on in the material's settings"))
     return Material(material.name, tuple(lobes))
@@ -86,12 +86,13 @@ def _read_tree(
     images: ImageTable,
     refusals: list[Refusal],
     bump_only: bool = False,
+    pass_index: int = 0,
 ) -> list[Lobe]:
     output = tree.get_output_node("CYCLES")
     if output is None:
         return []
     scope = Scope()
-    values = TreeReader(owner, is_world, images, refusals, VALUES)
+    values = TreeReader(owner, is_world, images, refusals, VALUES, pass_index)
     volume, displacement = output.inputs.get("Volume"), output.inputs.get("Displacement")
     if volume is not None and valid_link(volume):
         refusals.append(Refusal(owner, f"a volume (node '{output.name}', socket 'Volume')", "unlink Volume"))

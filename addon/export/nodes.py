@@ -63,6 +63,8 @@ class TreeReader:
     images: ImageTable
     refusals: list[Refusal]
     readers: dict[str, Callable[[TreeReader, bpy.types.Node, str, Scope], ex.Expression]]
+    pass_index: int = 0
+    """The material's own."""
     surface_normal: ex.Expression | None = None
     """What takes the place of the shading normal, where a displacement bumps it."""
     alpha_expected: dict[tuple, tuple[bpy.types.Node, Scope]] = field(default_factory=dict)

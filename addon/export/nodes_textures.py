@@ -21,6 +21,7 @@ _GEOMETRY = {
     "Incoming": ex.Coordinates("INCOMING"),
     "Backfacing": ex.Backfacing(),
 }
+_OBJECT_INFO = {"Object Index": "INDEX"}
 _DIRECTION = ex.Coordinates("GENERATED")
 _WORLD_COORDINATES = {"Generated": _DIRECTION, "Object": _DIRECTION}
 _INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
@@ -69,6 +70,14 @@ def _attribute(reader: TreeReader, node: bpy.types.Node, output: str, scope: Sco
     elif not node.attribute_name:
         reader.refuse(node, scope, " without a name", "name an attribute of the mesh")
     return ex.Attribute(node.attribute_name, {"Fac": "FACTOR", "Alpha": "ALPHA"}.get(output, "COLOR"))
+
+
+def _object_info(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if output == "Material Index":
+        return ex.Constant(float(reader.pass_index))
+    return ex.ObjectInfo(_OBJECT_INFO.get(output, output.upper()))
 
 
 def _geometry(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
@@ -183,6 +192,7 @@ TEXTURES = {
     "ShaderNodeTexCoord": _coordinates,
     "ShaderNodeUVMap": _uv_map,
     "ShaderNodeNewGeometry": _geometry,
+    "ShaderNodeObjectInfo": _object_info,
     "ShaderNodeNormalMap": _normal_map,
     "ShaderNodeBump": _bump,
     "ShaderNodeVertexColor": _vertex_color,

@@ -54,22 +54,22 @@ class Placements:
         self._groups: dict[int, _Group] = {}
         self._objects: list[Object] = []
 
-    def add(self, name: str, local: LocalMesh, matrix: np.ndarray, materials: np.ndarray) -> None:
-        """Place `local` by the (3, 4) `matrix`; `materials` (slots,) are the scene's indices.
+    def add(self, thing: Object, local: LocalMesh, materials: np.ndarray) -> None:
+        """Place `local` as the object `thing`; `materials` (slots,) are the scene's indices.
 
         Raises EtalonError, before anything is allocated, when all instances together would need too much memory.
         """
         self._bytes += _bytes_of(local)
         if self._bytes > self._limit:
             raise EtalonError(
-                f"{name}: with this instance the scene needs more than {self._limit / 2**30:.1f} GB, half of the memory here; "
+                f"{thing.name}: with this instance the scene needs more than {self._limit / 2**30:.1f} GB, half of the memory here; "
                 "reduce instances or render levels"
             )
-        if not np.isfinite(matrix).all():
-            raise EtalonError(f"{name}: its transform is not finite; reset its location, rotation and scale")
+        if not np.isfinite(thing.world_from_object).all():
+            raise EtalonError(f"{thing.name}: its transform is not finite; reset its location, rotation and scale")
         group = self._groups.setdefault(id(local), _Group(local))
-        group.instances.append(_Instance(len(self._objects), matrix, materials))
-        self._objects.append(Object(name, matrix))
+        group.instances.append(_Instance(len(self._objects), thing.world_from_object, materials))
+        self._objects.append(thing)
 
     def join(self, uv_maps: frozenset[str], generated: bool, attributes: frozenset[str] = frozenset()) -> Mesh:
         """All instances as one mesh in world space; faces without area are left out."""

@@ -10,8 +10,9 @@ from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.scene.checks import validate
 from ...lib.scene.lights import Light
 from ...lib.scene.materials import Material
-from ...lib.scene.mesh import Mesh
+from ...lib.scene.mesh import Mesh, Object
 from ...lib.scene.scene import Scene, Transport
+from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
 from .camera import read_camera
 from .images import ImageTable
@@ -129,5 +130,24 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Me
         if key not in read:
             read[key] = read_mesh(mesh, thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
-            placements.add(thing.name, read[key], affine(instance.matrix_world), materials.of_slots(thing))
+            placements.add(_object(instance), read[key], materials.of_slots(thing))
     return placements.join(needed.uv_maps, needed.generated, needed.attributes)
+
+
+def _object(instance: bpy.types.DepsgraphObjectInstance) -> Object:
+    """What materials can ask of an object; an instance has its instancer's colour, and an index of its own."""
+    thing = instance.object
+    color = (instance.parent or thing).color
+    if instance.is_instance:
+        random = np.array([instance.random_id & 0xFFFFFFFF], np.uint32)
+    else:
+        random = hash_words(np.array([_hash_of_name(thing.name)], np.uint32), np.zeros(1, np.uint32))
+    return Object(thing.name, affine(instance.matrix_world), tuple(color), thing.pass_index, float(unit(random)[0]))
+
+
+def _hash_of_name(name: str) -> int:
+    """Cycles' hash of a string, 32 bits of a polynomial in 37."""
+    value = 0
+    for byte in name.encode():
+        value = (37 * value + byte) & 0xFFFFFFFF
+    return value

@@ -47,6 +47,13 @@ class Attribute(Expression):
 
 
 @dataclass(frozen=True)
+class ObjectInfo(Expression):
+    """A fact of the object that the point lies on: the vectors 'LOCATION' and 'COLOR', the values 'ALPHA', 'INDEX' and 'RANDOM'."""
+
+    output: str
+
+
+@dataclass(frozen=True)
 class NormalMap(Expression):
     """Blender's Normal Map node: a unit vector of the world. `space` by Blender's identifier ('TANGENT', 'OBJECT', ...)."""
 

@@ -10,10 +10,16 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Object:
-    """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map."""
+    """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map.
+
+    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it.
+    """
 
     name: str
     world_from_object: np.ndarray
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    index: int = 0
+    random: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,9 @@ class Context(Protocol):
     def attribute(self, name: str) -> np.ndarray:
         """Red, green, blue, alpha, factor and presence of an attribute of the mesh, (6, n)."""
 
+    def object_info(self) -> np.ndarray:
+        """Location (3), colour (3), alpha, index and random number of the object, (9, n)."""
+
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
 
@@ -90,6 +93,7 @@ def _constant(node: ex.Constant, _: Evaluator) -> np.ndarray:
     return value[:, None] if value.ndim else value
 
 
+_OBJECT = {"LOCATION": slice(3), "COLOR": slice(3, 6), "ALPHA": 6, "INDEX": 7, "RANDOM": 8}
 _CHANNELS = {"ALPHA": 3, "FACTOR": 4, "PRESENCE": 5}
 
 
@@ -161,6 +165,7 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ex.Constant: _constant,
     ex.Coordinates: lambda node, read: read.context.coordinates(node.kind, node.uv_map),
     ex.Attribute: _attribute,
+    ex.ObjectInfo: lambda node, read: read.context.object_info()[_OBJECT[node.output]],
     ex.NormalMap: normal_map,
     ex.Bump: bump,
     ex.NormalScale: lambda _, read: read.context.normal_scale,

@@ -44,6 +44,12 @@ class SurfaceTables:
         )
 
     @cached_property
+    def object_info(self) -> np.ndarray:
+        """Location, colour, alpha, index and random number of each object, (9, objects)."""
+        rows = [(*o.world_from_object[:, 3], *o.color, o.index, o.random) for o in self.mesh.objects]
+        return np.ascontiguousarray(np.array(rows, np.float64).T)
+
+    @cached_property
     def step(self) -> float:
         """A millionth of the scene's extent."""
         extent = float(np.ptp(self.mesh.vertices, axis=1).max()) if self.mesh.triangle_count else 1.0
@@ -210,6 +216,10 @@ class SurfacePoints:
         points.v = self.v + step * dot(cross(e1, direction), normal) / area2
         points.position = self.position + direction * step
         return points
+
+    def object_info(self) -> np.ndarray:
+        """Location, colour, alpha, index and random number of the object, (9, n)."""
+        return np.take(self.tables.object_info, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
 
     def attribute(self, name: str) -> np.ndarray:
         """Red, green, blue, alpha, factor and presence of an attribute, mixed from the corners, (6, n)."""

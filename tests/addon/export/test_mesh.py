@@ -11,6 +11,7 @@ from etalon.addon.export.coincident import coincident_faces
 from etalon.addon.export.mesh import read_mesh
 from etalon.addon.export.placements import Placements
 from etalon.lib.errors import EtalonError
+from etalon.lib.scene.mesh import Object
 from mathutils import Euler, Matrix
 
 MIRROR = Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0))
@@ -339,7 +340,7 @@ def test_a_vertex_that_is_no_number_is_named(studio, bad):
 
 def place(placements, local, count):
     for i in range(count):
-        placements.add(f"instance {i}", local, np.eye(3, 4), np.zeros(1, np.int32))
+        placements.add(Object(f"instance {i}", np.eye(3, 4)), local, np.zeros(1, np.int32))
 
 
 def test_too_many_instances_are_refused_before_they_are_made(studio):
@@ -359,7 +360,7 @@ def test_reading_and_joining_a_mesh_takes_little_beyond_its_arrays(studio):
     tracemalloc.start()
     try:
         placements = Placements()
-        placements.add("grid", read_mesh(mesh, "grid", [""], False), np.eye(4)[:3], np.array([0], np.int32))
+        placements.add(Object("grid", np.eye(3, 4)), read_mesh(mesh, "grid", [""], False), np.zeros(1, np.int32))
         joined = placements.join(frozenset([""]), False)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
