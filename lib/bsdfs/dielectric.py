@@ -56,17 +56,24 @@ class RoughDielectric:
     """Isotropic microfacets of `alpha`, () or (n,), between media of relative index `eta`, () or (n,), far side over near, not 1.
 
     Reflection F D G / (4 |o.n|), refraction (1 - F) D G |i.m| |o.m| eta^2 / (|eta i + o|^2 |o.n|), the factor |i.n| included
-    (Walter et al. 2007, eq. 20 and 21); G is height-correlated on either side, and radiance is not scaled by 1 / eta^2, as in
-    Cycles. Visible normals are sampled, then reflection or refraction by their shares.
+    (Walter et al. 2007, eq. 20 and 21); radiance is not scaled by 1 / eta^2, as in Cycles. Visible normals are sampled, then reflection
+    or refraction by their shares. `masking_form`: 'correlated' or 'separable' on either side; 'torrance_sparrow' where light is
+    reflected, for which alone its cavities are, and 'correlated' where it is refracted.
     """
 
     delta = False
 
     def __init__(
-        self, wo: np.ndarray, alpha: np.ndarray, eta: np.ndarray, distribution: ModuleType, interface: Interface
+        self,
+        wo: np.ndarray,
+        alpha: np.ndarray,
+        eta: np.ndarray,
+        distribution: ModuleType,
+        interface: Interface,
+        masking_form: str = "correlated",
     ) -> None:
         self._wo, self._alpha, self._eta = wo, alpha, eta
-        self._distribution, self._interface = distribution, interface
+        self._distribution, self._interface, self._form = distribution, interface, masking_form
         self._above = wo[2] > 0.0
         self._cos_o = np.where(self._above, wo[2], 1.0)
         self._lambda_o = distribution.smith_lambda(wo, alpha, alpha)
@@ -88,14 +95,19 @@ class RoughDielectric:
         d *= np.where(through, _refraction_factor(cos_om, cos_im, eta, length), 0.25)
         pdf = d / (1.0 + self._lambda_o)
         pdf *= np.where(through, 1.0 - chance, chance)
-        d *= self._masking(wi)
+        d *= self._masking(wi, m, through)
         return np.where(through, refracted, reflected) * d, pdf
 
-    def _masking(self, wi: np.ndarray) -> np.ndarray:
+    def _masking(self, wi: np.ndarray, m: np.ndarray, through: np.ndarray) -> np.ndarray:
         """G of wo and of wi folded up to wo's side."""
         folded = np.stack([wi[0], wi[1], np.abs(wi[2])])
         lambda_i = self._distribution.smith_lambda(folded, self._alpha, self._alpha)
-        return masking.height_correlated(lambda_i, self._lambda_o)
+        if self._form == "separable":
+            return masking.separable(lambda_i, self._lambda_o)
+        smith = masking.height_correlated(lambda_i, self._lambda_o)
+        if self._form == "torrance_sparrow":
+            return np.where(through, smith, masking.torrance_sparrow(wi, self._wo, m))
+        return smith
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Direction, coloured weight (3, n), density.
@@ -114,7 +126,7 @@ class RoughDielectric:
         wi = m * np.where(through, cos_om / eta - cos_t, 2.0 * cos_om)
         wi -= wo * np.where(through, 1.0 / eta, 1.0)
         valid = self._above & (cos_om > 0.0) & np.where(through, (wi[2] < 0.0) & (sin2 < 1.0), wi[2] > 0.0)
-        weight = self._masking(wi)  # G2 / G1(wo): D and the Jacobian cancel
+        weight = self._masking(wi, m, through)  # G2 / G1(wo): D and the Jacobian cancel
         weight *= 1.0 + self._lambda_o
         share = np.where(through, 1.0 - chance, chance)
         weight *= np.where(valid, 1.0 / np.maximum(share, FLOOR), 0.0)
@@ -132,6 +144,7 @@ class RoughDielectric:
             part_of(self._eta, index),
             self._distribution,
             self._interface.part(index),
+            self._form,
         )
 
 

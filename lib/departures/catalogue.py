@@ -61,17 +61,15 @@ def _is_rough(closure: Closure) -> bool:
 
 
 def _reflects_by(*distributions: str) -> Callable[[Scene], bool]:
-    """Whether a rough lobe has one of these distributions."""
+    """Whether a rough lobe, of reflection or refraction, has one of these distributions."""
     kinds = (Anisotropic, Glass, Refraction)
     return lambda scene: any(
         isinstance(c, kinds) and c.distribution in distributions and _is_rough(c) for c in _closures(scene)
     )
 
 
-def _rough_reflection(scene: Scene) -> bool:
-    return any(
-        isinstance(c, Anisotropic) and c.distribution != "ASHIKHMIN_SHIRLEY" and _is_rough(c) for c in _closures(scene)
-    )
+def _rough_facets(scene: Scene) -> bool:
+    return _reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
 
 
 def _smooth(scene: Scene) -> bool:
@@ -97,14 +95,14 @@ DEPARTURES: tuple[Departure, ...] = (
         "Masking and shadowing are taken as independent, G1(i) G1(o); the reference, like Cycles, correlates them by the facet's height.",
         "kernel/closure/bsdf_microfacet.h",
         (),
-        _rough_reflection,
+        _rough_facets,
     ),
     Departure(
         "correlated masking",
         "Masking and shadowing are correlated by the facet's height, 1 / (1 + Lambda(i) + Lambda(o)), which is exact for Smith's surfaces; "
         "the reference was asked for another form.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=_rough_reflection,
+        relevant=_rough_facets,
     ),
     Departure(
         "rational Beckmann Lambda",

@@ -116,9 +116,7 @@ def _reflection(
         np.maximum(alpha_y, _FLOOR),
     )  # where a texture reaches zero roughness
     options = site.options
-    departed = {form for form in ("separable", "correlated") if f"{form} masking" in options.departures}
-    masking = min(departed, default=options.masking)
-    how = (_distribution(closure, options), masking, options.strategy)
+    how = (_distribution(closure, options), _masking(options), options.strategy)
 
     def make(wo: np.ndarray) -> Lobe:
         lobe = MicrofacetReflection(wo, alpha_x, alpha_y, *how)
@@ -178,7 +176,8 @@ def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarra
         return SmoothInterface(site.wo, eta, interface)
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
     alpha = np.maximum(alpha, _FLOOR)
-    lobe = RoughDielectric(site.wo, alpha, eta, _distribution(closure, site.options), interface)
+    how = (_distribution(closure, site.options), interface, _masking(site.options))
+    lobe = RoughDielectric(site.wo, alpha, eta, *how)
     if closure.distribution == "BECKMANN":
         return with_stated_density(lobe, site.wo, alpha, alpha, site.options.departures)
     return lobe
@@ -200,6 +199,12 @@ def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.nd
             tone = color if color.shape[1] == 1 else np.take(color, index, axis=1)
             factor[:, index] += tone * average / (1.0 - tone * (1.0 - average)) * lost
     return factor
+
+
+def _masking(options: Options) -> str:
+    """The form of masking, by departure or by choice."""
+    departed = {form for form in ("separable", "correlated") if f"{form} masking" in options.departures}
+    return min(departed, default=options.masking)
 
 
 def _distribution(closure: Closure, options: Options) -> object:

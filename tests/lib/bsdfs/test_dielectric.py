@@ -49,9 +49,9 @@ def viewer(cos_o, count=1):
     )
 
 
-def lobe(distribution, eta, alpha, wo, glass=True):
+def lobe(distribution, eta, alpha, wo, glass=True, form="correlated"):
     interface = Interface(Dielectric(np.float64(eta)) if glass else None, WHITE, WHITE)
-    return RoughDielectric(wo, np.float64(alpha), np.float64(eta), distribution, interface)
+    return RoughDielectric(wo, np.float64(alpha), np.float64(eta), distribution, interface, form)
 
 
 def density(distribution, eta, alpha, cos_o, glass=True):
@@ -81,6 +81,34 @@ def test_weight_times_density_is_the_value(distribution, eta, alpha, cos_o, glas
     value, density_there = made.evaluate(wi)
     np.testing.assert_allclose(pdf[kept], density_there[kept], rtol=1e-6)
     np.testing.assert_allclose((weight * pdf)[:, kept], value[:, kept], rtol=1e-6)
+
+
+@pytest.mark.parametrize("form", ["correlated", "separable", "torrance_sparrow"])
+@pytest.mark.parametrize("distribution", [ggx, beckmann])
+def test_forms_of_masking(distribution, form, rng):
+    """Value and weight carry the chosen G: against D and F, and Lambda, put together by hand."""
+    alpha, eta, wo = 0.5, 1.5, viewer(0.4, 4000)
+    made = lobe(distribution, eta, alpha, wo, form=form)
+    wi, weight, pdf = made.sample(*rng.random((2, 4000)))
+    value = made.evaluate(wi)[0]
+    kept = weight[0] > 0.0
+    np.testing.assert_allclose((weight * pdf)[:, kept], value[:, kept], rtol=1e-6)
+    through = wi[2] < 0.0
+    assert min((kept & through).sum(), (kept & ~through).sum()) > 100
+    smith = lobe(distribution, eta, alpha, wo).evaluate(wi)[0][0]
+    upright = wi * np.array([[1.0], [1.0], [0.0]]) + np.array([[0.0], [0.0], [1.0]]) * np.abs(wi[2])
+    here, there = (distribution.smith_lambda(w, alpha, alpha) for w in (wo, upright))
+    expected = smith.copy()
+    if form == "separable":
+        expected *= (1.0 + here + there) / ((1.0 + here) * (1.0 + there))
+    elif form == "torrance_sparrow":
+        m = wi + wo
+        m /= np.sqrt((m * m).sum(axis=0))
+        cos = (m * wo).sum(axis=0)
+        g = np.minimum(1.0, 2.0 * m[2] * np.minimum(wo[2], wi[2]) / cos)
+        reflected = fresnel.dielectric(cos, eta) * distribution.density(m, alpha, alpha) * g / (4.0 * wo[2])
+        expected = np.where(through, smith, reflected)
+    np.testing.assert_allclose(value[0, kept], expected[kept], rtol=1e-9)
 
 
 @pytest.mark.parametrize("distribution", [ggx, beckmann])
