@@ -22,6 +22,7 @@ from tqdm import tqdm
 
 from ..lib.errors import EtalonError
 from ..lib.report.batch import Row, write_csv, write_grid
+from ..lib.report.read import read_verdict
 from .process import end, etalon_command, start
 from .results import folder_beside
 
@@ -164,8 +165,16 @@ def _row(journal: sqlite3.Connection, key: str) -> sqlite3.Row | None:
 
 
 def _is_finished(out: Path, row: sqlite3.Row | None) -> bool:
-    """Whether the journal has a verdict, and the folder still has it too."""
-    return row is not None and row["status"] == "finished" and (out / row["folder"] / "verdict.json").is_file()
+    """Whether the journal has a verdict, and the folder still has it too, as this version writes it; what has not is said."""
+    path = out / row["folder"] / "verdict.json" if row is not None else out
+    if row is None or row["status"] != "finished" or not path.is_file():
+        return False
+    try:
+        read_verdict(path)
+    except EtalonError as error:
+        tqdm.write(f"etalon: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: sqlite3.Connection) -> None:
@@ -232,7 +241,10 @@ def _result(out: Path, unit: Unit, row: sqlite3.Row | None) -> Row:
     facts = {"status": row["status"], "seconds": row["seconds"], "folder": row["folder"], "message": row["message"]}
     if row["status"] != "finished":
         return Row(unit.scene, values, **facts)
-    image = json.loads((out / row["folder"] / "verdict.json").read_text(encoding="utf-8"))["image"]
+    try:
+        image = read_verdict(out / row["folder"] / "verdict.json")["image"]
+    except EtalonError as error:
+        return Row(unit.scene, values, **facts | {"status": "not run", "message": str(error)})
     low, high = image["interval"]
     verdict = VERDICTS[row["exit_code"]]
     return Row(unit.scene, values, **facts, verdict=verdict, difference=image["difference"], low=low, high=high)

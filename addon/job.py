@@ -78,7 +78,7 @@ def judge(
             cancelled,
             alternatives(reference),
         )
-        write_report(comparison, beside, repeat)
+        write_report(comparison, reference.plan, beside, repeat)
     return comparison
 
 
@@ -101,12 +101,26 @@ def compare_here(
         comparison = judge(exported, candidate, choices, folder, repeat, progress, cancelled)
         if comparison.stopped == "cancelled":
             return comparison
-        box = where(comparison)
-        if box is None:
-            (folder / MINIMAL).unlink(missing_ok=True)
-        else:
-            write_minimal(scene, box, seen(comparison, box), partial(_shows, choices), folder / MINIMAL)
+        show_unexplained(comparison, folder, partial(show, scene, choices))
         return comparison
+
+
+def show_unexplained(
+    comparison: Comparison, folder: Path, show: Callable[[tuple[int, int, int, int], list[str], Path], None]
+) -> None:
+    """Have `show` write a small scene into `folder` for what nothing explains, from a box of pixels and the objects in it."""
+    box = where(comparison)
+    if box is None:
+        (folder / MINIMAL).unlink(missing_ok=True)
+    else:
+        show(box, seen(comparison, box), folder / MINIMAL)
+
+
+def show(
+    scene: bpy.types.Scene, choices: Choices, box: tuple[int, int, int, int], names: list[str], path: Path
+) -> None:
+    """Write the smallest part of `scene` in which short comparisons by `choices` find a difference for no known reason."""
+    write_minimal(scene, box, names, partial(_shows, choices), path)
 
 
 def _shows(choices: Choices, part: bpy.types.Scene) -> bool:
@@ -175,6 +189,9 @@ class BackgroundJob:
             self.comparison = judge(
                 scene, self._blender, self._choices, self.folder, self._repeat, self._progress, self._cancel.is_set
             )
+            if self.comparison.stopped != "cancelled":
+                self.message = "Looking for the cause"
+                show_unexplained(self.comparison, self.folder, partial(self._blender.show, self._choices.verdict, self._choices.reference.threads))
         except Refused as refused:
             self.errors = tuple(str(refusal) for refusal in refused.refusals)
         except EtalonError as error:

@@ -11,21 +11,29 @@ from typing import Any
 import numpy as np
 
 from ..compare import Comparison, Side
+from ..effects.plan import Plan
 from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
 
 FORMAT = "etalon-verdict"
-# Grows when a field changes its meaning or goes; a reader compares it before it reads on.
-VERSION = 2
+# Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
+VERSION = 3
+# What a reader of the version before must know, by version.
+CHANGES = {
+    2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
+    3: "Version 3: `plan` lists the effects that the scene calls for; `replicates` of a side are the most that any region has, "
+    "since sampling goes on where a region is open; `changes` is this list.",
+}
 
 
-def document(comparison: Comparison, command: str) -> dict[str, Any]:
-    """verdict.json as a dictionary; numbers that are not finite are None."""
+def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]:
+    """verdict.json as a dictionary; numbers that are not finite are None. `plan` is the reference's, of this scene."""
     verdict = comparison.verdict
     channel = int(worst_channel(verdict.difference[:1])[0])
     return plain(
         {
             "format": FORMAT,
             "version": VERSION,
+            "changes": [{"version": version, "change": change} for version, change in CHANGES.items()],
             "scene": comparison.scene,
             "verdict": verdict.outcome,
             "exit_code": verdict.outcome.exit_code,
@@ -42,6 +50,7 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
             "regions": [_region(comparison, k) for k in range(len(comparison.regions))],
             "departures": _departures(comparison),
             "unexplained": None if comparison.explanation is None else len(unexplained(comparison)),
+            "plan": [asdict(decision) for decision in plan.decisions],
             "forecast": _forecast(comparison),
             "looks": [asdict(look) for look in verdict.looks],
             "reference": _side(comparison.reference),

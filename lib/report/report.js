@@ -5,12 +5,15 @@ const OUTCOMES = ["EQUIVALENT", "EXPLAINED", "DIFFERENT", "UNDECIDED"];
 const MAP_COLORS = { EQUIVALENT: [27, 127, 92], DIFFERENT: [200, 62, 36], UNDECIDED: [214, 176, 50], EXPLAINED: [64, 119, 190] };
 const element = (id) => document.getElementById(id);
 
-const [reference, candidate] = [0, 1].map((side) => {
-  const text = atob(element("floats-" + side).textContent);
+function unpacked(id) {
+  const text = atob(element(id).textContent);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  return new Float32Array(bytes.buffer);
-});
+  return bytes;
+}
+
+const [reference, candidate] = ["floats-0", "floats-1"].map((id) => new Float32Array(unpacked(id).buffer));
+const flip = unpacked("flip");
 
 const regions = view.regions.map(([kind, name, outcome, box, pixels, excluded, decided, ref, cand, difference, low, high]) => {
   let channel = 0;
@@ -91,6 +94,19 @@ function paintDifference() {
   });
 }
 
+/* Matplotlib's magma, which FLIP's authors use, at every eighth of its way. */
+const MAGMA = [[0, 0, 4], [28, 16, 68], [79, 18, 123], [129, 37, 129], [181, 54, 122], [229, 80, 100], [251, 135, 97], [254, 194, 135], [252, 253, 191]];
+
+function paintFlip() {
+  return painted((i, color) => {
+    const value = flip[i / 3];
+    if (value === view.flip.none) return magenta(color);
+    const place = (value / view.flip.one) * (MAGMA.length - 1);
+    const low = Math.min(Math.floor(place), MAGMA.length - 2);
+    for (let c = 0; c < 3; c++) color[c] = MAGMA[low][c] + (MAGMA[low + 1][c] - MAGMA[low][c]) * (place - low);
+  });
+}
+
 function paintMap() {
   const canvas = document.createElement("canvas");
   canvas.width = width;
@@ -107,7 +123,7 @@ function paintMap() {
   return canvas;
 }
 
-const paint = {};
+const paint = { flip: paintFlip() };
 function repaint() {
   paint.reference = paintRadiance(reference);
   paint.candidate = paintRadiance(candidate);
@@ -118,7 +134,7 @@ function repaint() {
 const PANES = {
   beside: [[names[0], "reference"], [names[1], "candidate"], ["Relative difference", "difference"]],
   slider: [[`${names[0]} left of the line, ${names[1]} right of it`, "reference"]],
-  difference: [["Relative difference", "difference"]],
+  difference: [["Relative difference", "difference"], ["FLIP, for the eye only", "flip"]],
   map: [["Verdict of each block, over the reference", "map"]],
 };
 let panes = [];
@@ -138,6 +154,7 @@ function layOut() {
     listen(canvas);
     return { canvas, what };
   });
+  for (const part of document.querySelectorAll(".eye")) part.hidden = state.mode !== "difference";
   element("split-label").hidden = state.mode !== "slider";
   for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === state.mode);
   fit();
@@ -236,8 +253,9 @@ function read(x, y) {
   const rgb = (values) => [0, 1, 2].map((c) => number(values[i + c])).join("  ");
   const block = blocks.find(({ box }) => x * step >= box[0] && x * step <= box[2] && y * step >= box[1] && y * step <= box[3]);
   const gap = [0, 1, 2].map((c) => percent(relative(i + c))).join("  ");
+  const seen = state.mode === "difference" && flip[i / 3] !== view.flip.none ? `   FLIP ${(flip[i / 3] / view.flip.one).toFixed(2)}` : "";
   element("reading").textContent =
-    `x ${x * step}, y ${y * step}   ${names[0]} ${rgb(reference)}   ${names[1]} ${rgb(candidate)}   difference ${gap}\n` +
+    `x ${x * step}, y ${y * step}   ${names[0]} ${rgb(reference)}   ${names[1]} ${rgb(candidate)}   difference ${gap}${seen}\n` +
     (block ? `Block ${block.name}: ${block.outcome}, ${percent(block.difference)} in ${"RGB"[block.channel]} ` +
       `(${percent(block.low)} to ${percent(block.high)})` : "");
 }

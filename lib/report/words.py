@@ -165,9 +165,7 @@ def _forecast(comparison: Comparison) -> str:
     low, median, high, nearly = ends
     count = comparison.verdict.forecast.regions
     most = f"and {seconds(high)}" if high < 1e8 else "and no upper end yet"
-    samples = (
-        comparison.candidate.film.samples * comparison.candidate.replicates * comparison.verdict.forecast.factor
-    )
+    samples = comparison.candidate.film.samples * comparison.candidate.replicates * comparison.verdict.forecast.factor
     drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
     likely = f"about {seconds(median)}{drawn}" if median < 1e8 else "longer than can be told"
     before = f"; nine in ten of them {seconds(nearly)}" if count >= 10 and nearly < 1e8 else ""

@@ -16,28 +16,33 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from ..compare import Comparison
+from ..effects.plan import Plan
 from ..errors import EtalonError
 from ..film.exr import write_exr, write_film
 from ..film.pictures import middle_exposure, signed8, srgb8, write_png
 from .document import document
+from .flip import flip
 from .words import percent, seconds
 
 # The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
 MOST_PIXELS = 600_000
 # Differences are drawn up to this many tolerances.
 DIFFERENCE_LIMIT = 5
+# FLIP travels as bytes: 0 to 254, and one that stands for pixels that are not finite.
+FLIP_ONE, FLIP_NONE = 254, 255
 
 
-def write_report(comparison: Comparison, folder: Path, command: str = "") -> None:
+def write_report(comparison: Comparison, plan: Plan, folder: Path, command: str = "") -> None:
     """Write all files into `folder`, which is made if it is not there; each is complete or not there at all.
 
-    `command` is what repeats the comparison, shown as text. Raises EtalonError where the folder cannot be written.
+    `plan` is what the reference ran of its effects, `command` what repeats the comparison, shown as text. Raises EtalonError where the
+    folder cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
         try:
-            _write_all(comparison, beside, command)
+            _write_all(comparison, plan, beside, command)
             for path in sorted(beside.iterdir()):
                 os.replace(path, folder / path.name)
         finally:
@@ -60,8 +65,8 @@ def relative_difference(comparison: Comparison) -> np.ndarray:
     return out
 
 
-def _write_all(comparison: Comparison, folder: Path, command: str) -> None:
-    figures = document(comparison, command)
+def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -> None:
+    figures = document(comparison, plan, command)
     text = json.dumps(figures, indent=1, ensure_ascii=False, allow_nan=False)
     (folder / "verdict.json").write_text(text + "\n", encoding="utf-8")
     (folder / "report.html").write_text(_html(comparison, figures), encoding="utf-8")
@@ -73,7 +78,10 @@ def _write_all(comparison: Comparison, folder: Path, command: str) -> None:
     write_png(folder / "reference.png", srgb8(comparison.reference.film.moments.mean, exposure))
     write_png(folder / "cycles.png", srgb8(comparison.candidate.film.moments.mean, exposure))
     limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance
-    write_png(folder / "difference.png", signed8(np.stack([np.clip(row, -limit, limit).mean(axis=1) for row in difference]), limit))
+    write_png(
+        folder / "difference.png",
+        signed8(np.stack([np.clip(row, -limit, limit).mean(axis=1) for row in difference]), limit),
+    )
 
 
 def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
@@ -90,6 +98,9 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
     while -(-height // step) * -(-width // step) > MOST_PIXELS:
         step += 1
     images = [averaged(side.film.moments.mean, step) for side in (comparison.reference, comparison.candidate)]
+    exposure = round(2 * middle_exposure(images[0])) / 2
+    seen = flip(*images, exposure)
+    bytes_ = np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)
     view = {
         "width": images[0].shape[1],
         "height": images[0].shape[0],
@@ -97,15 +108,26 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
         "floor": comparison.verdict.floor,
         "tolerance": comparison.verdict.tolerance,
         "limit": DIFFERENCE_LIMIT,
-        "exposure": round(2 * middle_exposure(images[0])) / 2,
+        "exposure": exposure,
+        "flip": {
+            "one": FLIP_ONE,
+            "none": FLIP_NONE,
+            "mean": float(np.nanmean(seen)) if np.isfinite(seen).any() else None,
+        },
         "names": [comparison.reference.name, comparison.candidate.name],
         "regions": [_row(region) for region in figures["regions"]],
     }
     return environment.get_template("report.html").render(
         figures=figures,
         view=view,
-        floats=[Markup(base64.b64encode(image.astype("<f4").tobytes()).decode()) for image in images],
+        floats=[_packed(image.astype("<f4")) for image in images],
+        flip=_packed(bytes_),
     )
+
+
+def _packed(values: np.ndarray) -> Markup:
+    """An array's bytes as text for a script element, which they cannot end."""
+    return Markup(base64.b64encode(values.tobytes()).decode())
 
 
 def _row(region: dict[str, Any]) -> list[Any]:

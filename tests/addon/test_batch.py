@@ -10,6 +10,7 @@ from contextlib import closing
 import pytest
 from etalon.addon import batch
 from etalon.lib.errors import EtalonError
+from etalon.lib.report.document import FORMAT, VERSION
 
 # Notes each call, then ends as the value of --set says; the file it stands in for has the layout of a real verdict.json.
 STAND_IN = """
@@ -44,7 +45,9 @@ def folder(tmp_path, monkeypatch, verdict_json):
 @pytest.fixture
 def verdict_json():
     """What a comparison leaves behind, as far as the tables read it."""
-    return json.dumps({"image": {"difference": 0.0012, "interval": [-0.001, 0.003]}})
+    return json.dumps(
+        {"format": FORMAT, "version": VERSION, "image": {"difference": 0.0012, "interval": [-0.001, 0.003]}}
+    )
 
 
 def write_plan(folder, values, scenes=("glossy_spheres",)):
@@ -108,6 +111,20 @@ def test_a_finished_unit_whose_folder_was_removed_runs_again(folder):
     verdict.parent.rmdir()
     run(path)
     assert len(calls(folder)) == 2
+
+
+def test_a_verdict_of_an_older_version_is_told_and_compared_again(folder, capfd):
+    path = write_plan(folder, [0])
+    run(path)
+    (verdict,) = (folder / "out").glob("*/verdict.json")
+    old = json.loads(verdict.read_text()) | {"version": 1}
+    verdict.write_text(json.dumps(old))
+    (folder / "stand_in.py").write_text(STAND_IN.replace("out.mkdir(parents=True)", ""))
+    assert run(path) == 0
+    assert len(calls(folder)) == 2
+    told = capfd.readouterr().err
+    assert "is of version 1" in told
+    assert "Version 2: " in told
 
 
 def test_ctrl_c_keeps_what_is_finished_and_the_tables(folder, monkeypatch):

@@ -11,10 +11,13 @@ import numpy as np
 import pytest
 from etalon.lib import report as package
 from etalon.lib.compare import CompareOptions, compare
+from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
 from etalon.lib.report import write_report
-from etalon.lib.report.document import document
+from etalon.lib.report.document import CHANGES, VERSION, document
+from etalon.lib.report.flip import flip
+from etalon.lib.report.read import read_verdict
 from etalon.lib.report.words import percent, seconds, sentences
 from etalon.lib.report.write import averaged
 from etalon.tests.lib.renderers import Painter, blank, grey
@@ -32,6 +35,7 @@ FILES = {
     "difference.png",
 }
 HOSTILE = "</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}\u2028\u202e../../etc"
+PLAN = Plan((Decision("GGX", True, f"material {HOSTILE}"), Decision("Beckmann", False, "no material has it")))
 HALF = np.pad(np.ones((20, 12)), ((0, 0), (0, 12)))
 
 
@@ -74,30 +78,30 @@ def test_the_schema_is_one():
 
 
 def test_figures_are_what_the_schema_says(comparison):
-    figures = json.loads(json.dumps(document(comparison, "etalon compare"), allow_nan=False))
+    figures = json.loads(json.dumps(document(comparison, PLAN, "etalon compare"), allow_nan=False))
     errors = [f"{list(e.absolute_path)}: {e.message[:200]}" for e in Draft202012Validator(SCHEMA).iter_errors(figures)]
     assert errors == []
     assert figures["exit_code"] == comparison.verdict.outcome.exit_code
 
 
 def test_the_schema_notices_what_is_amiss():
-    figures = json.loads(json.dumps(document(made(), "")))
+    figures = json.loads(json.dumps(document(made(), PLAN, "")))
     valid = Draft202012Validator(SCHEMA).is_valid
     assert valid(figures)
-    for broken in ({"version": 1}, {"verdict": "FINE"}, {"tolerance": 0}, {"surplus": 1}, {"regions": [{}]}):
+    for broken in ({"version": 2}, {"verdict": "FINE"}, {"tolerance": 0}, {"surplus": 1}, {"regions": [{}]}):
         assert not valid(figures | broken)
     assert not valid({key: value for key, value in figures.items() if key != "looks"})
 
 
 def test_all_files_are_there_and_nothing_else(comparison, tmp_path):
-    write_report(comparison, tmp_path / "deep" / "out", "etalon compare scene.blend")
+    write_report(comparison, PLAN, tmp_path / "deep" / "out", "etalon compare scene.blend")
     assert {path.name for path in (tmp_path / "deep" / "out").iterdir()} == FILES
     assert all(path.stat().st_size for path in (tmp_path / "deep" / "out").iterdir())
 
 
 def test_images_on_disk_are_the_films(tmp_path):
     found = made(**CASES["non-finite"])
-    write_report(found, tmp_path)
+    write_report(found, PLAN, tmp_path)
     pixels = np.stack([read_exr(tmp_path / "cycles.exr")[c] for c in "RGB"], axis=2)
     np.testing.assert_allclose(pixels, found.candidate.film.moments.mean, rtol=1e-6)
     assert np.isnan(pixels[2, 5]).all()
@@ -121,7 +125,7 @@ class Page(HTMLParser):
         self._id = dict(attrs).get("id", len(self.tags)) if tag == "script" else tag
 
     def handle_data(self, data):
-        if isinstance(self._id, int) or self._id in ("view", "floats-0", "floats-1"):
+        if isinstance(self._id, int) or self._id in ("view", "floats-0", "floats-1", "flip"):
             self.scripts[self._id] = self.scripts.get(self._id, "") + data
         else:
             self.shown.append(data)
@@ -142,7 +146,7 @@ def test_hostile_names_stay_text(tmp_path):
 
 
 def _written(comparison, folder, command):
-    write_report(comparison, folder, command)
+    write_report(comparison, PLAN, folder, command)
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
@@ -166,8 +170,90 @@ def test_the_page_holds_the_floats(tmp_path):
     np.testing.assert_allclose(held, found.candidate.film.moments.mean, rtol=1e-6)
 
 
+def test_the_plan_is_in_both(tmp_path):
+    page = Page(_written(made(), tmp_path, ""))
+    plan = json.loads((tmp_path / "verdict.json").read_text(encoding="utf-8"))["plan"]
+    assert plan[0] == {"effect": "GGX", "needed": True, "fact": f"material {HOSTILE}"}
+    assert [decision["needed"] for decision in plan] == [True, False]
+    assert f"material {HOSTILE}" in page.shown
+    assert "no material has it" in page.shown
+    assert "Simulated: 1 effects" in page.shown
+
+
+def _hunt(linear):
+    """L*, a*, b* of a linear Rec. 709 colour (D65) with the Hunt effect, as FLIP compares them (section 3 of the paper)."""
+    to_xyz = np.array([[0.412391, 0.357584, 0.180481], [0.212639, 0.715169, 0.072192], [0.019331, 0.119195, 0.950532]])
+    xyz = to_xyz @ np.asarray(linear, float) / to_xyz.sum(axis=1)
+    f = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
+    lightness = 116 * f[1] - 16
+    return np.array([lightness, 0.01 * lightness * 500 * (f[0] - f[1]), 0.01 * lightness * 200 * (f[1] - f[2])])
+
+
+def _flip_of_uniform(one, other):
+    """FLIP of two images without any feature: HyAB to the power 0.7, its lower 0.4 spread over 0.95 (Andersson et al. 2020, section 3.3)."""
+
+    def hyab(a, b):
+        d = _hunt(a) - _hunt(b)
+        return (abs(d[0]) + np.hypot(d[1], d[2])) ** 0.7
+
+    most = hyab((0, 1, 0), (0, 0, 1))
+    low = 0.4 * most
+    error = hyab(one, other)
+    return 0.95 * error / low if error < low else 0.95 + 0.05 * (error - low) / (most - low)
+
+
+@pytest.mark.parametrize("color", [(1.0, 1.0, 1.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+def test_flip_of_uniform_images_is_its_closed_form(color):
+    black = np.zeros((64, 64, 3))
+    expected = _flip_of_uniform((0.0, 0.0, 0.0), color)
+    np.testing.assert_allclose(flip(black, black + np.array(color), 0.0), expected, atol=2e-3)
+
+
+def test_flip_sees_what_is_shown():
+    """Equal images are 0; what is brighter than white is white, and one stop less it is not; a pixel that is not finite has no value."""
+    white = np.ones((64, 64, 3))
+    assert flip(white, white, 1.0).max() == 0.0
+    assert flip(white, 1.5 * white, 0.0).max() == 0.0
+    assert flip(white, 1.5 * white, -1.0).min() > 0.01
+    broken = white.copy()
+    broken[3, 4, 0] = np.nan
+    assert np.argwhere(np.isnan(flip(white, broken, 0.0))).tolist() == [[3, 4]]
+
+
+def test_the_page_holds_flip_and_says_what_it_is_for(tmp_path):
+    found = made(**CASES["non-finite"])
+    page = Page(_written(found, tmp_path, ""))
+    held = np.frombuffer(base64.b64decode(page.scripts["flip"].strip()), np.uint8).reshape(20, 24)
+    assert np.argwhere(held == 255).tolist() == [[2, 5]]
+    assert any("the verdict does not rest on it" in text for text in page.shown)
+
+
+def test_a_verdict_is_read_back_and_an_older_one_told_apart(tmp_path):
+    path = tmp_path / "verdict.json"
+    write_report(made(), PLAN, tmp_path)
+    figures = read_verdict(path)
+    assert figures["verdict"] == "EQUIVALENT"
+    assert [entry["version"] for entry in figures["changes"]] == list(CHANGES) == list(range(2, VERSION + 1))
+    for broken, told in (
+        ({"version": 1}, "is of version 1, .*compare again. Version 2: .*departures.* Version 3: .*plan"),
+        ({"version": 2}, "is of version 2, .*compare again. Version 3: "),
+        ({"version": VERSION + 1}, "only version 3 is known here; update etalon"),
+        ({"version": None}, "is of version None"),
+        ({"format": "shopping"}, "is no verdict of etalon's"),
+    ):
+        path.write_text(json.dumps(figures | broken))
+        with pytest.raises(EtalonError, match=told):
+            read_verdict(path)
+    for text, told in (("{", "is not JSON"), ("[]", "is no verdict")):
+        path.write_text(text)
+        with pytest.raises(EtalonError, match=told):
+            read_verdict(path)
+    with pytest.raises(EtalonError, match="cannot be read"):
+        read_verdict(tmp_path / "nowhere.json")
+
+
 def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
-    write_report(made(), tmp_path)
+    write_report(made(), PLAN, tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
     def full(*args):
@@ -175,14 +261,14 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
 
     monkeypatch.setattr("etalon.lib.report.write.write_png", full)
     with pytest.raises(EtalonError, match=r"cannot be written \(No space left on device\); make room"):
-        write_report(made(**CASES["different"]), tmp_path)
+        write_report(made(**CASES["different"]), PLAN, tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_a_folder_that_is_a_file_is_named(tmp_path):
     (tmp_path / "out").write_text("a file")
     with pytest.raises(EtalonError, match=r"out: cannot be written"):
-        write_report(made(), tmp_path / "out")
+        write_report(made(), PLAN, tmp_path / "out")
 
 
 def test_large_images_are_averaged_block_by_block(rng):
