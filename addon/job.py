@@ -176,7 +176,7 @@ class BackgroundJob:
         """End it: the second Blender at once, the reference after the tile at hand. What both sides finished is kept."""
         self._cancel.set()
         self.message = "Ending"
-        self._blender.close()
+        self._blender.stop()
 
     def wait(self) -> None:
         """Wait until the thread has ended."""
@@ -191,7 +191,11 @@ class BackgroundJob:
             )
             if self.comparison.stopped != "cancelled":
                 self.message = "Looking for the cause"
-                show_unexplained(self.comparison, self.folder, partial(self._blender.show, self._choices.verdict, self._choices.reference.threads))
+                show_unexplained(
+                    self.comparison,
+                    self.folder,
+                    partial(self._blender.show, self._choices.verdict, self._choices.reference.threads),
+                )
         except Refused as refused:
             self.errors = tuple(str(refusal) for refusal in refused.refusals)
         except EtalonError as error:

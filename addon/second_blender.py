@@ -6,12 +6,14 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 
+from ..lib.compare import CompareOptions
 from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.film.rendering import Rendering
 from ..lib.film.windows import Windows
@@ -61,11 +63,7 @@ class SecondBlender:
         windows: Windows | None,
     ) -> Rendering:
         """One replicate, or its part in `windows`; raises EtalonError if the process ends before it has one, as it does when it is closed."""
-        wanted = {"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]}
-        try:
-            send(self._process, json.dumps(wanted) + "\n")
-        except OSError as error:
-            raise self._gone() from error
+        self._send({"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]})
         for reply in self._replies():
             if "error" in reply:
                 raise EtalonError(reply["error"])
@@ -75,9 +73,31 @@ class SecondBlender:
         with np.load(reply.pop("images")) as images:
             return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], windows=windows, **reply)
 
-    def close(self) -> None:
-        """End the process at once."""
+    def show(
+        self, verdict: CompareOptions, threads: int, box: tuple[int, int, int, int], names: list[str], path: Path
+    ) -> None:
+        """Have a small scene written that shows what nothing explains; raises EtalonError where that fails."""
+        choices = {"verdict": asdict(verdict), "threads": threads}
+        self._send({"show": {"box": box, "names": names, "path": str(path.resolve()), **choices}})
+        reply = next(self._replies())
+        if "error" in reply:
+            raise EtalonError(reply["error"])
+
+    def stop(self) -> None:
+        """End the process at once; from any thread."""
         end(self._process)
+
+    def close(self) -> None:
+        """End the process and close its pipes; only from the thread that reads them."""
+        self.stop()
+        for pipe in (self._process.stdin, self._process.stdout):
+            pipe.close()
+
+    def _send(self, wanted: dict[str, Any]) -> None:
+        try:
+            send(self._process, json.dumps(wanted) + "\n")
+        except OSError as error:
+            raise self._gone() from error
 
     def _replies(self) -> Iterator[dict[str, Any]]:
         """What the worker says, from among all that Blender prints."""

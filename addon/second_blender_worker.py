@@ -35,8 +35,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles", "job"))
-    names = ("errors", "scene.archive", "film.windows")
-    errors, archive, windows = (importlib.import_module(f"{package}.lib.{name}") for name in names)
+    names = ("errors", "scene.archive", "film.windows", "wavefront.options")
+    errors, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
     console = importlib.import_module(f"{package}.addon.console")
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]
@@ -54,6 +54,10 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
             for line in sys.stdin:
                 wanted = json.loads(line)
+                if "show" in wanted:
+                    _show(job, options, scene, **wanted["show"])
+                    say(shown=True)
+                    continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
                 done = renderer.render(
                     wanted["replicate"], wanted["samples"], lambda f: say(progress=f), lambda: False, part
@@ -70,6 +74,12 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(refusals=[vars(refusal) for refusal in refused.refusals])
         except errors.EtalonError as error:
             say(error=str(error))
+
+
+def _show(job: Any, options: Any, scene: Any, verdict: dict, threads: int, box: list, names: list, path: str) -> None:
+    """Write a small scene that shows what nothing explains."""
+    choices = job.Choices(job.CompareOptions(**verdict), options.Options(threads=threads))
+    job.show(scene, choices, tuple(box), names, Path(path))
 
 
 if __name__ == "__main__":
