@@ -119,7 +119,10 @@ TOGETHER: dict[str, tuple[str, ...]] = {
     "area lights": _MORE_LIGHTS,
     "mesh lights": ("emission", *_MORE_LIGHTS),
     "environment table": ("environment world", *_MORE_LIGHTS),
-    "indirect light": ("second hits", "scattered rays"),
+    "scattered rays": ("last rays",),
+    "second hits": ("scattered rays", "last rays"),
+    "indirect light": ("second hits", "scattered rays", "last rays"),
+    "Russian roulette": ("indirect light", "second hits", "scattered rays", "last rays"),
 }
 
 

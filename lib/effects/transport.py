@@ -89,7 +89,7 @@ def light_sampling(facts: Facts) -> Answer:
     count = _sampled(facts)
     if count and not facts.rough:
         return False, _only_smooth(facts)
-    return count > 0, f"{count} light{'s' * (count != 1)} to sample"
+    return count > 0, f"{count} light{'s' * (count > 1)} to sample" if count else "no light but what rays run into"
 
 
 def light_selection(facts: Facts) -> Answer:
@@ -116,7 +116,7 @@ def shadow_rays(facts: Facts) -> Answer:
     again, why = facts.meets_again
     if not again:
         return False, f"nothing hides a light: {why}"
-    return True, f"{_sampled(facts)} light(s) that faces can hide"
+    return True, f"faces can hide {'a light' if _sampled(facts) == 1 else 'lights'}: {why}"
 
 
 def _met_by_rays(facts: Facts) -> list[str]:

@@ -42,7 +42,7 @@ def test_every_decision_gives_its_reason(effect):
 def test_names_are_unique_and_known():
     names = [effect.name for effect in EFFECTS]
     assert len(set(names)) == len(names)
-    assert all(effect.group and effect.stage for effect in EFFECTS)
+    assert all(effect.group and effect.stage and effect.neutral for effect in EFFECTS)
     with pytest.raises(EtalonError, match="no effect is called 'caustics'"):
         make_plan(PLAIN).needs("caustics")
 
