@@ -34,8 +34,8 @@ def camera_rays(camera: Camera, x: np.ndarray, y: np.ndarray, lens: tuple[np.nda
     if camera.kind in PANORAMAS:
         return _panorama(camera, plane_x, plane_y, lens)
     zero, minus_one = np.zeros_like(plane_x), np.full_like(plane_x, -1.0)
-    if camera.kind == "PERSPECTIVE":
-        origin, direction = np.stack([zero, zero, zero]), np.stack([plane_x, plane_y, minus_one])
+    if camera.kind == "PERSPECTIVE":  # all rays through one point, unless a lens spreads them
+        origin, direction = np.zeros((3, 1)), np.stack([plane_x, plane_y, minus_one])
     else:
         origin, direction = np.stack([plane_x, plane_y, zero]), np.stack([zero, zero, minus_one])
     if camera.aperture is not None and lens is not None:

@@ -65,7 +65,7 @@ class Raycaster:
         triangle = out["primID"]
         distance = out["tfar"].astype(np.float64)  # a miss is float32's largest, which the scale would take past it
         distance /= self._scale
-        distance[triangle < 0] = np.inf
+        distance[np.flatnonzero(triangle < 0)] = np.inf
         return Hits(triangle, distance, out["u"], out["v"])
 
     def occluded(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ class Tracer:
         paths, reach = self._from_camera(column, row, pixel, sample)
         step = 0
         while paths.size:
-            hits = self._hits(paths, reach) if step == 0 or self._kernel.second_hits else _no_hits(paths.size)
+            hits = self._hits(paths, reach, step)
             self._emitters.lights_met(paths, hits)
             self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
             self._clock.lap("emission")
@@ -51,8 +51,19 @@ class Tracer:
             reach = None
             step += 1
 
-    def _hits(self, paths: Paths, reach: np.ndarray | None) -> Hits:
-        hits = self._kernel.caster.closest(paths.origin, paths.direction, reach)
+    def _is_last(self, step: int) -> bool:
+        """Whether no path scatters at this step."""
+        return step > self._kernel.most_bounces and not self._transparent
+
+    def _hits(self, paths: Paths, reach: np.ndarray | None, step: int) -> Hits:
+        """What the rays meet, as far as it is not known beforehand and matters."""
+        kernel = self._kernel
+        if step and not kernel.second_hits:
+            return _no_hits(np.zeros(paths.size, bool))
+        if self._is_last(step) and not kernel.last_hits:
+            hits = _no_hits(kernel.caster.occluded(paths.origin, paths.direction, np.full(paths.size, np.inf)))
+        else:
+            hits = kernel.caster.closest(paths.origin, paths.direction, reach)
         self.rays += paths.size
         self._clock.lap("intersect")
         return hits
@@ -83,6 +94,8 @@ class Tracer:
 
     def _scatter(self, paths: Paths, hits: Hits, step: int) -> Paths:
         """All that happens at the hits; the paths that go on from them."""
+        if self._is_last(step) and not self._kernel.emission:
+            return paths.take(np.empty(0, np.intp))
         order, groups = self._by_material(hits)
         if order.size == 0:
             return paths.take(order)
@@ -93,7 +106,9 @@ class Tracer:
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
         self._clock.lap("surface")
         for material, start, stop in groups:
-            if self._kernel.materials[material].emits:
+            if self._kernel.materials[material].unknown:
+                self._sums.add_unknown(paths.pixel[start:stop])
+            elif self._kernel.materials[material].emits:
                 self._emitters.faces(paths, points.part(start, stop), distance[start:stop], start, stop, material)
         self._clock.lap("emission")
         return self._next(paths, points, distance, offset, groups, step)
@@ -120,7 +135,7 @@ class Tracer:
     ) -> Paths:
         """Pass through or scatter at the hits; the paths that go on."""
         if not self._transparent:
-            if step > self._kernel.most_bounces:
+            if self._is_last(step):
                 return paths.take(np.empty(0, np.intp))
             return self._shade(paths, points, offset, groups, step)
         uniform, _ = self._pair(FIRST_STEP + DIMENSIONS_PER_STEP * step + FATE, paths)
@@ -155,10 +170,8 @@ class Tracer:
             self._add_direct(paths, points, offset, light.sample, shaded.direct)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
-        following = self._advance(paths, points, offset, shaded)
-        if kernel.roulette and step >= ROULETTE_AFTER:
-            return _play_roulette(following, self._pair(dimension + FATE, following)[1])
-        return following
+        fate = self._pair(dimension + FATE, paths)[1] if kernel.roulette and step >= ROULETTE_AFTER else None
+        return self._advance(paths, points, offset, shaded, fate)
 
     def _add_direct(
         self, paths: Paths, points: SurfacePoints, offset: np.ndarray, sample: LightSample, direct: np.ndarray
@@ -174,7 +187,9 @@ class Tracer:
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(_leave(points, offset, sample.wi), index, axis=1)
-        through = transmittance(self._kernel, origin, direction, sample.distance[index])
+        through, unknown = transmittance(self._kernel, origin, direction, sample.distance[index])
+        if unknown.size:
+            self._sums.add_unknown(paths.pixel[index[unknown]])
         self.rays += index.size
         self._clock.lap("shadow rays")
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
@@ -185,19 +200,27 @@ class Tracer:
         self._sums.add(paths.pixel[index], arriving)
         self._clock.lap("film")
 
-    def _advance(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded) -> Paths:
-        """The paths whose throughput is not zero, set out along wi."""
+    def _advance(
+        self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded, fate: np.ndarray | None
+    ) -> Paths:
+        """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
         throughput = shaded.weight * paths.throughput
         going = throughput.any(axis=0)
         if self._transparent and not self._kernel.last_rays:
             going &= paths.scatterings < self._kernel.most_bounces
+        if fate is not None:
+            survival = _survival(throughput)
+            going &= ~(fate >= survival)  # what is not finite goes on, to be counted
         index = np.flatnonzero(going)
+        throughput = np.take(throughput, index, axis=1)
+        if fate is not None:
+            throughput /= survival[index]
         following = Paths(
             paths.pixel[index],
             paths.sample[index],
             np.take(_leave(points, offset, shaded.wi), index, axis=1),
             np.take(shaded.wi, index, axis=1),
-            np.take(throughput, index, axis=1),
+            throughput,
             shaded.pdf[index],
         )
         if self._transparent:
@@ -214,16 +237,12 @@ def _no_hits(count: int) -> Hits:
     return Hits(np.full(count, -1, np.int32), np.full(count, np.inf), nowhere, nowhere)
 
 
-def _play_roulette(paths: Paths, uniform: np.ndarray) -> Paths:
-    """Paths survive with probability min(1, sqrt(largest throughput)) and carry its inverse, so that the mean stays.
+def _survival(throughput: np.ndarray) -> np.ndarray:
+    """Russian roulette's chance min(1, sqrt(largest throughput)), (n,); who survives carries its inverse, so that the mean stays.
 
     The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
     """
-    survival = np.minimum(np.sqrt(paths.throughput.max(axis=0)), 1.0)
-    index = np.flatnonzero(~(uniform >= survival))  # what is not finite goes on, to be counted
-    going = paths.take(index)
-    going.throughput /= survival[index]
-    return going
+    return np.minimum(np.sqrt(throughput.max(axis=0)), 1.0)
 
 
 def _leave(points: SurfacePoints, offset: np.ndarray, direction: np.ndarray) -> np.ndarray:
