@@ -104,7 +104,7 @@ def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
         count = sum(setting.origin == origin for setting, _ in asked.values)
         if count > 1:
             says = "All of them at once: what one hides another may show, so this is not the sum."
-            setting = Setting(f"together-{origin}", label, "together", "neutral", says, origin, together=True)
+            setting = Setting(f"together-{origin}", label, "", "", says, origin, together=True)
             asked.values.append((setting, together[origin]))
     return asked
 

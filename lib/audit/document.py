@@ -12,7 +12,7 @@ from ..cost.estimates import CONFIDENCE
 from ..report.document import plain
 from ..report.words import percent
 from ..verdict.outcome import Outcome
-from .findings import DRAWN, Audit, Finding
+from .findings import DRAWN, SQUARES, Audit, Finding
 from .setting import FACTORY, FILE
 
 FORMAT = "etalon-audit"
@@ -45,7 +45,7 @@ def document(audit: Audit, command: str) -> dict[str, Any]:
             "samples_of_file": audit.asked,
             "seconds_neutral": audit.seconds_neutral,
             "nonfinite_pixels": audit.nonfinite,
-            "drawn_standard_errors": DRAWN,
+            "drawn": {"standard_errors": DRAWN, "squares": SQUARES},
             "neutral": audit.settings,
             "options": asdict(audit.options),
             "stopped": audit.stopped,
@@ -107,7 +107,7 @@ def cells(entry: dict[str, Any]) -> list[str]:
     worst = bias(entry["worst"])
     return [
         entry["label"],
-        entry["value"] + (", factory" if entry["origin"] == FACTORY else ""),
+        ", ".join(filter(None, (entry["value"], FACTORY if entry["origin"] == FACTORY else ""))),
         WORDS[Outcome(entry["outcome"])],
         bias(entry["image"]),
         worst,

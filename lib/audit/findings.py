@@ -13,13 +13,15 @@ from ..cost.estimates import Estimate, of_geometric_mean
 from ..film.moments import Moments, merge
 from ..film.regions import Regions
 from ..film.rendering import Rendering
+from ..report.write import averaged
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import holm
 from .paired import CHANNELS, interval, p_values, relative
 from .setting import Setting
 
-# A pixel's difference is drawn from this many standard errors on.
+# A difference is drawn from this many standard errors on, of a pixel or of the smallest of these squares around it.
 DRAWN = 3.0
+SQUARES = (1, 4, 16)
 # Blocks darker than this share of the whole image count, in noise, as if they were as bright.
 NOISE_FLOOR = 0.01
 
@@ -31,7 +33,7 @@ class Finding:
     `outcomes` (k,) of Outcome for each region, the whole image first; `difference`, `low`, `high` (k, 3) the relative difference to the
     neutral state and its interval, simultaneous for all settings, regions and channels. `seconds` are the mean ones of a render call,
     `time` their ratio to the neutral state's and `noise` the ratio of the pixels' variances, with 95 % intervals. `map` (height, width) is
-    the relative difference of each pixel, 0 where it is within DRAWN standard errors of 0, NaN where a sample was not finite.
+    the relative difference where it is sure (see `_drawn`), else 0, and NaN where a sample was not finite.
     """
 
     setting: Setting
@@ -95,7 +97,7 @@ class Series:
 
     user: list[np.ndarray] = field(default_factory=list)
     neutral: list[np.ndarray] = field(default_factory=list)
-    pixels: Moments | None = None
+    squares: list[Moments] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
     noise: list[float] = field(default_factory=list)
     before: tuple[np.ndarray, np.ndarray] | None = None
@@ -108,9 +110,10 @@ class Series:
         share = np.where(sizes > 0, sizes, np.nan)[:, None]
         for means, image in ((self.user, user), (self.neutral, plain)):
             means.append((regions.weights @ image.reshape(-1, CHANNELS)) / share)
-        gap = (user - plain).mean(axis=2)
-        one = Moments(1, gap, np.zeros(gap.shape))
-        self.pixels = one if self.pixels is None else merge(self.pixels, one)
+        gap = (user - plain).mean(axis=2, keepdims=True)
+        once = [averaged(gap, step)[..., 0] for step in SQUARES]
+        seen = [Moments(1, mean, np.zeros(mean.shape)) for mean in once]
+        self.squares = [merge(*pair) for pair in zip(self.squares, seen, strict=True)] if self.squares else seen
         self.seconds.append(rendering.seconds)
         if self.before is None:
             self.before = user.astype(np.float32), plain.astype(np.float32)
@@ -135,6 +138,21 @@ def _noise_ratio(
     return user / plain if plain > 0 else math.nan
 
 
+def _drawn(squares: list[Moments], neutral: np.ndarray, floor: float) -> np.ndarray:
+    """The relative difference (height, width) that a map shows: that of the smallest square around each pixel that is sure of it, else 0.
+
+    Where a larger one is sure of the other sign, its word stands: single pixels that no firefly has reached yet are sure too soon.
+    """
+    height, width, _ = neutral.shape
+    out = np.zeros((height, width))
+    for step, moments in reversed(list(zip(SQUARES, squares, strict=True))):
+        sure = np.abs(moments.mean) >= DRAWN * np.nan_to_num(moments.standard_error)
+        value = np.where(sure, relative(moments.mean, averaged(neutral, step)[..., 0], floor), 0.0)
+        value = value.repeat(step, axis=0).repeat(step, axis=1)[:height, :width]
+        out = np.where((value != 0.0) & (value * out >= 0.0), value, out)
+    return out
+
+
 def judge(
     settings: list[Setting],
     series: list[Series],
@@ -151,14 +169,12 @@ def judge(
     p = np.stack([p_values(user, neutral, options.tolerance, floor) for user, neutral in pairs])
     rejected = holm(np.nan_to_num(p, nan=1.0).ravel(), 1 - options.confidence).reshape(p.shape)
     tail = (1 - options.confidence) / (2 * CHANNELS * p.shape[0] * p.shape[2])
-    grey, found = image.mean(axis=2), []
+    grey, found = image.mean(axis=2, keepdims=True), []
     for setting, entry, (user, neutral), (inside, outside) in zip(settings, series, pairs, rejected, strict=True):
         outcomes = np.full(inside.shape, Outcome.UNDECIDED)
         outcomes[inside] = Outcome.EQUIVALENT
         outcomes[outside] = Outcome.DIFFERENT
         low, high = interval(user, neutral, floor, tail)
-        sure = np.abs(entry.pixels.mean) >= DRAWN * np.nan_to_num(entry.pixels.standard_error)
-        drawn = np.where(sure, relative(entry.pixels.mean, grey, floor), 0.0)
         found.append(
             Finding(
                 setting=setting,
@@ -169,7 +185,7 @@ def judge(
                 seconds=float(np.mean(entry.seconds)),
                 time=of_geometric_mean(np.array(entry.seconds) / seconds),
                 noise=of_geometric_mean(np.array(entry.noise or [np.nan])),
-                map=np.where(bad, np.nan, drawn),
+                map=np.where(bad, np.nan, _drawn(entry.squares, grey, floor)),
             )
         )
     return tuple(found)

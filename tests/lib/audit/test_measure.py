@@ -115,6 +115,19 @@ def test_independent_noise_is_no_bias(clock, seed):
     assert np.mean(found.findings[0].map != 0.0) < 0.03
 
 
+def test_a_bias_that_no_pixel_is_sure_of_is_drawn_in_squares(clock, seed):
+    rng = np.random.default_rng(seed)
+
+    def other(image):
+        return left(0.9)(1.0 + 0.3 * rng.standard_normal(image.shape))
+
+    found = run(clock, seed, {"other": other}, CompareOptions(time=60.0, samples=1, replicates=24))
+    drawn = found.findings[0].map
+    assert np.mean(drawn[:, LEFT] < 0.0) > 0.9
+    assert np.median(drawn[:, LEFT]) == pytest.approx(-0.1, abs=0.04)
+    assert np.mean(drawn[:, ~LEFT] == 0.0) > 0.95
+
+
 def test_false_alarms_are_no_more_often_than_the_level(clock, seed):
     alarms = 0
     for trial in range(60):
