@@ -159,7 +159,7 @@ CASES = {
         [of(Transparent(color(0.5))), of(Diffuse(), Transparent(color(0.1)))],
         [PLAIN, of(Transparent(color(0.0))), of(Glass())],
     ),
-    "emission": ([of(Emission(color(1.0)))], [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))]),
+    "emission": ([of(Emission(color(1.0))), CROWDED_LAMP], [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))]),
     "image textures": (
         [with_uvs(of(Diffuse(TEXTURED))), with_uvs(scene(cube(), Material("m", (Lobe(Diffuse(), TEXTURED),)), CAMERA))],
         [with_uvs(PLAIN)],
@@ -240,6 +240,10 @@ CASES = {
     "last rays": (
         [replace(PLAIN, world=SLOPED), replace(CROWDED, lights=(SPHERE,)), CROWDED_LAMP],
         [PLAIN, replace(CROWDED, lights=(POINT,), transport=Transport(3)), LAMP],
+    ),
+    "last hits": (
+        [replace(CROWDED, lights=(AREA,)), CROWDED_LAMP],
+        [replace(CROWDED, world=SLOPED), replace(CROWDED, lights=(POINT,)), replace(PLAIN, lights=(AREA,))],
     ),
     "second hits": (
         [replace(CROWDED, world=SLOPED), replace(of(Glass(ior=Constant(1.5))), lights=(AREA,)), BOWL],

@@ -50,6 +50,7 @@ _STAGES = {
     "multiple importance sampling": "shade",
     "scattered rays": "advance",
     "last rays": "intersect",
+    "last hits": "intersect",
     "second hits": "intersect",
     "indirect light": "intersect",
     "Russian roulette": "advance",

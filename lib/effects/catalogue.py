@@ -145,6 +145,7 @@ EFFECTS: tuple[Effect, ...] = (
     Effect("transport", "shadow rays", "asks whether lights are hidden", "all is lit", transport.shadow_rays),
     Effect("transport", "scattered rays", "samples lobes for directions", "no light", transport.scattered_rays),
     Effect("transport", "last rays", "follows the ray after the last scattering", "no light", transport.last_rays),
+    Effect("transport", "last hits", "asks where the last ray ends", "whether it ends", transport.last_hits),
     Effect("transport", "second hits", "asks what rays meet after a face", "they meet nothing", transport.second_hits),
     Effect("transport", "indirect light", "scatters at further faces", "no bounces", transport.indirect_light),
     Effect("transport", "Russian roulette", "ends weak paths at random", "survival 1", transport.roulette),

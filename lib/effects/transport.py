@@ -143,6 +143,18 @@ def last_rays(facts: Facts) -> Answer:
     return named(met, "the last ray can run into", "the last ray of a path can run into no light")
 
 
+def last_hits(facts: Facts) -> Answer:
+    """Whether it matters where the last ray ends, and not only that it ends."""
+    needed, fact = last_rays(facts)
+    again, why = facts.meets_again
+    if not needed or not again:
+        return False, why if needed else fact
+    if facts.named(Transparent):
+        return True, "transparent faces let paths end at different steps"
+    met = [x.name for x in facts.broad_lights] + ["emitting faces"] * emission(facts)[0]
+    return named(met, "the last ray can run into", "all that matters of the last ray is whether it leaves the scene")
+
+
 def second_hits(facts: Facts) -> Answer:
     """Whether it must be asked what scattered rays meet, and those that pass transparent faces."""
     again, why = facts.meets_again

@@ -69,6 +69,7 @@ class Kernel:
         self.asks_visibility = plan.needs("shadow rays") or self.lit_from_below
         self.has_choices = plan.needs("light selection") or plan.needs("several lobes")
         self.samples_lobes, self.last_rays = plan.needs("scattered rays"), plan.needs("last rays")
+        self.last_hits, self.emission = plan.needs("last hits"), plan.needs("emission")
         self.second_hits, self.several_materials = plan.needs("second hits"), plan.needs("several materials")
         self.most_bounces = scene.transport.max_bounces if plan.needs("indirect light") else 0
         self.roulette = options.russian_roulette and plan.needs("Russian roulette")

@@ -106,9 +106,7 @@ class Tracer:
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
         self._clock.lap("surface")
         for material, start, stop in groups:
-            if self._kernel.materials[material].unknown:
-                self._sums.add_unknown(paths.pixel[start:stop])
-            elif self._kernel.materials[material].emits:
+            if self._kernel.materials[material].emits:
                 self._emitters.faces(paths, points.part(start, stop), distance[start:stop], start, stop, material)
         self._clock.lap("emission")
         return self._next(paths, points, distance, offset, groups, step)
@@ -187,9 +185,7 @@ class Tracer:
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(_leave(points, offset, sample.wi), index, axis=1)
-        through, unknown = transmittance(self._kernel, origin, direction, sample.distance[index])
-        if unknown.size:
-            self._sums.add_unknown(paths.pixel[index[unknown]])
+        through = transmittance(self._kernel, origin, direction, sample.distance[index])
         self.rays += index.size
         self._clock.lap("shadow rays")
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
@@ -231,10 +227,10 @@ class Tracer:
         return following
 
 
-def _no_hits(count: int) -> Hits:
-    """What rays meet where it is known that they meet nothing."""
-    nowhere = np.zeros(count, np.float32)
-    return Hits(np.full(count, -1, np.int32), np.full(count, np.inf), nowhere, nowhere)
+def _no_hits(hidden: np.ndarray) -> Hits:
+    """Hits of rays of which it is known only whether they leave the scene: those `hidden` (n,) do not."""
+    nowhere = np.zeros(hidden.size, np.float32)
+    return Hits(np.where(hidden, np.int32(0), np.int32(-1)), np.where(hidden, 0.0, np.inf), nowhere, nowhere)
 
 
 def _survival(throughput: np.ndarray) -> np.ndarray:
