@@ -16,7 +16,8 @@ class Rendering:
 
     radiance (height, width, 3) float64, W m^-2 sr^-1; nonfinite (height, width) int, the non-finite samples of each pixel;
     seconds it took, and `stages` the same by stage; camera_samples and rays it traced. With `windows`, only their pixels were
-    rendered, and the others hold nothing.
+    rendered, and the others hold nothing. `unknown` (height, width) counts, where the scene has materials that are not known, how
+    often a pixel's paths met one.
     """
 
     radiance: np.ndarray
@@ -26,3 +27,4 @@ class Rendering:
     camera_samples: int = 0
     rays: int = 0
     windows: Windows | None = None
+    unknown: np.ndarray | None = None

@@ -165,7 +165,12 @@ class Lobe:
 
 @dataclass(frozen=True)
 class Material:
-    """A material as the user named it; no lobes means black."""
+    """A material as the user named it; no lobes means black.
+
+    `unknown` says what of it is not simulated, '' where all is. What such a material does to light is not known: it has no
+    lobes, paths end there, and what they would have brought is missing from their pixels.
+    """
 
     name: str
     lobes: tuple[Lobe, ...]
+    unknown: str = ""

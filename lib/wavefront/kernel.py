@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ..departures.scene import departed
@@ -73,6 +75,16 @@ class Kernel:
         self.second_hits, self.several_materials = plan.needs("second hits"), plan.needs("several materials")
         self.most_bounces = scene.transport.max_bounces if plan.needs("indirect light") else 0
         self.roulette = options.russian_roulette and plan.needs("Russian roulette")
+
+    @cached_property
+    def has_unknown(self) -> bool:
+        """Whether any material is not known."""
+        return any(material.unknown for material in self.materials)
+
+    def is_unknown(self, triangle: np.ndarray) -> np.ndarray:
+        """Whether the materials of triangles (n,) are not known, (n,) bool."""
+        unknown = np.array([material.unknown for material in self.materials])
+        return np.take(unknown, np.take(self.material_of, triangle))
 
     def world(self, direction: np.ndarray) -> np.ndarray:
         """The world's radiance from unit directions (3, n)."""

@@ -20,7 +20,7 @@ class PreparedMaterial:
     """One material, ready to be asked at points. With `prunes` its sockets are folded, and lobes that add nothing left out."""
 
     def __init__(self, material: Material, images: ImageSet, options: Options, prunes: bool) -> None:
-        self.name = material.name
+        self.name, self.unknown = material.name, bool(material.unknown)
         self._images, self._options = images, options
         lobes = [(x.weight, x.closure) for x in (adding_lobes(material) if prunes else material.lobes)]
         self._emissions = [x for x in lobes if isinstance(x[1], Emission)]

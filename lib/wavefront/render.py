@@ -45,6 +45,12 @@ def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
             yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
 
 
+def _plan(scene: Scene) -> Plan:
+    """What the scene calls for; of a material that is not known it cannot be told, and nothing is left out."""
+    plan = make_plan(scene)
+    return plan.forcing() if any(material.unknown for material in scene.materials) else plan
+
+
 class ReferenceRenderer:
     """The scene by the book. One object renders any number of replicates; each has its own scrambling."""
 
@@ -58,7 +64,7 @@ class ReferenceRenderer:
         like: Kernel | None = None,
     ) -> None:
         self.scene, self.options = scene, options
-        self.plan = make_plan(scene) if plan is None else plan
+        self.plan = _plan(scene) if plan is None else plan
         self.kernel = Kernel(scene, self.plan, options, like)
         settle_heap()
 
@@ -91,6 +97,7 @@ class ReferenceRenderer:
         make = SobolSampler if self.options.sampler == "sobol" else RandomSampler
         sampler = make(self.options.seed, replicate, samples)
         radiance, nonfinite = np.zeros((*shape, 3)), np.zeros(shape, np.int32)
+        unknown = np.zeros(shape, np.int32) if self.kernel.has_unknown else None
         total, bad = radiance.reshape(-1, 3), nonfinite.reshape(-1)
         stages: dict[str, float] = {}
         rays = done = 0
@@ -116,6 +123,8 @@ class ReferenceRenderer:
                         part = index[tile.first : tile.last]
                         total[part] += sums.radiance.T
                         bad[part] += sums.nonfinite
+                        if unknown is not None:
+                            unknown.reshape(-1)[part] += sums.unknown
                         rays += traced
                         for stage, seconds in clock.seconds.items():
                             stages[stage] = stages.get(stage, 0.0) + seconds
@@ -128,7 +137,7 @@ class ReferenceRenderer:
                     future.cancel()
         radiance /= samples
         seconds = perf_counter() - begin
-        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows)
+        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown)
 
     def _tile_paths(self, paths: int) -> int:
         """Paths in a tile: as the options say, but small images still give every thread several tiles."""

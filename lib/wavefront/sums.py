@@ -9,11 +9,15 @@ import numpy as np
 
 
 class PixelSums:
-    """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away."""
+    """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away.
+
+    `unknown` (p,) counts how often paths met a material that is not known.
+    """
 
     def __init__(self, pixels: int) -> None:
         self.radiance = np.zeros((3, pixels))
         self.nonfinite = np.zeros(pixels, np.int64)
+        self.unknown = np.zeros(pixels, np.int64)
 
     def add(self, pixel: np.ndarray, contribution: np.ndarray) -> None:
         """Add contributions (3, n) to the pixels (n,) they belong to."""
@@ -22,6 +26,10 @@ class PixelSums:
             self.radiance[k] += np.bincount(pixel, contribution[k], count)
         if not np.isfinite(contribution.sum()):
             self._set_aside(pixel, contribution)
+
+    def add_unknown(self, pixel: np.ndarray) -> None:
+        """Count one meeting with a material that is not known for each of the pixels (n,)."""
+        self.unknown += np.bincount(pixel, minlength=self.unknown.shape[0])
 
     def _set_aside(self, pixel: np.ndarray, contribution: np.ndarray) -> None:
         bad = ~np.isfinite(contribution).all(axis=0)

@@ -106,7 +106,9 @@ class Tracer:
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
         self._clock.lap("surface")
         for material, start, stop in groups:
-            if self._kernel.materials[material].emits:
+            if self._kernel.materials[material].unknown:
+                self._sums.add_unknown(paths.pixel[start:stop])
+            elif self._kernel.materials[material].emits:
                 self._emitters.faces(paths, points.part(start, stop), distance[start:stop], start, stop, material)
         self._clock.lap("emission")
         return self._next(paths, points, distance, offset, groups, step)
@@ -185,7 +187,9 @@ class Tracer:
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(_leave(points, offset, sample.wi), index, axis=1)
-        through = transmittance(self._kernel, origin, direction, sample.distance[index])
+        through, unknown = transmittance(self._kernel, origin, direction, sample.distance[index])
+        if unknown.size:
+            self._sums.add_unknown(paths.pixel[index[unknown]])
         self.rays += index.size
         self._clock.lap("shadow rays")
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0

@@ -9,14 +9,17 @@ from .kernel import Kernel
 from .surface import SurfacePoints
 
 
-def transmittance(kernel: Kernel, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """What part of the light arrives over distance `reach`, (1, n) or (3, n).
+def transmittance(
+    kernel: Kernel, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What part of the light arrives over distance `reach`, (1, n) or (3, n), and which rays a material that is not known ends, (k,).
 
     Opaque scenes need one occlusion query. Where materials are transparent the ray goes on through them, at most
     `transparent_max_bounces` times, as in Cycles.
     """
+    unknown = np.empty(0, np.intp)
     if not kernel.plan.needs("transparent surfaces"):
-        return (~kernel.caster.occluded(origin, direction, reach))[None].astype(np.float64)
+        return (~kernel.caster.occluded(origin, direction, reach))[None].astype(np.float64), unknown
     through = np.ones_like(direction)
     active = np.arange(direction.shape[1])
     start, left = origin, reach.copy()
@@ -24,8 +27,10 @@ def transmittance(kernel: Kernel, origin: np.ndarray, direction: np.ndarray, rea
         hits = kernel.caster.closest(start, direction[:, active], np.minimum(left, 1e30))
         met = np.flatnonzero(hits.triangle >= 0)
         if met.size == 0:
-            return through
+            return through, unknown
         active, triangle = active[met], hits.triangle[met]
+        if kernel.has_unknown:
+            unknown = np.concatenate([unknown, active[kernel.is_unknown(triangle)]])
         along = direction[:, active]
         point = start[:, met] + along * hits.distance[met]
         placed, ng, offset = kernel.caster.on_plane(triangle, point)
@@ -36,6 +41,6 @@ def transmittance(kernel: Kernel, origin: np.ndarray, direction: np.ndarray, rea
         alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
         active, start, left = active[alive], start[:, alive], left[alive]
         if active.size == 0:
-            return through
+            return through, unknown
     through[:, active] = 0.0
-    return through
+    return through, unknown
