@@ -6,6 +6,7 @@ Fresnel is not part of it: Blender's Glossy BSDF has none, and a coloured factor
 
 from __future__ import annotations
 
+from copy import copy
 from types import ModuleType
 
 import numpy as np
@@ -14,10 +15,7 @@ from ..microfacets import ggx, masking
 from ..microfacets.directions import FLOOR
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
 from ..vectors import dot
-
-
-def _part(value: np.ndarray, index: np.ndarray) -> np.ndarray:
-    return value if np.ndim(value) == 0 else np.take(value, index)
+from .fresnels import part_of
 
 
 class MicrofacetReflection:
@@ -132,6 +130,9 @@ class MicrofacetReflection:
 
     def part(self, index: np.ndarray) -> MicrofacetReflection:
         """The same lobe at fewer points."""
-        alpha_x, alpha_y = (_part(a, index) for a in self._alpha)
-        wo = np.take(self._wo, index, axis=1)
-        return MicrofacetReflection(wo, alpha_x, alpha_y, self._distribution, self._masking, self._strategy)
+        piece = copy(self)
+        piece._alpha = tuple(part_of(alpha, index) for alpha in self._alpha)
+        for name in ("_wo", "_lambda_o", "_above", "_cos_o", "_bound", "_pdf_of_d"):
+            value = getattr(self, name)
+            setattr(piece, name, None if value is None else np.take(value, index, axis=-1))
+        return piece

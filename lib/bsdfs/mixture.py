@@ -7,6 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
+from ..vectors import put
+
 
 class Lobe(Protocol):
     """What every closure offers; see the folder's docstring.
@@ -87,8 +89,8 @@ class Mixture:
                     value += _at(self._colors[j], index) * one
                     total_pdf += self._share[j, index] * other_density
             total_weight = value / np.where(total_pdf > 0.0, total_pdf, 1.0)
-        wi, weight, pdf = out
-        wi[:, index], weight[:, index], pdf[index] = direction, total_weight, total_pdf
+        for whole, part in zip(out, (direction, total_weight, total_pdf), strict=True):
+            put(whole, index, part)
 
 
 def _at(color: np.ndarray, index: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..vectors import dot
+from ..vectors import dot, put
 from .area import AreaSampler
 from .light import LightSample
 from .spherical_rectangle import SphericalRectangle
@@ -37,8 +37,7 @@ class RectangleSampler(AreaSampler):
         if near.size:
             close = self._sample_near(np.take(point, near, axis=1), u1[near], u2[near])
             for whole, part in zip(sample, close, strict=True):
-                for row, values in zip(np.atleast_2d(whole), np.atleast_2d(part), strict=True):
-                    row[near] = values
+                put(whole, near, part)
         return sample
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import SceneError
 from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
-from ..vectors import cross, dot, normalize
+from ..vectors import cross, dot, normalize, put
 from .tangents import normal_map_frame
 
 
@@ -128,7 +128,7 @@ class SurfacePoints:
         if smooth.size == 0:
             return self.ng
         normal = self.ng.copy()
-        normal[:, smooth] = self._mixed_normal(self.triangle[smooth], self.u[smooth], self.v[smooth], self.side[smooth])
+        put(normal, smooth, self._mixed_normal(*(x[smooth] for x in (self.triangle, self.u, self.v, self.side))))
         return normal
 
     def _mixed_normal(self, triangle: np.ndarray, u: np.ndarray, v: np.ndarray, side: np.ndarray) -> np.ndarray:
