@@ -14,9 +14,22 @@ from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.sequential import SequentialTest
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.effect_cases import CASES, CROWDED, LAMP, PLAIN, SUN, indoors, lit
+from etalon.tests.effect_cases import (
+    AREA,
+    CAMERA,
+    CASES,
+    CROWDED,
+    CROWDED_LAMP,
+    LAMP,
+    PLAIN,
+    POINT,
+    SLOPED,
+    SUN,
+    indoors,
+    lit,
+)
 from etalon.tests.neutral import NEUTRAL, TOGETHER
-from etalon.tests.scenes import color
+from etalon.tests.scenes import color, glossy, icosphere, scene
 
 NAMES = [effect.name for effect in EFFECTS]
 # Forced on, these bring another way of finding the same light: the mean stays, the noise does not.
@@ -24,32 +37,33 @@ OTHER_ESTIMATORS = ("environment table", "mesh lights")
 SAME_SAMPLES = [name for name in NAMES if name not in OTHER_ESTIMATORS]
 
 
-def small(scene):
-    """A coarse sampling table for the world, which is quickly made."""
-    return replace(scene, world=replace(scene.world, table_resolution=(8, 4)))
+def small(one):
+    """The scene with a coarse sampling table for its world, which is quickly made."""
+    return replace(one, world=replace(one.world, table_resolution=(8, 4)))
 
 
-def image(scene, plan, seed, samples=8, replicate=0):
-    rendering = ReferenceRenderer(small(scene), Options(threads=1, seed=seed), plan).render(replicate, samples)
+def image(one, plan, seed, samples=8, replicate=0, **options):
+    renderer = ReferenceRenderer(small(one), Options(threads=1, seed=seed, **options), plan)
+    rendering = renderer.render(replicate, samples)
     assert not rendering.nonfinite.any()
     return rendering.radiance
 
 
 def variants(effect, needed):
     """The effect's scenes, with a light; and once more with a floor beneath, where they still want (or not) the effect."""
-    scenes = [lit(scene) for scene in CASES[effect][0 if needed else 1]]
+    scenes = [lit(one) for one in CASES[effect][0 if needed else 1]]
     scenes += [indoors(scenes[0])]
-    return [scene for scene in scenes if make_plan(scene).needs(effect) is needed]
+    return [one for one in scenes if make_plan(one).needs(effect) is needed]
 
 
 @pytest.mark.parametrize("effect", NAMES)
 def test_a_scene_that_needs_it(effect, seed):
     """All other effects forced on change no bit."""
     assert effect in CASES, f"the effect '{effect}' has no scenes in effect_cases.py"
-    for scene in variants(effect, True):
-        plan = make_plan(scene)
-        planned = image(scene, plan, seed)
-        np.testing.assert_array_equal(image(scene, plan.forcing(*SAME_SAMPLES), seed), planned)
+    for one in variants(effect, True):
+        plan = make_plan(one)
+        planned = image(one, plan, seed)
+        np.testing.assert_array_equal(image(one, plan.forcing(*SAME_SAMPLES), seed), planned)
     assert planned.any()
 
 
@@ -57,13 +71,31 @@ def test_a_scene_that_needs_it(effect, seed):
 def test_a_scene_that_does_not(effect, seed):
     """The effect forced on at its neutral value changes no digit that counts; nor do all others with it."""
     assert effect in NEUTRAL, f"the effect '{effect}' has no neutral value in neutral.py"
-    for scene in variants(effect, False):
-        planned = image(scene, make_plan(scene), seed)
-        np.testing.assert_array_equal(image(scene, make_plan(scene).forcing(*SAME_SAMPLES), seed), planned)
+    for one in variants(effect, False):
+        planned = image(one, make_plan(one), seed)
+        np.testing.assert_array_equal(image(one, make_plan(one).forcing(*SAME_SAMPLES), seed), planned)
         if effect not in OTHER_ESTIMATORS:
-            neutral = NEUTRAL[effect](scene)
+            neutral = NEUTRAL[effect](one)
             forced = image(neutral, make_plan(neutral).forcing(effect, *TOGETHER.get(effect, ())), seed)
             np.testing.assert_allclose(forced, planned, rtol=1e-7, atol=1e-7 * planned.max())
+
+
+SMOOTH = scene(icosphere(smooth=True, subdivisions=1), glossy(0.3), CAMERA, (POINT, AREA), bounces=1)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"direct": "lights"}, {"direct": "bsdf"}, {"departures": frozenset({"light below the face"})}],
+    ids=["lights", "bsdf", "light below the face"],
+)
+def test_under_other_options(options, seed):
+    """Plans are made before options are known, and hold under all of them."""
+    scenes = [SMOOTH, indoors(SMOOTH), CROWDED_LAMP, replace(CROWDED, lights=(AREA, SUN)), replace(PLAIN, world=SLOPED)]
+    for one in scenes:
+        plan = make_plan(one)
+        planned = image(one, plan, seed, **options)
+        assert planned.any()
+        np.testing.assert_array_equal(image(one, plan.forcing(*SAME_SAMPLES), seed, **options), planned)
 
 
 NOISY = {
@@ -76,12 +108,12 @@ NOISY = {
 @pytest.mark.parametrize("name", NOISY)
 def test_other_ways_of_finding_the_same_light(name, seed):
     """Everything forced on: EQUIVALENT at 0.1 % by the verdict's own test."""
-    scene = NOISY[name]
-    plan = make_plan(scene)
+    one = NOISY[name]
+    plan = make_plan(one)
     samples = 4096 if "hidden" in name else 1024
     sides = []
     for run, offset in ((plan, 0), (plan.forcing(), 100)):
-        means = [image(scene, run, seed, samples, offset + k).mean(axis=(0, 1)) for k in range(8)]
+        means = [image(one, run, seed, samples, offset + k).mean(axis=(0, 1)) for k in range(8)]
         means = np.array(means)[:, None]
         mean = means.mean(axis=0)
         sides.append(Moments(len(means), mean, ((means - mean) ** 2).sum(axis=0)))
@@ -102,8 +134,8 @@ class Recorder(Plan):
 
 
 def asked_by_the_integrator():
-    scene = small(lit(PLAIN))
-    ReferenceRenderer(scene, Options(threads=1), Recorder(make_plan(scene).decisions)).render(0, 1)
+    one = small(lit(PLAIN))
+    ReferenceRenderer(one, Options(threads=1), Recorder(make_plan(one).decisions)).render(0, 1)
     return sorted(Recorder.asked)
 
 
@@ -119,10 +151,10 @@ def test_every_transport_effect_is_asked_for():
 @pytest.mark.parametrize("effect", ASKED)
 def test_a_plan_that_leaves_out_what_is_needed_is_caught(effect, seed):
     caught = False
-    for scene in variants(effect, True):
-        plan = make_plan(scene)
+    for one in variants(effect, True):
+        plan = make_plan(one)
         wrong = Plan(tuple(Decision(d.effect, d.needed and d.effect != effect, d.fact) for d in plan.decisions))
-        caught |= not np.array_equal(image(scene, wrong, seed), image(scene, plan, seed))
+        caught |= not np.array_equal(image(one, wrong, seed), image(one, plan, seed))
     assert caught
 
 
