@@ -55,9 +55,17 @@ class Finding:
 
     @property
     def worst(self) -> tuple[int, int]:
-        """Region and channel of the block whose difference is at least the largest; of all estimates, where none is sure to be any."""
-        sure = np.maximum(np.maximum(self.low, -self.high), 0.0)[1:]
-        size = sure if np.nanmax(sure, initial=0.0) > 0 else np.abs(self.difference[1:])
+        """Region and channel of the block to show: where it is biased, the one that is off by the most at least; where it is undecided, the
+        undecided one that may be off by the most; else the one whose estimate is the largest.
+        """
+        low, high = self.low[1:], self.high[1:]
+        size = np.abs(self.difference[1:])
+        if self.outcome is Outcome.DIFFERENT:
+            sure = np.maximum(np.maximum(low, -high), 0.0)
+            size = sure if np.nanmax(sure, initial=0.0) > 0 else size
+        elif self.outcome is Outcome.UNDECIDED:
+            open_ = (self.outcomes[1:] == Outcome.UNDECIDED)[:, None]
+            size = np.where(open_, np.maximum(-low, high), -1.0) if open_.any() else size
         place, channel = np.unravel_index(np.argmax(np.nan_to_num(size, nan=-1.0)), size.shape)
         return 1 + int(place), int(channel)
 
