@@ -86,6 +86,7 @@ PLAIN = of(Diffuse(color(0.5)))
 # More than one body: light that leaves a face may meet another.
 CROWD = [cube(), cube(0.3, (0.2, 0.3, 1.7), 1)]
 CROWDED = scene(CROWD, [diffuse(0.5), diffuse(0.8)], CAMERA)
+UNKNOWN = scene(CROWD, [diffuse(0.5), Material("?", (), "a node")], CAMERA)
 LAMP = of(Emission(color(1.0)))
 CROWDED_LAMP = scene(CROWD, [diffuse(0.5), emission(1.0)], CAMERA)
 LAMP_AND_MIRROR = [emission(1.0), material(Glossy("GGX"))]
@@ -156,10 +157,13 @@ CASES = {
     ),
     "refraction": ([of(Refraction(ior=Constant(1.5)))], [of(Glass(ior=Constant(1.5)))]),
     "transparent surfaces": (
-        [of(Transparent(color(0.5))), of(Diffuse(), Transparent(color(0.1)))],
+        [of(Transparent(color(0.5))), of(Diffuse(), Transparent(color(0.1))), UNKNOWN],
         [PLAIN, of(Transparent(color(0.0))), of(Glass())],
     ),
-    "emission": ([of(Emission(color(1.0))), CROWDED_LAMP], [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))]),
+    "emission": (
+        [of(Emission(color(1.0))), CROWDED_LAMP],
+        [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))],
+    ),
     "image textures": (
         [with_uvs(of(Diffuse(TEXTURED))), with_uvs(scene(cube(), Material("m", (Lobe(Diffuse(), TEXTURED),)), CAMERA))],
         [with_uvs(PLAIN)],
@@ -234,6 +238,7 @@ CASES = {
             replace(PLAIN, lights=(AREA,)),
             CROWDED_LAMP,
             replace(CROWDED, lights=(POINT,), transport=Transport(1)),
+            UNKNOWN,
         ],
         [PLAIN, replace(PLAIN, lights=(POINT,), transport=Transport(4)), replace(CROWDED, lights=(SUN,)), LAMP],
     ),

@@ -15,7 +15,6 @@ from ..scene.materials import (
     Refraction,
     Specular,
     Translucent,
-    Transparent,
 )
 from ..textures.patterns import PATTERNS
 from . import surface, transport
@@ -80,7 +79,9 @@ EFFECTS: tuple[Effect, ...] = (
         closure((Glass, Refraction), is_rough),
     ),
     Effect("surface", "translucency", "samples the cosine on the far side", _WEIGHT, closure(Translucent)),
-    Effect("surface", "transparent surfaces", "lets rays and shadow rays pass", "transparency 0", closure(Transparent)),
+    Effect(
+        "surface", "transparent surfaces", "lets rays and shadow rays pass", "transparency 0", transport.transparency
+    ),
     Effect("surface", "emission", "adds radiance at hits", "radiance 0", transport.emission),
     Effect(
         "texture", "image textures", "fetches texels", _CONSTANT, socket((ImageTexture,), "no socket reads an image")

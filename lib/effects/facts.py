@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -76,7 +77,7 @@ class Facts:
         """The materials that faces have, with the folded lobes that add something."""
         count = np.bincount(self.scene.mesh.material_index, minlength=len(self.scene.materials))
         used = (self.scene.materials[k] for k in np.flatnonzero(count))
-        return tuple(Material(material.name, adding_lobes(material)) for material in used)
+        return tuple(replace(material, lobes=adding_lobes(material)) for material in used)
 
     @cached_property
     def world(self) -> Expression:
@@ -112,6 +113,16 @@ class Facts:
         """Names of the materials with a closure of that kind."""
         return [m.name for m in self.materials if any(isinstance(lobe.closure, kind) for lobe in m.lobes)]
 
+    @property
+    def unknown(self) -> list[str]:
+        """Names of the materials that are not known: they may shine, and let light pass."""
+        return [m.name for m in self.materials if m.unknown]
+
+    @property
+    def transparent(self) -> list[str]:
+        """Names of the materials that light passes straight, or may pass."""
+        return self.named(Transparent) + self.unknown
+
     @cached_property
     def rough(self) -> list[str]:
         """Names of the materials that scatter into more than one or two directions."""
@@ -127,5 +138,5 @@ class Facts:
     @cached_property
     def meets_again(self) -> Answer:
         """Whether what leaves a face can meet another, and the fact that says so."""
-        behind = self.named((Glass, Refraction, Translucent, Transparent))
-        return meets_again(self.scene.mesh, self.scene.camera, behind)
+        behind = self.named((Glass, Refraction, Translucent))
+        return meets_again(self.scene.mesh, self.scene.camera, behind + self.transparent)

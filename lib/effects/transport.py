@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..scene.expressions import EnvironmentTexture
-from ..scene.materials import Emission, Transparent
+from ..scene.materials import Emission
 from ..textures.fold import walk
 from .facts import Facts
 from .geometry import Answer
@@ -31,6 +31,11 @@ def lens(facts: Facts) -> Answer:
     if aperture is None or aperture.radius == 0.0:
         return False, "the camera has no depth of field"
     return True, f"the camera's lens has a radius of {aperture.radius:.4g} m"
+
+
+def transparency(facts: Facts) -> Answer:
+    """Whether light passes faces."""
+    return named(facts.transparent, "material", "no material that is seen has such a lobe")
 
 
 def emission(facts: Facts) -> Answer:
@@ -122,7 +127,9 @@ def shadow_rays(facts: Facts) -> Answer:
 def _met_by_rays(facts: Facts) -> list[str]:
     """The sources that a scattered ray can run into."""
     met = [x.name for x in facts.broad_lights] + ["world"] * facts.world_shines
-    return met + ["emitting faces"] * (emission(facts)[0] and facts.meets_again[0])
+    if facts.meets_again[0]:
+        met += ["emitting faces"] * emission(facts)[0] + facts.unknown
+    return met
 
 
 def scattered_rays(facts: Facts) -> Answer:
@@ -149,7 +156,7 @@ def last_hits(facts: Facts) -> Answer:
     again, why = facts.meets_again
     if not needed or not again:
         return False, why if needed else fact
-    if facts.named(Transparent):
+    if facts.transparent:
         return True, "transparent faces let paths end at different steps"
     met = [x.name for x in facts.broad_lights] + ["emitting faces"] * emission(facts)[0]
     return named(met, "the last ray can run into", "all that matters of the last ray is whether it leaves the scene")
@@ -158,7 +165,7 @@ def last_hits(facts: Facts) -> Answer:
 def second_hits(facts: Facts) -> Answer:
     """Whether it must be asked what scattered rays meet, and those that pass transparent faces."""
     again, why = facts.meets_again
-    if again and not scattered_rays(facts)[0] and not facts.named(Transparent):
+    if again and not scattered_rays(facts)[0] and not facts.transparent:
         return False, "no ray goes on from the first face"
     return again, why
 
@@ -181,6 +188,6 @@ def roulette(facts: Facts) -> Answer:
         return False, "no path meets a second face"
     if bounces >= ROULETTE_AFTER:
         return True, f"paths of up to {bounces} bounces"
-    if facts.named(Transparent):
+    if facts.transparent:
         return True, "transparent faces count as steps of a path"
     return False, f"no path scatters more than {bounces + 1} time{'s' * (bounces > 0)}"

@@ -45,12 +45,6 @@ def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
             yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
 
 
-def _plan(scene: Scene) -> Plan:
-    """What the scene calls for; of a material that is not known it cannot be told, and nothing is left out."""
-    plan = make_plan(scene)
-    return plan.forcing() if any(material.unknown for material in scene.materials) else plan
-
-
 class ReferenceRenderer:
     """The scene by the book. One object renders any number of replicates; each has its own scrambling."""
 
@@ -64,7 +58,7 @@ class ReferenceRenderer:
         like: Kernel | None = None,
     ) -> None:
         self.scene, self.options = scene, options
-        self.plan = _plan(scene) if plan is None else plan
+        self.plan = make_plan(scene) if plan is None else plan
         self.kernel = Kernel(scene, self.plan, options, like)
         settle_heap()
 
