@@ -58,7 +58,8 @@ class RoughDielectric:
     Reflection F D G / (4 |o.n|), refraction (1 - F) D G |i.m| |o.m| eta^2 / (|eta i + o|^2 |o.n|), the factor |i.n| included
     (Walter et al. 2007, eq. 20 and 21); radiance is not scaled by 1 / eta^2, as in Cycles. Visible normals are sampled, then reflection
     or refraction by their shares. `masking_form`: 'correlated' or 'separable' on either side; 'torrance_sparrow' where light is
-    reflected, for which alone its cavities are, and 'correlated' where it is refracted.
+    reflected, for which alone its cavities are, and 'correlated' where it is refracted. `backs_refract` lets `evaluate` count refraction
+    through facets that a direction sees from behind, which no sample takes: a departure.
     """
 
     delta = False
@@ -71,9 +72,11 @@ class RoughDielectric:
         distribution: ModuleType,
         interface: Interface,
         masking_form: str = "correlated",
+        backs_refract: bool = False,
     ) -> None:
         self._wo, self._alpha, self._eta = wo, alpha, eta
         self._distribution, self._interface, self._form = distribution, interface, masking_form
+        self._backs_refract = backs_refract
         self._above = wo[2] > 0.0
         self._cos_o = np.where(self._above, wo[2], 1.0)
         self._lambda_o = distribution.smith_lambda(wo, alpha, alpha)
@@ -89,6 +92,9 @@ class RoughDielectric:
         cos_om, cos_im = dot(wo, m), dot(wi, m)
         # A facet is seen from its front by wo, and by wi from the side on which wi lies.
         valid = self._above & (cos_om > 0.0) & np.where(through, cos_im < 0.0, wi[2] > 0.0)
+        if self._backs_refract:
+            valid |= self._above & through
+            cos_om = np.abs(cos_om)
         reflected, refracted, chance = self._interface.shares(np.clip(cos_om, 0.0, 1.0), eta)
         d = np.where(valid, self._distribution.density(m, self._alpha, self._alpha), 0.0)
         d /= self._cos_o
@@ -145,6 +151,7 @@ class RoughDielectric:
             self._distribution,
             self._interface.part(index),
             self._form,
+            self._backs_refract,
         )
 
 

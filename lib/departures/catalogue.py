@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight
-from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Refraction
+from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
 from ..scene.scene import Scene
 from ..textures.fold import fold, is_constant, walk
 from .scene import NARROW
@@ -68,6 +68,16 @@ def _reflects_by(*distributions: str) -> Callable[[Scene], bool]:
     )
 
 
+def _rough_glass(scene: Scene) -> bool:
+    """Whether light is sampled through rough glass; that of a constant world is not."""
+    sampled = (
+        scene.lights
+        or not is_constant(fold(scene.world.radiance))
+        or any(isinstance(c, Emission) for c in _closures(scene))
+    )
+    return bool(sampled) and any(isinstance(c, Glass | Refraction) and _is_rough(c) for c in _closures(scene))
+
+
 def _rough_facets(scene: Scene) -> bool:
     return _reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
 
@@ -116,6 +126,13 @@ DEPARTURES: tuple[Departure, ...] = (
         "light found by BSDF sampling is multiplied by (1 + fit) / (1 + exact), light found by light sampling is not.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_reflects_by("BECKMANN"),
+    ),
+    Departure(
+        "refraction from behind",
+        "Light sampling through rough glass counts facets that the viewer or the light sees from behind, through which nothing passes; "
+        "BSDF sampling does not.",
+        "kernel/closure/bsdf_microfacet.h",
+        relevant=_rough_glass,
     ),
     Departure(
         "light below the face",

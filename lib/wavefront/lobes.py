@@ -176,7 +176,8 @@ def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarra
         return SmoothInterface(site.wo, eta, interface)
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
     alpha = np.maximum(alpha, _FLOOR)
-    how = (_distribution(closure, site.options), interface, _masking(site.options))
+    backs = "refraction from behind" in site.options.departures
+    how = (_distribution(closure, site.options), interface, _masking(site.options), backs)
     lobe = RoughDielectric(site.wo, alpha, eta, *how)
     if closure.distribution == "BECKMANN":
         return with_stated_density(lobe, site.wo, alpha, alpha, site.options.departures)

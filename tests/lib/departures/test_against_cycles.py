@@ -132,6 +132,21 @@ def soft_box():
     building.camera((0.1, 0.05, 3.0), (0.1, 0.05, 0.0), ortho_scale=1.0)
 
 
+def window():
+    """Rough glass seen from above, and a sun below it that only facets whose backs it sees refract to the camera."""
+    building.start("window", TILE, TILE, 0)
+    building.world((0.02, 0.02, 0.02))
+    glass = rough("Glass", "GGX", 0.8)
+    height = 2.0 * np.tan(0.2)
+    corners = np.array([(-1, -1, 0), (1, -1, height), (1, 1, height), (-1, 1, 0)], float)
+    building.mesh("pane", corners, np.array([[0, 1, 2, 3]]), [glass])
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.energy, sun.data.angle = 10.0, 0.0
+    sun.rotation_euler = (0.0, np.arctan2(-0.9, -0.436), 0.0)
+    bpy.context.scene.collection.objects.link(sun)
+    building.camera((0.1, 0.05, 5.0), (0.1, 0.05, 0.0), ortho_scale=1.0)
+
+
 def tiles(renderer, samples):
     """Means of the tiles without their rims, (replicates, rows, columns, 3)."""
     shown = []
@@ -158,6 +173,7 @@ CASES = {
     ),
     layers: (512, {"layer albedo table": ((0, 0), 5e-3), "multiple-scattering tables": ((2, 2), 5e-3)}),
     slope: (64, {"light below the face": ((0, 0), 0.3)}),
+    window: (64, {"refraction from behind": ((0, 0), 0.3)}),
     soft_box: (4096, {"narrow spread": ((0, 0), 5e-4)}),
 }
 # Cells in which the cosine is too poor a way to sample: cosine-sampled Oren-Nayar under a grazing view.

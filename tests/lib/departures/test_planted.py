@@ -26,7 +26,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Lobe, Material
+from etalon.lib.scene.materials import Diffuse, Glass, Lobe, Material
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -83,6 +83,19 @@ def documents():
     return scenes.scene(scenes.fan(ANGLES[1:]), scenes.glossy(0.6, 0.9), scenes.fan_camera(ANGLES[1:]), world=1.0)
 
 
+def window():
+    """Rough glass, a sun below it that only facets whose backs it sees refract to the camera, and a steep rough face without it."""
+    low, steep = 0.2, np.radians(85.0)
+    parts = [
+        scenes.quad((-2.0, -1.0, 0.0), (2.0, 0.0, 2.0 * np.tan(low)), (0.0, 2.0, 0.0), 0),
+        scenes.quad((0.0, -1.0, 0.0), (2.0, 0.0, -2.0 * np.tan(steep)), (0.0, 2.0, 0.0), 1),
+    ]
+    glass = Material("glass", (Lobe(Glass(distribution="GGX", roughness=Constant(0.8), ior=Constant(1.5))),))
+    sun = SunLight("sun", (-0.9, 0.0, -0.436), 0.0, (10.0, 10.0, 10.0))
+    camera = scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0))
+    return scenes.scene(parts, [glass, scenes.glossy(0.6, 0.9)], camera, (sun,), 1.0)
+
+
 class Cached:
     """A renderer that remembers its replicates, so that cases share what they have in common."""
 
@@ -114,6 +127,7 @@ SCENES = {
     slope: (1e-2, 128, set()),
     soft_box: (3e-4, 4096, set()),
     documents: (5e-3, 512, set()),
+    window: (2e-2, 4096, set()),
 }
 
 

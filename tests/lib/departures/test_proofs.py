@@ -5,11 +5,13 @@ import mpmath
 import numpy as np
 import pytest
 from etalon.lib.bsdfs.compensated import CYCLES, EXACT, multiple_scattering
+from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
+from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.layered import beneath_layer
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.departures.scene import narrow_factor, tabulated_ramp
 from etalon.lib.lights.spread import Spread
-from etalon.lib.microfacets import albedo, beckmann, masking
+from etalon.lib.microfacets import albedo, beckmann, ggx, masking
 from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
@@ -55,6 +57,26 @@ def test_masking_and_shadowing_share_the_height_of_the_facet():
     assert masking.height_correlated(*both)[0] == pytest.approx(mean, rel=1e-12)
     assert masking.separable(*both)[0] == pytest.approx(each[0] * each[1], rel=1e-12)
     assert masking.separable(*both)[0] < mean - 0.04
+
+
+def test_through_facets_seen_from_behind_glass_would_make_light():
+    """Over the sphere a density holds at most 1 and single scattering gives back at most what arrives; by quadrature, at 80 degrees."""
+    mu, weight = roots_legendre(600)
+    phi = np.arange(400) * 2 * np.pi / 400
+    sin = np.sqrt(1 - mu * mu)[:, None]
+    wi = np.stack([sin * np.cos(phi), sin * np.sin(phi), np.broadcast_to(mu[:, None], (600, 400))]).reshape(3, -1)
+    measure = np.repeat(weight * 2 * np.pi / 400, 400)
+    wo = np.repeat(towards(np.cos(np.radians(80.0))), measure.size, axis=1)
+    plain = Interface(Dielectric(np.full(measure.size, 1.5)), np.ones((3, 1)), np.ones((3, 1)))
+    held, given = {}, {}
+    for backs in (False, True):
+        lobe = RoughDielectric(wo, np.float64(0.64), np.float64(1.5), ggx, plain, "correlated", backs)
+        value, pdf = lobe.evaluate(wi)
+        held[backs], given[backs] = pdf @ measure, value[0] @ measure
+    assert held[False] < 1.0
+    assert given[False] < 1.0
+    assert held[True] > 1.6
+    assert given[True] > 1.3
 
 
 def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():
