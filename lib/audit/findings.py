@@ -113,18 +113,20 @@ class Series:
     def add(self, regions: Regions, neutral: np.ndarray, rendering: Rendering) -> np.ndarray:
         """Take one pair more; pixels (height, width) that are not finite on either side count on neither, and are returned."""
         used = np.isfinite(neutral).all(axis=2) & np.isfinite(rendering.radiance).all(axis=2)
-        user, plain = (np.where(used[..., None], image, 0.0) for image in (rendering.radiance, neutral))
+        user, plain = rendering.radiance, neutral
+        if not used.all():
+            user, plain = (np.where(used[..., None], image, np.float32(0.0)) for image in (user, plain))
         sizes = regions.weights @ used.ravel().astype(float)
         share = np.where(sizes > 0, sizes, np.nan)[:, None]
         for means, image in ((self.user, user), (self.neutral, plain)):
             means.append((regions.weights @ image.reshape(-1, CHANNELS)) / share)
-        gap = (user - plain).mean(axis=2, keepdims=True)
+        gap = (user - plain).mean(axis=2, keepdims=True, dtype=float)
         once = [averaged(gap, step)[..., 0] for step in SQUARES]
         seen = [Moments(1, mean, np.zeros(mean.shape)) for mean in once]
         self.squares = [merge(*pair) for pair in zip(self.squares, seen, strict=True)] if self.squares else seen
         self.seconds.append(rendering.seconds)
         if self.before is None:
-            self.before = user.astype(np.float32), plain.astype(np.float32)
+            self.before = user, plain
         else:
             self.noise.append(_noise_ratio(regions, (user, plain), self.before, self.neutral[-1]))
             self.before = None

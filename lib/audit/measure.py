@@ -109,7 +109,9 @@ def audit(
             begin = run.elapsed
             got: list[Rendering | None] = [None] * len(renderers)
             for index in _turns(rounds, len(renderers)):
-                got[index] = run.render(renderers[index], rounds, samples)[0]
+                rendering = run.render(renderers[index], rounds, samples)[0]
+                # Cycles' own precision: a round holds an image of every setting.
+                got[index] = replace(rendering, radiance=rendering.radiance.astype(np.float32))
             plain = got[0]
             finite = np.isfinite(plain.radiance).all(axis=2)
             image = image + (np.where(finite[..., None], plain.radiance, 0.0) - image) / (rounds + 1)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The folder that an audit leaves: its figures under their schema, its page safe from what a file's author called things."""
 
+import base64
 import json
 import re
 from html.parser import HTMLParser
@@ -127,6 +128,22 @@ def test_hostile_names_stay_text(tmp_path):
     assert not any(name.startswith("on") for name, _ in page.attributes)
     assert any(HOSTILE in shown for shown in page.shown)
     assert not re.search(r'(src|href)="(?!data:)', text)
+
+
+def test_the_page_carries_no_more_pixels_than_it_shows(tmp_path, monkeypatch):
+    monkeypatch.setattr("etalon.lib.audit.write.SHOWN", 100)
+    write_audit(made(), tmp_path)
+    text = (tmp_path / "audit.html").read_text(encoding="utf-8")
+    for code, name in zip(
+        re.findall(r'base64,([^"]+)"', text), ("neutral.png", "map-filter-factory.png"), strict=False
+    ):
+        (tmp_path / "small.png").write_bytes(base64.b64decode(code))
+        small, whole = (OpenImageIO.ImageInput.open(str(tmp_path / n)) for n in ("small.png", name))
+        assert (small.spec().width, small.spec().height) == (8, 7)
+        assert (whole.spec().width, whole.spec().height) == (24, 20)
+        means = [np.asarray(file.read_image("uint8")).astype(float).mean() for file in (small, whole)]
+        assert means[0] == pytest.approx(means[1], rel=0.05)
+    assert not list(tmp_path.glob(".*"))
 
 
 def test_maps_are_signed(tmp_path):
