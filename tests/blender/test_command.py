@@ -47,6 +47,17 @@ def test_compare_a_reference_scene_by_name(debian, extension):
     assert {p.name for p in (debian.outside / "by-name").iterdir()} == FILES
 
 
+def test_audit_the_file_that_is_open(debian, blend):
+    words = ["--set=scene.render.resolution_percentage=25", "--samples=1", "--replicates=2", "--out=audited"]
+    done = debian.run("blender", blend, "--background", "--command", "etalon", "audit", *words)
+    assert done.returncode == 0, done.stdout
+    figures = json.loads((debian.outside / "audited" / "audit.json").read_text())
+    assert figures["rounds"] == 2
+    assert "Pixel Filter" in done.stdout
+    # Debian's Blender has no Open Image Denoise, which is said instead of measuring nothing.
+    assert {entry["key"] for entry in figures["missing"]} == {"adaptive", "denoiser"}
+
+
 @pytest.mark.parametrize("arguments", [["compare", "nowhere.blend"], ["compare", "--tolerance=x"], ["stare"]])
 def test_bad_input_ends_with_code_2_and_one_line(debian, extension, arguments):
     done = debian.run("blender", "--background", "--command", "etalon", *arguments)
