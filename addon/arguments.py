@@ -134,6 +134,11 @@ def _compare(commands: argparse._SubParsersAction) -> None:
     )
     group.add_argument("--replicates", type=count, metavar="R", help="independent renders on each side (chosen)")
     group.add_argument(
+        "--partial",
+        action="store_true",
+        help="with materials that are not simulated, compare the pixels that their light does not reach",
+    )
+    group.add_argument(
         "--out", type=Path, metavar="FOLDER", help="folder for report, verdict.json and images (etalon-out/SCENE)"
     )
     _add_model(parser)

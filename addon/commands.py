@@ -44,7 +44,7 @@ def compare(arguments: Namespace) -> int:
 
         from . import job
         from .opening import open_target
-    choices = job.Choices(verdict, _reference_options(arguments))
+    choices = job.Choices(verdict, _reference_options(arguments), arguments.partial)
     name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
     folder = arguments.out or Path("etalon-out") / name
     with interruptible() as interrupted, bar(name) as progress, quiet():

@@ -21,6 +21,7 @@ from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
 from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.options import Options
+from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
 from .cycles import CyclesRenderer, neutral
 from .export import export_scene
@@ -39,18 +40,22 @@ Cancelled = Callable[[], bool]
 
 @dataclass(frozen=True)
 class Choices:
-    """All that a user chooses about a comparison: the verdict's options and the reference's."""
+    """All that a user chooses about a comparison: the verdict's options and the reference's.
+
+    `partial`: materials that are not simulated are no refusal; what shows them is left out.
+    """
 
     verdict: CompareOptions
     reference: Options
+    partial: bool = False
 
 
-def export(scene: bpy.types.Scene) -> Scene:
-    """The scene as it is set up for rendering; raises Refused or EtalonError.
+def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
+    """The scene as it is set up for rendering, `partial` as in Choices; raises Refused or EtalonError.
 
     Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
     """
-    return with_render_depsgraph(scene, export_scene)
+    return with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial))
 
 
 def judge(
@@ -77,6 +82,7 @@ def judge(
             progress,
             cancelled,
             alternatives(reference),
+            reached(reference) if reference.kernel.has_unknown else None,
         )
         write_report(comparison, reference.plan, beside, repeat)
     return comparison
@@ -95,7 +101,7 @@ def compare_here(
     The report goes to `folder`, and with it, where something differs and nothing explains it, a small scene that shows it.
     `repeat` is the command that the report shows; `progress` is told the share that is done. Raises Refused or EtalonError.
     """
-    exported = export(scene)
+    exported = export(scene, choices.partial)
     with neutral(scene, threads=choices.reference.threads):
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
         comparison = judge(exported, candidate, choices, folder, repeat, progress, cancelled)
@@ -129,7 +135,7 @@ def _shows(choices: Choices, part: bpy.types.Scene) -> bool:
     if verdict.time is not None:
         verdict = replace(verdict, time=max(TRY_SHARE * verdict.time, TRY_LEAST))
     try:
-        reference = ReferenceRenderer(export(part), choices.reference)
+        reference = ReferenceRenderer(export(part, choices.partial), choices.reference)
         candidate = CyclesRenderer(part, seed=verdict.seed, threads=choices.reference.threads)
         among = alternatives(reference)
         found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, among=among)

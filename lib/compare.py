@@ -38,9 +38,10 @@ ASIDE_SHARE = 0.1
 class Comparison:
     """All that came of a comparison of the scene named `scene`.
 
-    `excluded` (height, width) marks pixels with non-finite samples on either side. `explanation` is there where regions differ
-    and departures were tried. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts everything,
-    `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
+    `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
+    not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
+    where regions differ and departures were tried. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts
+    everything, `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
     is open; `started` is ISO 8601 in UTC.
     """
 
@@ -58,6 +59,8 @@ class Comparison:
     pilot_seconds: float
     round_seconds: float
     versions: dict[str, str]
+    left_out: np.ndarray
+    unknown: dict[str, str]
 
 
 def compare(
@@ -69,6 +72,7 @@ def compare(
     progress: Callable[[float], None] = lambda fraction: None,
     cancelled: Callable[[], bool] = lambda: False,
     among: Alternatives | None = None,
+    left_out: np.ndarray | None = None,
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
@@ -76,14 +80,18 @@ def compare(
     no more than a part of the image, only that is sampled on. `progress` is told the share of the time (or of the replicates)
     that is spent. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or if the renderers disagree on
     the size of the image. Where regions differ, the causes are sought `among` departures, in a time that is set aside for it,
-    and sampling goes on until they are found or ruled out.
+    and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor
+    do those whose paths meet a material that is not known; EtalonError is raised where none is left.
     """
     started = datetime.now(UTC).isoformat(timespec="seconds")
     asked = among is not None and bool(among.departures)
+    size = (scene.camera.height, scene.camera.width)
     meter = Meter(options, progress, cancelled, ASIDE_SHARE if asked else 0.0)
     samples = _both(options.samples) or pilot(reference, candidate, options, meter)
     pilot_seconds = meter.elapsed
-    regions = image_regions(scene.camera.height, scene.camera.width, coverage)
+    unknown = {material.name: material.unknown for material in scene.materials if material.unknown}
+    regions = image_regions(*size, coverage, left_out=None if left_out is None else _compared(scene, left_out))
+    left_out = np.zeros(size, bool) if left_out is None else left_out
     del coverage  # as large as the regions made of it
     sides = tuple(Side.empty(r, regions, s) for r, s in zip((reference, candidate), samples, strict=True))
     excluded = np.zeros(regions.shape, bool)
@@ -97,8 +105,10 @@ def compare(
             if rendering is None:
                 break
             excluded = excluded | nonfinite_pixels(rendering, regions.shape)
+            if rendering.unknown is not None:
+                left_out = _compared(scene, left_out | (rendering.unknown > 0))
             for one in sides:
-                one.exclude(excluded, wanted)
+                one.exclude(excluded | left_out, wanted)
             side.add(rendering, wanted)
             del rendering  # not while the other side renders
         n = sides[1].replicates
@@ -112,10 +122,11 @@ def compare(
         test.look(sides[0].regions.moments, sides[1].regions.moments, last=bool(stopped))
         open_ = test.undecided
         if search is not None:
-            if search.look(sides, excluded, last=bool(stopped)):
+            if search.look(sides, excluded | left_out, last=bool(stopped)):
                 open_ = test.outcomes != Outcome.EQUIVALENT
             elif search.complete:
                 open_ = np.zeros_like(open_)
+        open_ = open_ & (sides[0].regions.sizes > 0)
         if not open_.any():
             stopped = stopped or "decided"
         elif windows is not None or focus(regions, open_) is not None:
@@ -140,7 +151,18 @@ def compare(
         pilot_seconds=pilot_seconds,
         round_seconds=meter.round_seconds,
         versions=versions(),
+        left_out=left_out,
+        unknown=unknown,
     )
+
+
+def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:
+    """`left_out`, if it leaves anything to compare; raises EtalonError otherwise."""
+    if left_out.all():
+        raise EtalonError(
+            f"{scene.name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces"
+        )
+    return left_out
 
 
 def _both(samples: int | tuple[int, int] | None) -> tuple[int, int] | None:

@@ -25,12 +25,16 @@ from .refusals import is_invisible, refuse_object, refuse_settings
 
 
 def export_scene(
-    depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None = None, max_bounces: int | None = None
+    depsgraph: bpy.types.Depsgraph,
+    camera: bpy.types.Object | None = None,
+    max_bounces: int | None = None,
+    partial: bool = False,
 ) -> Scene:
     """The scene that `depsgraph` holds, seen through `camera` (the scene's active one).
 
     The depsgraph must be one that Blender made for a render (`render_depsgraph.with_render_depsgraph`): the viewport's has other
-    modifier levels and other visibility. `max_bounces` is the scene's unless given.
+    modifier levels and other visibility. `max_bounces` is the scene's unless given. With `partial`, materials that are not
+    simulated are exported as unknown ones.
     Raises Refused with all that is not simulated, or EtalonError for bad input.
     """
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
@@ -45,7 +49,7 @@ def export_scene(
     images = ImageTable()
     view = read_camera(camera, scene.render, refusals)
     world = read_world(layer.world_override or scene.world, images, refusals)
-    materials = MaterialTable(layer.material_override, images, refusals)
+    materials = MaterialTable(layer.material_override, images, refusals, partial)
     lights = _read_things(depsgraph, bounces, materials, refusals)
     if refusals:
         raise Refused(list(dict.fromkeys(refusals)))
@@ -69,8 +73,11 @@ def export_scene(
 class MaterialTable:
     """Collects the materials of the objects' slots, each once, and gives each an index."""
 
-    def __init__(self, override: bpy.types.Material | None, images: ImageTable, refusals: list[Refusal]) -> None:
+    def __init__(
+        self, override: bpy.types.Material | None, images: ImageTable, refusals: list[Refusal], partial: bool
+    ) -> None:
         self._override = override
+        self._partial = partial
         self._images = images
         self._refusals = refusals
         self._indices: dict[str | None, int] = {}
@@ -90,9 +97,20 @@ class MaterialTable:
         key = None if material is None else material.name_full
         if key not in self._indices:
             self._indices[key] = len(self._materials)
-            read = DEFAULT_MATERIAL if material is None else read_material(material, self._images, self._refusals)
-            self._materials.append(read)
+            self._materials.append(DEFAULT_MATERIAL if material is None else self._read(material))
         return self._indices[key]
+
+    def _read(self, material: bpy.types.Material) -> Material:
+        if not self._partial:
+            return read_material(material, self._images, self._refusals)
+        refusals: list[Refusal] = []
+        try:
+            read = read_material(material, self._images, refusals)
+        except EtalonError as missing:
+            return Material(material.name, (), str(missing))
+        if not refusals:
+            return read
+        return Material(material.name, (), ", ".join(dict.fromkeys(refusal.what for refusal in refusals)))
 
 
 def _read_things(

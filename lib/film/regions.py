@@ -50,12 +50,14 @@ class Regions:
         return np.flatnonzero(np.array(self.kinds) == kind)
 
 
-def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOCK) -> Regions:
+def image_regions(
+    height: int, width: int, coverage: Coverage, block: int = BLOCK, left_out: np.ndarray | None = None
+) -> Regions:
     """The whole image, what `coverage` names, and blocks of `block` x `block` pixels (less at the right and lower edge).
 
     `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs, dense or sparse: the share of
-    each pixel that a camera ray meets first. What is nowhere visible makes no region. Raises EtalonError for weights of another
-    size, negative or not finite.
+    each pixel that a camera ray meets first. Pixels that are `left_out` (height, width) belong to no region. What is nowhere
+    visible makes none. Raises EtalonError for weights of another size, negative or not finite.
     """
     pixels = np.arange(
         height * width, dtype=np.int32
@@ -90,7 +92,19 @@ def image_regions(height: int, width: int, coverage: Coverage, block: int = BLOC
         kinds.append("block")
         names.append(f"x {box[0]} to {box[2]}, y {box[1]} to {box[3]}")
         boxes.append(box)
-    return Regions((height, width), tuple(kinds), tuple(names), np.array(boxes), sparse.csr_array(sparse.vstack(rows)))
+    regions = Regions(
+        (height, width), tuple(kinds), tuple(names), np.array(boxes), sparse.csr_array(sparse.vstack(rows))
+    )
+    return regions if left_out is None else _without(regions, left_out)
+
+
+def _without(regions: Regions, left_out: np.ndarray) -> Regions:
+    """The regions without pixels (height, width); those that lose all of theirs are gone."""
+    weights = sparse.csr_array(regions.weights.multiply(~left_out.ravel()))
+    weights.eliminate_zeros()
+    kept = np.flatnonzero(np.diff(weights.indptr))
+    kinds, names = (tuple(np.array(of, object)[kept]) for of in (regions.kinds, regions.names))
+    return Regions(regions.shape, kinds, names, regions.boxes[kept], weights[kept])
 
 
 def _rows(pixel: np.ndarray, weight: np.ndarray, counts: Sequence[int], pixels: int) -> sparse.csr_array:

@@ -16,12 +16,13 @@ from .words import forecast_seconds, sentences, strongest, unexplained, worst_ch
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 3
+VERSION = 4
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
     3: "Version 3: `plan` lists the effects that the scene calls for; `replicates` of a side are the most that any region has, "
     "since sampling goes on where a region is open; `changes` is this list.",
+    4: "Version 4: `left_out` counts the pixels that show light from materials that are not simulated, and names these.",
 }
 
 
@@ -56,6 +57,10 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "reference": _side(comparison.reference),
             "candidate": _side(comparison.candidate),
             "excluded_pixels": int(comparison.excluded.sum()),
+            "left_out": {
+                "pixels": int(comparison.left_out.sum()),
+                "materials": [{"name": name, "what": what} for name, what in comparison.unknown.items()],
+            },
             "size": {"width": comparison.regions.shape[1], "height": comparison.regions.shape[0]},
             "options": asdict(comparison.options),
             "stopped": comparison.stopped,

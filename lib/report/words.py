@@ -62,8 +62,20 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
     said += [f"{reason[0].upper()}{reason[1:]}." for reason in verdict.reasons if verdict.outcome is Outcome.UNDECIDED]
     if verdict.outcome is not Outcome.UNDECIDED and np.any(comparison.excluded):
         said.append(f"{int(comparison.excluded.sum())} pixels with non-finite samples are excluded.")
+    if comparison.unknown:
+        said.append(_left_out(comparison))
     forecast = _forecast(comparison)
     return (*said, forecast) if forecast else tuple(said)
+
+
+def _left_out(comparison: Comparison) -> str:
+    """What of the image is not compared, and the materials that are to blame."""
+    count, total = int(comparison.left_out.sum()), comparison.left_out.size
+    named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
+    return (
+        f"{count} of {total} pixels ({percent(count / total, sign=False)}) are not compared: light reaches them from materials that "
+        f"are not simulated: {listed(tuple(named))}."
+    )
 
 
 def worst_channel(difference: np.ndarray) -> np.ndarray:

@@ -53,15 +53,23 @@ def write_report(comparison: Comparison, plan: Plan, folder: Path, command: str 
         ) from error
 
 
-def relative_difference(comparison: Comparison) -> np.ndarray:
-    """(candidate - reference) / max(|reference|, floor) of each pixel (height, width, 3); 0 where both are 0."""
+def _shown(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
+    """Both sides' means (height, width, 3); NaN, as what is not finite, where pixels are not compared."""
     means = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
+    if not comparison.unknown:
+        return means
+    return tuple(np.where(comparison.left_out[..., None], np.nan, mean) for mean in means)
+
+
+def relative_difference(comparison: Comparison) -> np.ndarray:
+    """(candidate - reference) / max(|reference|, floor) of each pixel (height, width, 3); 0 where both are 0, NaN for what is not compared."""
+    means = _shown(comparison)
     out = np.empty_like(means[0])
     for row, (reference, candidate) in enumerate(zip(*means, strict=True)):
         scale = np.maximum(np.abs(reference), comparison.verdict.floor)
         gap = candidate - reference
         out[row] = np.where(gap == 0, 0.0, np.copysign(np.inf, gap))
-        np.divide(gap, scale, out=out[row], where=scale > 0)
+        np.divide(gap, scale, out=out[row], where=scale != 0)
     return out
 
 
@@ -74,9 +82,10 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -
     write_film(folder / "cycles.exr", comparison.candidate.film)
     difference = relative_difference(comparison)
     write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")})
-    exposure = middle_exposure(comparison.reference.film.moments.mean)
-    write_png(folder / "reference.png", srgb8(comparison.reference.film.moments.mean, exposure))
-    write_png(folder / "cycles.png", srgb8(comparison.candidate.film.moments.mean, exposure))
+    means = _shown(comparison)
+    exposure = middle_exposure(means[0])
+    write_png(folder / "reference.png", srgb8(means[0], exposure))
+    write_png(folder / "cycles.png", srgb8(means[1], exposure))
     limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance
     write_png(
         folder / "difference.png",
@@ -97,7 +106,7 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
     step = 1
     while -(-height // step) * -(-width // step) > MOST_PIXELS:
         step += 1
-    images = [averaged(side.film.moments.mean, step) for side in (comparison.reference, comparison.candidate)]
+    images = [averaged(mean, step) for mean in _shown(comparison)]
     exposure = round(2 * middle_exposure(images[0])) / 2
     seen = flip(*images, exposure)
     bytes_ = np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)

@@ -63,7 +63,8 @@ def conclude(
     """
     of_reference, of_candidate = reference.moments, candidate.moments
     reasons = []
-    different, undecided = (int((test.outcomes == o).sum()) for o in (Outcome.DIFFERENT, Outcome.UNDECIDED))
+    different = int((test.outcomes == Outcome.DIFFERENT).sum())
+    undecided = int((test.undecided & (reference.sizes > 0)).sum())  # of what has pixels left
     if different:
         reasons.append(f"{different} of {test.outcomes.size} regions differ by more than the tolerance")
     if any(nonfinite.values()):

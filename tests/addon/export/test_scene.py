@@ -306,3 +306,27 @@ def test_a_particle_system_that_shows_objects_is_exported(studio, rays, hits):
     settings.instance_object = leaf
     names = [one.name for one in studio.export().mesh.objects]
     assert names.count("leaf") == 6
+
+
+def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
+    """Each says what of it is not simulated, a missing image too; objects, lights and settings are refused as ever."""
+    soft, lost = glow(studio, "red"), glow(studio, "green")
+    for material, kind in ((soft, "ShaderNodeSubsurfaceScattering"), (lost, "ShaderNodeTexImage")):
+        tree = material.node_tree
+        node, out = tree.nodes.new(kind), next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+        tree.links.new(node.outputs[0], out.inputs["Surface"])
+    image = bpy.data.images.new("lost", 4, 4)
+    image.source, image.filepath = "FILE", "//nowhere.png"
+    next(n for n in lost.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage").image = image
+    strip(studio, "strip", 0.0, soft, lost, glow(studio, "blue"))
+    with pytest.raises(EtalonError):
+        studio.export()
+    red, green, blue = studio.export(partial=True).materials
+    assert red.lobes == green.lobes == ()
+    assert "Subsurface Scattering" in red.unknown
+    assert "nowhere.png' is not there" in green.unknown
+    assert blue.unknown == ""
+    assert isinstance(blue.lobes[0].closure, Emission)
+    studio.scene.render.use_motion_blur = True
+    with pytest.raises(Refused, match="motion blur"):
+        studio.export(partial=True)

@@ -237,7 +237,7 @@ def test_a_verdict_is_read_back_and_an_older_one_told_apart(tmp_path):
     for broken, told in (
         ({"version": 1}, "is of version 1, .*compare again. Version 2: .*departures.* Version 3: .*plan"),
         ({"version": 2}, "is of version 2, .*compare again. Version 3: "),
-        ({"version": VERSION + 1}, "only version 3 is known here; update etalon"),
+        ({"version": VERSION + 1}, "only version 4 is known here; update etalon"),
         ({"version": None}, "is of version None"),
         ({"format": "shopping"}, "is no verdict of etalon's"),
     ):
