@@ -45,6 +45,7 @@ class MicrofacetReflection:
         self._cos_o = np.maximum(wo[2], FLOOR)
         self._bound = ggx.bound(wo, alpha_x, alpha_y) if strategy == "bounded" else None
         self._pdf_of_d = self._reflected_visible()
+        self._asks_unit_normals = masking_form == "torrance_sparrow" or strategy == "d_cos"
 
     def _reflected_visible(self) -> np.ndarray | None:
         """By what D is multiplied to give the density of wi, where that depends on wo alone, (n,)."""
@@ -84,9 +85,13 @@ class MicrofacetReflection:
         m = wi + self._wo
         np.clip(m[2], FLOOR, np.inf, out=m[2])  # lit directions have it positive
         length2 = dot(m, m)
-        np.sqrt(length2, out=length2)
-        m /= length2
-        d = self._distribution.density(m, *self._alpha)
+        if self._asks_unit_normals:
+            m /= np.sqrt(length2)
+            d = self._distribution.density(m, *self._alpha)
+        else:
+            d = self._distribution.density(m, *self._alpha)
+            length2 *= length2
+            d *= length2
         lit = wi[2] > 0.0
         lit &= self._above
         d *= lit

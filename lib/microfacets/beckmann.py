@@ -27,14 +27,14 @@ def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndar
     """D(m) = exp(-(m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2) / (pi alpha_x alpha_y m.z^4), sr^-1, (n,).
 
     Walter et al. 2007, eq. 25; the documents' sampling slide (the model slide's 2 sigma^2 integrates to 2). `m` (3, n)
-    unit; zero where m.z <= 0.
+    unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
     """
     d = m[0] / alpha_x
     d *= d
     part = m[1] / alpha_y
     part *= part
     d += part
-    z = np.clip(m[2], FLOOR, 1.0, out=part)
+    z = np.clip(m[2], FLOOR, np.inf, out=part)
     z *= z
     np.divide(-1.0, z, out=z)
     d *= z

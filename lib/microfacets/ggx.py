@@ -17,8 +17,8 @@ from .masking import HIDDEN
 def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
     """D(m) = 1 / (pi alpha_x alpha_y (m.x^2/alpha_x^2 + m.y^2/alpha_y^2 + m.z^2)^2), sr^-1, (n,).
 
-    Walter et al. 2007, eq. 33; Heitz 2014, eq. 85. `m` (3, n) unit; zero where m.z <= 0. The sine comes from x and y:
-    from the cosine alone it cancels where alpha is small.
+    Walter et al. 2007, eq. 33; Heitz 2014, eq. 85. `m` (3, n) unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
+    The sine comes from x and y: from the cosine alone it cancels where alpha is small.
     """
     d = m[0] / alpha_x
     d *= d

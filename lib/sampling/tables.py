@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 LARGEST_UNIFORM = np.nextafter(1.0, 0.0)
+# Up to so many entries comparing with each edge beats the guide.
+_FEW = 24
 
 
 class Distribution1D:
@@ -79,7 +81,12 @@ class _Rows:
 
     def index(self, u: np.ndarray) -> np.ndarray:
         """Index (n,) by `u` where there is one row only."""
-        return np.zeros(u.shape, np.intp) if self._length == 1 else self._flat_index(None, u)
+        if self._length > _FEW:
+            return self._flat_index(None, u)
+        index = np.zeros(u.shape, np.uint8)
+        for edge in self._upper[:-1]:
+            index += (u >= edge).view(np.uint8)
+        return index.astype(np.intp)
 
     def sample(self, row: np.ndarray | None, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index (n,) by `u` within `row` (n,) (None where there is one row only), and the rest of `u`."""

@@ -29,6 +29,7 @@ def test_index_is_the_inverse_of_the_cumulated_weights(weights, rng):
     u = np.append(rng.random(5000), [0.0, 2.0**-53, np.nextafter(1.0, 0.0)])
     given = u.copy()
     index, rest = table.sample(u)
+    assert np.array_equal(table.index(u), index)
     assert np.array_equal(u, given)
     assert np.all((rest >= 0.0) & (rest < 1.0))
     assert np.all(table.probability[index] > 0.0), "what has no weight is never chosen"
