@@ -110,7 +110,7 @@ class MaterialTable:
             return Material(material.name, (), str(missing))
         if not refusals:
             return read
-        return Material(material.name, (), ", ".join(dict.fromkeys(refusal.what for refusal in refusals)))
+        return Material(material.name, (), ", ".join(dict.fromkeys(refusal.what.strip(" ,") for refusal in refusals)))
 
 
 def _read_things(

@@ -39,7 +39,7 @@ def title(comparison: Comparison) -> str:
     verdict = comparison.verdict
     names = [f"the {s.name}" if s.name == "reference" else s.name for s in (comparison.candidate, comparison.reference)]
     limit = f"{percent(verdict.tolerance, sign=False)}"
-    total = verdict.outcomes.size
+    total = verdict.outcomes.size - _gone(comparison)
     if verdict.outcome is Outcome.EQUIVALENT:
         return f"{names[0]} agrees with {names[1]} to within {limit} in all {total} regions."
     count = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
@@ -126,15 +126,25 @@ def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float
 
 def _basis(comparison: Comparison) -> str:
     verdict, parts = comparison.verdict, []
+    gone = _gone(comparison)
     for outcome in Outcome:
-        if verdict.count(outcome):
-            parts.append(f"{verdict.count(outcome)} {outcome.value}")
+        count = verdict.count(outcome) - (gone if outcome is Outcome.UNDECIDED else 0)
+        if count:
+            parts.append(f"{count} {outcome.value}")
+    if gone:
+        parts.append(f"{gone} without a pixel to compare")
     a, b = comparison.reference, comparison.candidate
     return (
         f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {percent(verdict.confidence, sign=False)} "
         f"for all of them together, from {a.replicates} x {a.film.samples} and {b.replicates} x {b.film.samples} samples a pixel "
         f"in {seconds(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
     )
+
+
+def _gone(comparison: Comparison) -> int:
+    """How many undecided regions have lost all of their pixels."""
+    verdict = comparison.verdict
+    return int(((verdict.excluded == comparison.regions.sizes) & (verdict.outcomes == Outcome.UNDECIDED)).sum())
 
 
 def _why(comparison: Comparison) -> list[str]:
