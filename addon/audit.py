@@ -3,13 +3,9 @@
 
 from __future__ import annotations
 
-import math
 from argparse import Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import bpy
 
@@ -19,12 +15,10 @@ from ..lib.audit.setting import FACTORY, FILE, Setting
 from ..lib.audit.write import write_audit
 from ..lib.compare import CompareOptions
 from ..lib.errors import EtalonError
-from ..lib.film.rendering import Rendering
-from .audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, Assignment, kept, noise_threshold
+from .audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from .console import bar, interruptible, quiet
 from .cycles import neutral
-from .cycles_settings import CyclesWith, denoiser_is_there
-from .neutral import SEQUENCE, Changes
+from .cycles_settings import Assignment, CyclesWith, denoiser_is_there
 from .opening import open_target
 from .results import folder_beside
 
@@ -34,35 +28,6 @@ NEUTRAL_BESIDES = {
     "volume_bounces": MOST_BOUNCES,
     "transparent_max_bounces": MOST_BOUNCES,
 }
-
-
-class CyclesAs(CyclesWith):
-    """Cycles in its neutral state but for `assignments`, properties of any data of the file; each replicate is one render call."""
-
-    def __init__(self, scene: bpy.types.Scene, assignments: list[Assignment], *, seed: int, threads: int) -> None:
-        super().__init__(scene, {}, seed=seed, threads=threads)
-        self._assignments = assignments
-        self._samples = 1
-
-    def render(self, replicate: int, samples: int, *others: Any) -> Rendering:
-        """As CyclesRenderer."""
-        self._samples = samples
-        return super().render(replicate, samples, *others)
-
-    @contextmanager
-    def _state(self) -> Iterator[None]:
-        with super()._state():
-            cycles, changes = self.scene.cycles, Changes()
-            try:
-                for owner, name, value in self._assignments:
-                    changes.set(owner, name, value)
-                if cycles.use_adaptive_sampling and hasattr(cycles, "sample_subset_length"):
-                    # Cycles makes the threshold stricter where it renders a part of the sequence only, as if others followed.
-                    whole = noise_threshold(cycles.adaptive_threshold) * math.sqrt(SEQUENCE / self._samples)
-                    changes.set(cycles, "adaptive_threshold", min(whole, 1.0))
-                yield
-            finally:
-                changes.undo()
 
 
 @dataclass
@@ -126,6 +91,10 @@ def run(arguments: Namespace) -> int:
     scene = bpy.context.scene
     asked, stays, samples = settings(scene, arguments.all), kept(scene), scene.cycles.samples
     threads = arguments.threads
+
+    def made(assignments: list[Assignment]) -> CyclesWith:
+        return CyclesWith(scene, {}, seed=options.seed, threads=threads, others=assignments)
+
     with (
         folder_beside(folder) as beside,
         interruptible() as interrupted,
@@ -136,8 +105,8 @@ def run(arguments: Namespace) -> int:
         changes.set_all("cycles", [scene.cycles], NEUTRAL_BESIDES)
         found = audit(
             name,
-            CyclesAs(scene, stays, seed=options.seed, threads=threads),
-            [(s, CyclesAs(scene, stays + values, seed=options.seed, threads=threads)) for s, values in asked.values],
+            made(stays),
+            [(setting, made(stays + values)) for setting, values in asked.values],
             options,
             samples,
             tuple(asked.same),

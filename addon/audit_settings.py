@@ -14,13 +14,11 @@ from typing import Any
 
 import bpy
 
+from .cycles_settings import Assignment, noise_threshold
 from .neutral import SEQUENCE
 
 MOST_BOUNCES = 1024
 ADAPTIVE, DENOISER = "adaptive", "denoiser"
-
-# A property of one datablock and the value that it is to have.
-Assignment = tuple[Any, str, Any]
 
 _OWNERS: dict[str, Callable[[bpy.types.Scene], Iterable[Any]]] = {
     "cycles": lambda scene: [scene.cycles],
@@ -269,11 +267,6 @@ CATALOGUE = (
         "Makes a sphere light a disk turned to what it lights.",
     ),
 )
-
-
-def noise_threshold(value: float) -> float:
-    """Adaptive sampling's threshold; 0 stands for Cycles' own choice, at many samples."""
-    return value or 0.001
 
 
 def kept(scene: bpy.types.Scene) -> list[Assignment]:

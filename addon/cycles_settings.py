@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,8 +12,9 @@ import bpy
 
 from ..lib.cost.ways import Bias, Way
 from ..lib.errors import EtalonError
+from ..lib.film.rendering import Rendering
 from .cycles import CHUNK, CyclesRenderer
-from .neutral import Changes
+from .neutral import SEQUENCE, Changes
 
 # What a user trades for time or noise. All else, such as the pixel filter, says which image is wanted and stays neutral.
 TRADED = (
@@ -40,32 +42,60 @@ def traded(scene: bpy.types.Scene) -> dict[str, Any]:
     return {name: getattr(scene.cycles, name) for name in TRADED if hasattr(scene.cycles, name)}
 
 
-class CyclesWith(CyclesRenderer):
-    """Cycles in its neutral state but for `values` of `scene.cycles`; each replicate is one render call, as a user's is.
+# A property of one datablock and the value that it is to have.
+Assignment = tuple[Any, str, Any]
 
-    Adaptive sampling may stop earlier than the samples that it is asked for. Raises EtalonError for a denoiser that is not there.
+
+class CyclesWith(CyclesRenderer):
+    """Cycles in its neutral state but for `values` of `scene.cycles` and `others` of any data.
+
+    Each replicate is one render call, as a user's is. Adaptive sampling may stop earlier than the samples that it is asked
+    for. Raises EtalonError for a denoiser that is not there.
     """
 
-    def __init__(self, scene: bpy.types.Scene, values: dict[str, Any], *, seed: int, threads: int) -> None:
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        values: dict[str, Any],
+        *,
+        seed: int,
+        threads: int,
+        others: Sequence[Assignment] = (),
+    ) -> None:
         if values.get("use_denoising") and not denoiser_is_there():
             raise EtalonError("this Blender was built without Open Image Denoise; use one from blender.org")
         super().__init__(scene, seed=seed, threads=threads)
-        self._values = values
+        self._assignments = [*((scene.cycles, name, value) for name, value in values.items()), *others]
+        self._samples = 1
         self.settings |= {f"cycles.{name}": value for name, value in values.items()}
+
+    def render(self, replicate: int, samples: int, *how: Any) -> Rendering:
+        """As CyclesRenderer."""
+        self._samples = samples
+        return super().render(replicate, samples, *how)
 
     @contextmanager
     def _state(self) -> Iterator[None]:
         with super()._state():
-            changes = Changes()
+            cycles, changes = self.scene.cycles, Changes()
             try:
-                for name, value in self._values.items():
-                    changes.set(self.scene.cycles, name, value)
+                for owner, name, value in self._assignments:
+                    changes.set(owner, name, value)
+                if cycles.use_adaptive_sampling and hasattr(cycles, "sample_subset_length"):
+                    # Cycles makes the threshold stricter where it renders a part of the sequence only, as if others followed.
+                    whole = noise_threshold(cycles.adaptive_threshold) * math.sqrt(SEQUENCE / self._samples)
+                    changes.set(cycles, "adaptive_threshold", min(whole, 1.0))
                 yield
             finally:
                 changes.undo()
 
     def _per_call(self, pixels: int) -> int:
         return CHUNK
+
+
+def noise_threshold(value: float) -> float:
+    """Adaptive sampling's threshold; 0 stands for Cycles' own choice, at many samples."""
+    return value or 0.001
 
 
 def denoiser_is_there() -> bool:

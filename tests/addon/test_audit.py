@@ -8,11 +8,13 @@ import bpy
 import numpy as np
 import pytest
 from etalon.addon import cli
-from etalon.addon.audit import NEUTRAL_BESIDES, CyclesAs, settings
+from etalon.addon.audit import NEUTRAL_BESIDES, settings
 from etalon.addon.audit_settings import CATALOGUE, MOST_BOUNCES, kept
 from etalon.addon.console import quiet
 from etalon.addon.cycles import CyclesRenderer, neutral
+from etalon.addon.cycles_settings import CyclesWith
 from etalon.lib.audit.measure import audit
+from etalon.lib.audit.setting import Setting
 from etalon.lib.compare import CompareOptions
 from etalon.lib.film.exr import read_exr
 from etalon.lib.verdict.outcome import Outcome
@@ -64,13 +66,18 @@ def lamp():
     return scene
 
 
+def made(scene, assignments, seed=0, of=CyclesWith):
+    """Cycles with these assignments."""
+    return of(scene, {}, seed=seed, threads=1, others=assignments)
+
+
 def audited(scene, rounds=12, samples=4, factory=False):
     """An audit of so many rounds of what the scene sets, and its findings by key."""
     asked, stays = settings(scene, factory), kept(scene)
     with quiet(), neutral(scene, max_bounces=MOST_BOUNCES, threads=1) as changes:
         changes.set_all("cycles", [scene.cycles], NEUTRAL_BESIDES)
-        plain = CyclesAs(scene, stays, seed=0, threads=1)
-        candidates = [(s, CyclesAs(scene, stays + v, seed=0, threads=1)) for s, v in asked.values]
+        plain = made(scene, stays)
+        candidates = [(s, made(scene, stays + v)) for s, v in asked.values]
         options = CompareOptions(time=1e6, samples=samples, replicates=rounds)
         found = audit("Test", plain, candidates, options, 4096, tuple(asked.same))
     return found, {f.setting.key: f for f in found.findings}
@@ -94,6 +101,19 @@ def test_a_scene_at_the_neutral_state_has_nothing_to_report():
         "terminator-geometry",
         "adaptive",
     }
+
+
+def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
+    """Six times the same state under seeds of its own: differences are noise, of the same size on both sides."""
+    scene = gallery()
+    as_neutral(scene)
+    with quiet(), neutral(scene, max_bounces=8, threads=1):
+        others = [(Setting(f"seed-{k}", "", "", "", ""), made(scene, [], seed=k)) for k in range(1, 7)]
+        options = CompareOptions(time=1e6, samples=4, replicates=16)
+        found = audit("Test", made(scene, []), others, options, 4096)
+    assert all(f.outcome is not Outcome.DIFFERENT for f in found.findings)
+    assert all(holds(f, k, 0.0) for f in found.findings for k in range(len(found.regions)))
+    assert all(0.5 < f.noise.value < 2.0 for f in found.findings)
 
 
 def test_a_clamp_on_what_the_camera_sees_is_its_closed_form():
@@ -136,12 +156,12 @@ def test_the_light_threshold_costs_noise_and_no_bias():
     bpy.data.lights["Lamp"].energy = 0.2
     scene.cycles.use_light_tree = False  # with it Cycles ignores the threshold
     scene.cycles.light_sampling_threshold = 0.3
-    _, found = audited(scene, rounds=48, samples=64)
+    _, found = audited(scene, rounds=24, samples=64)
     light = found["light-threshold"]
     assert list(found) == ["light-threshold"]
     assert light.outcome is not Outcome.DIFFERENT
     assert holds(light, 0, 0.0)
-    assert (light.high[0] - light.low[0]).max() < 0.1
+    assert (light.high[0] - light.low[0]).max() < 0.2
     assert light.noise.low > 2.0
 
 
@@ -196,18 +216,18 @@ def test_every_setting_is_in_force_for_itself_alone_and_leaves_no_trace():
     asked, stays = settings(scene, True), kept(scene)
     seen = []
 
-    class Watched(CyclesAs):
+    class Watched(CyclesWith):
         def _call(self, *arguments):
             seen.append(state(scene))
             return super()._call(*arguments)
 
     with quiet(), neutral(scene, max_bounces=MOST_BOUNCES, threads=1) as changes:
         changes.set_all("cycles", [scene.cycles], NEUTRAL_BESIDES)
-        plain = Watched(scene, stays, seed=0, threads=1)
+        plain = made(scene, stays, of=Watched)
         image = plain.render(0, 4).radiance
         neutral_state = seen[-1]
         for setting, values in asked.values:
-            Watched(scene, stays + values, seed=0, threads=1).render(0, 4)
+            made(scene, stays + values, of=Watched).render(0, 4)
             changed = {key for key, found in seen[-1].items() if found != neutral_state[key]}
             key = setting.key.removesuffix("-factory")
             assert setting.together or changed == {key}, setting
@@ -256,7 +276,7 @@ def test_adaptive_sampling_stops_where_it_would_in_a_whole_render(tmp_path):
     stopped = differing(whole(False), whole(True))
     on = [(scene.cycles, "use_adaptive_sampling", True), (scene.cycles, "adaptive_threshold", threshold)]
     with quiet(), neutral(scene, threads=1):
-        images = [CyclesAs(scene, values, seed=0, threads=1).render(0, samples).radiance[..., 0] for values in ([], on)]
+        images = [made(scene, values).render(0, samples).radiance[..., 0] for values in ([], on)]
     assert 0.1 < stopped < 0.95
     assert differing(*images) == pytest.approx(stopped, abs=0.1)
 
