@@ -49,7 +49,7 @@ def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
         return False, "all faces lie in one plane"
     if behind:
         return True, f"light gets behind the faces of material '{behind[0]}'"
-    if not _closed(mesh.triangles, vertices):
+    if not _closed(mesh):
         return True, "the faces leave an opening, and their back sides face each other"
     if not _outside(mesh, camera):
         return True, "the camera does not stand clear of the faces"
@@ -107,11 +107,12 @@ def _planes(mesh: Mesh, center: np.ndarray, faces: np.ndarray) -> _Planes:
     return _Planes(a, normal, dot(normal, a), tolerance, np.where(turn <= _LARGEST_TURN, turn, 0.0))
 
 
-def _closed(triangles: np.ndarray, vertices: int) -> bool:
-    """Whether every edge belongs to two faces that run along it in opposite directions."""
-    a, b, c = triangles.astype(np.int64)
-    start, end = np.concatenate([a, b, c]), np.concatenate([b, c, a])
-    along, against = np.sort(start * vertices + end), np.sort(end * vertices + start)
+def _closed(mesh: Mesh) -> bool:
+    """Whether every edge belongs to two faces that run along it in opposite directions; vertices in one place count as one."""
+    places, welded = np.unique(mesh.vertices + 0.0, axis=1, return_inverse=True)
+    a, b, c = welded.reshape(-1)[mesh.triangles].astype(np.int64)
+    start, end, count = np.concatenate([a, b, c]), np.concatenate([b, c, a]), places.shape[1]
+    along, against = np.sort(start * count + end), np.sort(end * count + start)
     return bool(np.all(along == against) and np.all(along[1:] != along[:-1]))
 
 

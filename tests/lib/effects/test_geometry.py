@@ -32,6 +32,12 @@ def moved(part, *offset):
     return replace(part, vertices=part.vertices + np.array(offset)[:, None])
 
 
+def split(part):
+    """Every triangle with corners of its own, as files for games have them."""
+    corners = part.triangles.T.ravel()
+    return replace(part, vertices=part.vertices[:, corners], triangles=np.arange(corners.size).reshape(-1, 3).T)
+
+
 def lathe(segments, rings):
     """A sphere of quadrilaterals and caps of triangles, as Blender's UV sphere."""
     polar = np.linspace(0.0, np.pi, rings + 1)[1:-1, None]
@@ -64,6 +70,7 @@ def hull(points):
         cube(),
         turned(cube()),
         rounded(turned(cube())),
+        split(cube()),
         icosphere(),
         rounded(turned(icosphere(subdivisions=4))),
         rounded(lathe(32, 16)),
