@@ -29,8 +29,8 @@ class Kernel:
 
     `lights` are the samplers of light objects, then the environment's, then the emissive mesh's, as far as the plan calls for them;
     `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None. `lit_from_below` lets light sampling reach
-    below smooth-shaded faces. The flags say which stages run. A kernel `like` this one of the same mesh shares what depends on the mesh
-    alone.
+    below smooth-shaded faces; `one_sided`: all light leaves a face on the side from which it is seen. The flags say which stages run. A
+    kernel `like` this one of the same mesh shares what depends on the mesh alone.
     """
 
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
@@ -68,6 +68,7 @@ class Kernel:
         self.selects_lights = plan.needs("light selection") and bool(self.lights)
         self.weighs = options.direct == "mis" and plan.needs("multiple importance sampling")
         self.lit_from_below = "light below the face" in options.departures
+        self.one_sided = not self.lit_from_below and not any(m.transmits for m in self.materials)
         self.asks_visibility = plan.needs("shadow rays") or self.lit_from_below
         self.has_choices = plan.needs("light selection") or plan.needs("several lobes")
         self.samples_lobes, self.last_rays = plan.needs("scattered rays"), plan.needs("last rays")

@@ -8,7 +8,7 @@ import numpy as np
 from ..bsdfs.mixture import Mixture
 from ..effects.facts import adding_lobes
 from ..scene.expressions import WHITE, Expression
-from ..scene.materials import Closure, Emission, Material, Transparent
+from ..scene.materials import Closure, Emission, Glass, Material, Refraction, Translucent, Transparent
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
 from .lobes import Site, build
@@ -28,6 +28,7 @@ class PreparedMaterial:
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
+        self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
 
     def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:

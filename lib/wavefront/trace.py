@@ -166,16 +166,15 @@ class Tracer:
         uniforms = (pick, *self._pair(dimension + BSDF, paths)) if goes_on else None
         shaded = shade_all(kernel, points, groups, light, uniforms)
         self._clock.lap("shade")
+        origins = _Origins(points, offset, kernel.one_sided)
         if light is not None:
-            self._add_direct(paths, points, offset, light.sample, shaded.direct)
+            self._add_direct(paths, origins, light.sample, shaded.direct)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
         fate = self._pair(dimension + FATE, paths)[1] if kernel.roulette and step >= ROULETTE_AFTER else None
-        return self._advance(paths, points, offset, shaded, fate)
+        return self._advance(paths, origins, shaded, fate)
 
-    def _add_direct(
-        self, paths: Paths, points: SurfacePoints, offset: np.ndarray, sample: LightSample, direct: np.ndarray
-    ) -> None:
+    def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, direct: np.ndarray) -> None:
         """Ask for visibility where light would arrive, and add what does."""
         direct *= paths.throughput
         index = np.flatnonzero(direct.any(axis=0))
@@ -186,7 +185,7 @@ class Tracer:
             self._clock.lap("film")
             return
         direction = np.take(sample.wi, index, axis=1)
-        origin = np.take(_leave(points, offset, sample.wi), index, axis=1)
+        origin = np.take(origins.towards(sample.wi), index, axis=1)
         through, unknown = transmittance(self._kernel, origin, direction, sample.distance[index])
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
@@ -200,9 +199,7 @@ class Tracer:
         self._sums.add(paths.pixel[index], arriving)
         self._clock.lap("film")
 
-    def _advance(
-        self, paths: Paths, points: SurfacePoints, offset: np.ndarray, shaded: Shaded, fate: np.ndarray | None
-    ) -> Paths:
+    def _advance(self, paths: Paths, origins: _Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
         """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
         throughput = shaded.weight * paths.throughput
         going = throughput.any(axis=0)
@@ -218,7 +215,7 @@ class Tracer:
         following = Paths(
             paths.pixel[index],
             paths.sample[index],
-            np.take(_leave(points, offset, shaded.wi), index, axis=1),
+            np.take(origins.towards(shaded.wi), index, axis=1),
             np.take(shaded.wi, index, axis=1),
             throughput,
             shaded.pdf[index],
@@ -245,8 +242,20 @@ def _survival(throughput: np.ndarray) -> np.ndarray:
     return np.minimum(np.sqrt(throughput.max(axis=0)), 1.0)
 
 
-def _leave(points: SurfacePoints, offset: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Origins off the plane on the side of `direction`, by what float32 can resolve."""
-    origin = points.ng * np.copysign(offset, dot(points.ng, direction))
-    origin += points.position
-    return origin
+class _Origins:
+    """Origins (3, n) of rays that leave points: off the plane by what float32 can resolve."""
+
+    def __init__(self, points: SurfacePoints, offset: np.ndarray, one_sided: bool) -> None:
+        self._points, self._offset = points, offset
+        self._front = self._off(offset) if one_sided else None
+
+    def _off(self, height: np.ndarray) -> np.ndarray:
+        origin = self._points.ng * height
+        origin += self._points.position
+        return origin
+
+    def towards(self, direction: np.ndarray) -> np.ndarray:
+        """On the side of `direction`; where no light passes through, the side that is seen: the others carry none."""
+        if self._front is not None:
+            return self._front
+        return self._off(np.copysign(self._offset, dot(self._points.ng, direction)))
