@@ -22,6 +22,8 @@ from .setting import Setting
 # A difference is drawn from this many standard errors on, of a pixel or of the smallest of these squares around it.
 DRAWN = 3.0
 SQUARES = (1, 4, 16)
+# Beyond any relative difference, to put what has no bound first.
+UNBOUNDED = 1e9
 # Blocks darker than this share of the whole image count, in noise, as if they were as bright.
 NOISE_FLOOR = 0.01
 
@@ -65,7 +67,9 @@ class Finding:
             size = sure if np.nanmax(sure, initial=0.0) > 0 else size
         elif self.outcome is Outcome.UNDECIDED:
             open_ = (self.outcomes[1:] == Outcome.UNDECIDED)[:, None]
-            size = np.where(open_, np.maximum(-low, high), -1.0) if open_.any() else size
+            reach = np.maximum(-low, high)
+            reach = np.where(np.isfinite(reach), reach, UNBOUNDED + size)
+            size = np.where(open_, reach, -1.0) if open_.any() else size
         place, channel = np.unravel_index(np.argmax(np.nan_to_num(size, nan=-1.0)), size.shape)
         return 1 + int(place), int(channel)
 

@@ -155,11 +155,10 @@ def audit(
 def _first_calls(run: _Run, renderers: list[Renderer]) -> tuple[Cost, tuple[int, int]]:
     """The first call of every renderer, which also sets things up; the cost of a round, and the image's height and width."""
     few, more = FIRST_SAMPLES
-    for renderer in renderers:
-        rendering, _ = run.render(renderer, FIRST, few)
+    rendering, _ = run.render(renderers[0], FIRST, few)
     calls = [run.render(renderer, FIRST + 1, few)[1] for renderer in renderers]
-    _, second = run.render(renderers[0], FIRST + 2, more)
-    one = fit_cost([few, more], [calls[0], second])
+    _, longer = run.render(renderers[0], FIRST + 1, more)
+    one = fit_cost([few, more], [calls[0], longer])
     fixed = max(sum(calls) - len(calls) * few * one.per_sample, 0.0)
     return Cost(fixed, len(calls) * one.per_sample), rendering.radiance.shape[:2]
 

@@ -34,7 +34,9 @@ def p_values(user: np.ndarray, neutral: np.ndarray, tolerance: float, floor: flo
     step = np.where(inside, 0.0, tolerance * floor)
     upper = _combination(user - (1 + slope) * neutral - step)
     lower = _combination(user - (1 - slope) * neutral + step)
-    return np.stack([p_equivalent(upper, lower), p_different(upper, lower)])
+    p = np.stack([p_equivalent(upper, lower), p_different(upper, lower)])
+    # Equal to the last bit, the two differ by nothing, however noisy they are.
+    return np.where(_same(user, neutral).all(axis=1), [[0.0], [1.0]], p) if len(user) > 1 else p
 
 
 def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -> tuple[np.ndarray, np.ndarray]:
@@ -61,8 +63,15 @@ def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -
         low = np.where(lead > 0, (middle - root) / lead, -np.inf)
         high = np.where(lead > 0, (middle + root) / lead, np.inf)
     dark = np.abs(e) < floor if floor > 0 else e == 0
-    half = np.sqrt(dd)
-    return np.where(dark, relative(d - half, e, floor), low), np.where(dark, relative(d + half, e, floor), high)
+    half, same = np.sqrt(dd), _same(user, neutral)
+    low = np.where(dark, relative(d - half, e, floor), low)
+    high = np.where(dark, relative(d + half, e, floor), high)
+    return np.where(same, 0.0, low), np.where(same, 0.0, high)
+
+
+def _same(user: np.ndarray, neutral: np.ndarray) -> np.ndarray:
+    """Where (k, 3) two series are equal to the last bit in every replicate."""
+    return (user == neutral).all(axis=0)
 
 
 def _combination(series: np.ndarray) -> Combination:

@@ -74,6 +74,16 @@ def test_without_noise():
     assert np.isnan(interval(same[:1], same[:1], 1e-3, 1e-6)).all()
 
 
+def test_equal_to_the_last_bit_is_equal_however_noisy(rng):
+    noisy = np.exp(5.0 * rng.standard_normal((2, 3, 3)))
+    np.testing.assert_array_equal(p_values(noisy, noisy, 0.01, 1e-3), [[0.0] * 3, [1.0] * 3])
+    for end in interval(noisy, noisy, 1e-3, 1e-6):
+        np.testing.assert_array_equal(end, np.zeros((3, 3)))
+    other = noisy.copy()
+    other[1, 2, 0] *= 1.5
+    assert p_values(other, noisy, 0.01, 1e-3)[0, 2] > 0.0
+
+
 def test_relative_to_what_there_is():
     found = relative(np.array([0.0, 0.1, 0.1, -0.1]), np.array([0.0, 2.0, 0.0, 0.0]), 0.0)
     np.testing.assert_array_equal(found, [0.0, 0.05, np.inf, -np.inf])
