@@ -87,7 +87,7 @@ def _object_flags(
     thing, parent = instance.object, instance.parent or instance.object
     layer, both = depsgraph.view_layer_eval, (thing, parent)
     hidden = [ray for ray in _RAYS if not all(getattr(one, f"visible_{ray}") for one in both)]
-    if hidden:
+    if hidden and hidden != ["camera"]:
         yield f"ray visibility without {', '.join(hidden)}", "switch all rays on, or do not render it"
     if thing.is_holdout or parent.holdout_get(view_layer=layer):
         yield "a holdout", "switch it off"

@@ -154,13 +154,19 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Me
 
 def _object(instance: bpy.types.DepsgraphObjectInstance) -> Object:
     """What materials can ask of an object; an instance has its instancer's colour, and an index of its own."""
-    thing = instance.object
-    color = (instance.parent or thing).color
+    thing, instancer = instance.object, instance.parent or instance.object
     if instance.is_instance:
         random = np.array([instance.random_id & 0xFFFFFFFF], np.uint32)
     else:
         random = hash_words(np.array([_hash_of_name(thing.name)], np.uint32), np.zeros(1, np.uint32))
-    return Object(thing.name, affine(instance.matrix_world), tuple(color), thing.pass_index, float(unit(random)[0]))
+    return Object(
+        thing.name,
+        affine(instance.matrix_world),
+        tuple(instancer.color),
+        thing.pass_index,
+        float(unit(random)[0]),
+        thing.visible_camera and instancer.visible_camera,
+    )
 
 
 def _hash_of_name(name: str) -> int:

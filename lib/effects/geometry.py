@@ -36,6 +36,8 @@ def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
     count, vertices = mesh.triangle_count, mesh.vertices.shape[1]
     if count == 0:
         return False, "there are no faces"
+    if not all(thing.visible_camera for thing in mesh.objects):
+        return True, "camera rays pass through what hides from them"
     flat, convex = _shape(mesh, np.unique(np.linspace(0, count - 1, PROBES).astype(np.intp))[:, None])
     if not convex:
         return True, "faces stand in front of faces"

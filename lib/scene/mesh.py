@@ -12,7 +12,8 @@ import numpy as np
 class Object:
     """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map.
 
-    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it.
+    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. Camera rays pass through
+    it as if it were not there unless it is `visible_camera`.
     """
 
     name: str
@@ -20,6 +21,7 @@ class Object:
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     index: int = 0
     random: float = 0.0
+    visible_camera: bool = True
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from ..scene.scene import Scene
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold
 from ..textures.images import ImageSet
+from .camera_caster import CameraCaster
 from .direction import Directions
 from .emissive import EmissiveMesh
 from .materials import PreparedMaterial
@@ -29,8 +30,9 @@ class Kernel:
 
     `lights` are the samplers of light objects, then the environment's, then the emissive mesh's, as far as the plan calls for them;
     `selection` picks among them. `sky` is the constant world's radiance (3, 1), or None. `lit_from_below` lets light sampling reach
-    below smooth-shaded faces; `one_sided`: all light leaves a face on the side from which it is seen. The flags say which stages run. A
-    kernel `like` this one of the same mesh shares what depends on the mesh alone.
+    below smooth-shaded faces; `one_sided`: all light leaves a face on the side from which it is seen. `hides`: some objects hide
+    from camera rays, whose `camera_caster` is another one then. The flags say which stages run. A kernel `like` this one of the same mesh
+    shares what depends on the mesh alone.
     """
 
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
@@ -38,6 +40,10 @@ class Kernel:
         self.scene, self.plan, self.options = scene, plan, options
         same_mesh = like is not None and like.scene.mesh is scene.mesh
         self.caster = like.caster if same_mesh else Raycaster(scene.mesh)
+        self.hides = not all(thing.visible_camera for thing in scene.mesh.objects)
+        self.camera_caster = self.caster
+        if self.hides:
+            self.camera_caster = like.camera_caster if same_mesh else CameraCaster(scene.mesh)
         self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
         self.materials = [PreparedMaterial(m, self.images, options, plan.prunes) for m in scene.materials]

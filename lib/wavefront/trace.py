@@ -62,11 +62,24 @@ class Tracer:
             return _no_hits(np.zeros(paths.size, bool))
         if self._is_last(step) and not kernel.last_hits:
             hits = _no_hits(kernel.caster.occluded(paths.origin, paths.direction, np.full(paths.size, np.inf)))
+        elif step == 0:
+            hits = kernel.camera_caster.closest(paths.origin, paths.direction, reach)
         else:
-            hits = kernel.caster.closest(paths.origin, paths.direction, reach)
+            hits = kernel.caster.closest(paths.origin, paths.direction)
+            if kernel.hides and self._transparent:
+                self._replace_camera_hits(paths, hits)
         self.rays += paths.size
         self._clock.lap("intersect")
         return hits
+
+    def _replace_camera_hits(self, paths: Paths, hits: Hits) -> None:
+        """Camera rays that passed transparent faces still do not meet what hides from them."""
+        index = np.flatnonzero(paths.scatterings == 0)
+        origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
+        for mine, theirs in zip(
+            vars(hits).values(), vars(self._kernel.camera_caster.closest(origin, direction)).values(), strict=True
+        ):
+            mine[index] = theirs
 
     def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(dimension, paths.pixel, paths.sample)

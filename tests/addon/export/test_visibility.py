@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects that hide from camera rays, against Cycles: alone, behind a veil, in a mirror, as lamps and as instances."""
+
+import bpy
+import numpy as np
+from etalon.addon.cycles import CyclesRenderer
+from etalon.lib.effects.plan import make_plan
+from etalon.lib.wavefront.coverage import coverage
+from etalon.lib.wavefront.options import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
+from mathutils import Euler, Matrix
+
+REPLICATES, SAMPLES = 4, 64
+
+
+def shader(name, kind, **values):
+    """A material of one shader node."""
+    material = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    node, out = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeOutputMaterial")
+    for socket, value in values.items():
+        node.inputs[socket].default_value = value
+    tree.links.new(node.outputs[0], out.inputs["Surface"])
+    return material
+
+
+def square(studio, name, material, half, *transform):
+    thing = studio.quad(name, half)
+    thing.data.materials.clear()
+    thing.data.materials.append(material)
+    matrix = Matrix.Identity(4)
+    for one in transform:
+        matrix = matrix @ one
+    thing.matrix_world = matrix
+    return thing
+
+
+def scene(studio):
+    """A floor and a mirror wall; above the floor a card and a lamp that hide; before a part of it all a veil."""
+    grey, red = (
+        shader("grey", "BsdfDiffuse", Color=(0.6, 0.6, 0.6, 1)),
+        shader("red", "BsdfDiffuse", Color=(0.9, 0.1, 0.1, 1)),
+    )
+    mirror = shader("mirror", "BsdfGlossy", Roughness=0.0)
+    lamp, veil = shader("lamp", "Emission", Strength=4.0), shader("veil", "BsdfTransparent", Color=(0.8, 0.9, 1.0, 1))
+    upright = Euler((np.pi / 2, 0, 0)).to_matrix().to_4x4()
+    square(studio, "floor", grey, 4.0)
+    square(studio, "wall", mirror, 3.0, Matrix.Translation((0, 3, 3)), upright)
+    card = square(studio, "card", red, 0.8, Matrix.Translation((-1.2, 0, 1.0)))
+    light = square(studio, "light", lamp, 0.5, Matrix.Translation((1.5, 0, 2.0)))
+    square(studio, "veil", veil, 1.5, Matrix.Translation((0.5, -4.0, 2.0)), upright)
+    card.visible_camera = light.visible_camera = False
+    inside = bpy.data.collections.new("inside")
+    inside.objects.link(square(studio, "member", red, 0.4))
+    empty = studio.add("empty", None, Matrix.Translation((1.0, -1.5, 0.6)))
+    empty.instance_type, empty.instance_collection, empty.visible_camera = "COLLECTION", inside, False
+    studio.camera.location, studio.camera.rotation_euler = (0.0, -9.0, 4.0), (1.2, 0.0, 0.0)
+    studio.scene.render.resolution_x, studio.scene.render.resolution_y = 48, 32
+    world = bpy.data.worlds.new("sky")
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.3, 0.3, 1.0)
+    studio.scene.world = world
+    bpy.data.objects["member"].location = (50.0, 0.0, 0.0)
+    studio.scene.render.engine = "CYCLES"
+    studio.scene.cycles.max_bounces = 2
+
+
+def apart(studio, exported):
+    """How far the images are apart in blocks of 8 x 8, in standard errors."""
+    sides = ReferenceRenderer(exported, Options(threads=1)), CyclesRenderer(studio.scene, threads=1)
+    images = [np.array([side.render(k, SAMPLES).radiance for k in range(REPLICATES)]) for side in sides]
+    blocks = [a.reshape(REPLICATES, 4, 8, 6, 8, 3).mean(axis=(2, 4)) for a in images]
+    error = np.sqrt(sum(b.var(axis=0, ddof=1) for b in blocks) / REPLICATES)
+    means = [b.mean(axis=0) for b in blocks]
+    return np.abs(means[0] - means[1]) / (error + 1e-3 * means[1])
+
+
+def test_camera_rays_pass_what_hides_from_them(studio):
+    scene(studio)
+    exported = studio.export()
+    hidden = {thing.name for thing in exported.mesh.objects if not thing.visible_camera}
+    assert hidden == {"card", "light", "member"}
+    assert make_plan(exported).needs("second hits")
+    assert np.sqrt((apart(studio, exported) ** 2).mean()) < 1.5
+    seen = {name for name, _ in coverage(ReferenceRenderer(exported).kernel, least=0.0)["object"]}
+    assert seen == {"floor", "wall", "veil"}
+
+
+def test_the_card_would_be_seen(studio):
+    """The comparison notices a card that should hide and does not."""
+    scene(studio)
+    bpy.data.objects["card"].visible_camera = True
+    exported = studio.export()
+    bpy.data.objects["card"].visible_camera = False
+    assert np.sqrt((apart(studio, exported) ** 2).mean()) > 5.0
