@@ -15,7 +15,7 @@ class Lambert:
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cos / pi twice: value and density, (n,)."""
-        pdf = np.maximum(wi[2], 0.0)
+        pdf = np.clip(wi[2], 0.0, np.inf)
         pdf *= 1.0 / np.pi
         return pdf, pdf
 
@@ -36,7 +36,7 @@ class LambertTransmission:
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """|Cos| / pi twice: value and density, (n,)."""
-        pdf = np.maximum(-wi[2], 0.0)
+        pdf = np.clip(-wi[2], 0.0, np.inf)
         pdf *= 1.0 / np.pi
         return pdf, pdf
 

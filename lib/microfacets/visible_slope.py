@@ -66,7 +66,7 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_
     curvature -= x
     curvature *= step
     curvature += 1.0
-    np.maximum(curvature, 0.0, out=curvature)
+    np.clip(curvature, 0.0, np.inf, out=curvature)
     np.sqrt(curvature, out=curvature)
     step /= np.add(curvature, 1.0, out=pull)
     # The parabola's step, less what the cubic term adds to it.
@@ -74,12 +74,13 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_
     bend *= step
     bend *= step
     bend *= 2.0 / 3.0
-    bend /= np.maximum(curvature, 0.5, out=curvature)
+    bend /= np.clip(curvature, 0.5, np.inf, out=curvature)
     np.clip(bend, -0.01, 0.01, out=bend)  # at the far ends, where the table starts too far off for a series
     np.subtract(1.0, bend, out=bend)
     step *= bend
     x += step
-    return np.clip(x, low, high, out=x)
+    np.maximum(x, low, out=x)
+    return np.minimum(x, high, out=x)
 
 
 def _bracket(s: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
