@@ -4,6 +4,7 @@
 import base64
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -287,6 +288,16 @@ def test_the_verdict_in_words():
     assert said["undecided"][0] == "Whether Cycles agrees with the reference to within 1 % is not decided."
     assert said["undecided"][-1].startswith("Deciding the 6 open regions takes ")
     assert any("Fewer than two replicates" in sentence for sentence in said["one replicate"])
+
+
+def test_a_smaller_image_is_recommended_where_a_large_one_takes_long(monkeypatch):
+    found = made(**CASES["undecided"])
+    advice = "--set scene.render.resolution_percentage=25"
+    assert advice not in sentences(found)[-1]
+    monkeypatch.setattr("etalon.lib.report.words.LARGE", 400)
+    slow = replace(found, round_seconds=1e3)
+    assert advice in sentences(slow)[-1]
+    assert advice not in sentences(replace(found, round_seconds=1e-6))[-1]
 
 
 def test_numbers_in_words():
