@@ -88,15 +88,16 @@ class SphericalRectangle:
         self._strip = _Strip(np.maximum(y0, -y1), np.maximum(y1, -y0), height)
         near = np.maximum(x0, -x1)
         self._far = self._strip.edge(np.maximum(x1, -x0))
-        half = self._strip.half_angle(self._strip.edge(np.maximum(near, 0.0)), self._far)
+        inner = self._strip.edge(np.clip(near, 0.0, np.inf))
+        half = self._strip.half_angle(inner, self._far)
         # The part at x < 0 is measured on its own.
         self._across = np.flatnonzero(near < 0.0)
         if self._across.size:
             lengths = (self._strip.y0, self._strip.y1, height)
             strip = _Strip(*(np.take(length, self._across) for length in lengths))
-            reach = -np.take(near, self._across)
-            self._behind = strip.edge(reach)
-            self._half_behind = strip.half_angle(strip.edge(np.zeros_like(reach)), self._behind)
+            self._behind = strip.edge(-np.take(near, self._across))
+            foot = _Edge(*(np.take(part, self._across) for part in inner))
+            self._half_behind = strip.half_angle(foot, self._behind)
             half[self._across] += self._half_behind
         self._half = half
         self.solid_angle = 2.0 * half
