@@ -20,6 +20,7 @@ from .fresnel import dielectric
 _NODES = (33, 65)  # coarse nodes along roughness and along the root of the cosine
 _CELLS = 256
 _LEAST = 1e-8  # stands for a cosine or an alpha of zero
+_LINE = roots_legendre(24)  # nodes and weights, worked out once: materials by the hundred ask for them
 _SQUARE = 64  # points along each uniform in the quadrature over visible normals
 
 
@@ -40,7 +41,7 @@ def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
     """
     eta = np.asarray(eta, np.float64)
     critical = np.maximum(1.0 - eta * eta, 0.0)
-    x, weight = roots_legendre(24)
+    x, weight = _LINE
     reach = np.sqrt(1.0 - critical)
     x = np.multiply.outer(0.5 + 0.5 * x, reach)
     reflected = dielectric(np.sqrt(critical + x * x), eta) * x
