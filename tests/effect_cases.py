@@ -87,6 +87,12 @@ PLAIN = of(Diffuse(color(0.5)))
 CROWD = [cube(), cube(0.3, (0.2, 0.3, 1.7), 1)]
 CROWDED = scene(CROWD, [diffuse(0.5), diffuse(0.8)], CAMERA)
 UNKNOWN = scene(CROWD, [diffuse(0.5), Material("?", (), "a node")], CAMERA)
+HIDING = replace(
+    CROWDED,
+    mesh=replace(
+        CROWDED.mesh, objects=(CROWDED.mesh.objects[0], replace(CROWDED.mesh.objects[1], visible_camera=False))
+    ),
+)
 LAMP = of(Emission(color(1.0)))
 CROWDED_LAMP = scene(CROWD, [diffuse(0.5), emission(1.0)], CAMERA)
 LAMP_AND_MIRROR = [emission(1.0), material(Glossy("GGX"))]
@@ -107,6 +113,7 @@ CASES = {
         [replace(PLAIN, camera=replace(CAMERA, aperture=LENS))],
         [PLAIN],
     ),
+    "hidden objects": ([HIDING], [PLAIN, CROWDED]),
     "smooth normals": (
         [scene(icosphere(smooth=True), diffuse(0.5), CAMERA)],
         [scene(icosphere(), diffuse(0.5), CAMERA)],

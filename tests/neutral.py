@@ -129,6 +129,7 @@ TOGETHER: dict[str, tuple[str, ...]] = {
 
 NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "depth of field": _lens,
+    "hidden objects": _as_it_is,
     "smooth normals": _smooth,
     "several materials": _several_materials,
     "several lobes": _lobe(Diffuse()),

@@ -11,6 +11,7 @@ from .measure import Measured
 # The stage in which an effect's work is done; those that no stage owns alone are counted where most of it is.
 _STAGES = {
     "depth of field": "camera",
+    "hidden objects": "intersect",
     "smooth normals": "surface",
     "several materials": "surface",
     "several lobes": "shade",

@@ -43,6 +43,7 @@ _CONSTANT = "a constant"
 
 EFFECTS: tuple[Effect, ...] = (
     Effect("camera", "depth of field", "samples the lens", "a lens of radius 0", transport.lens),
+    Effect("camera", "hidden objects", "a tree of faces for the camera", "none hides", transport.hidden_objects),
     Effect("surface", "smooth normals", "mixes corner normals", "the face's normal", surface.smooth_normals),
     Effect("surface", "several materials", "sorts hits by material", "one material", surface.several_materials),
     Effect("surface", "several lobes", "picks one lobe, counts all", _WEIGHT, surface.several_lobes),

@@ -40,7 +40,7 @@ class Kernel:
         self.scene, self.plan, self.options = scene, plan, options
         same_mesh = like is not None and like.scene.mesh is scene.mesh
         self.caster = like.caster if same_mesh else Raycaster(scene.mesh)
-        self.hides = not all(thing.visible_camera for thing in scene.mesh.objects)
+        self.hides = plan.needs("hidden objects")
         self.camera_caster = self.caster
         if self.hides:
             self.camera_caster = like.camera_caster if same_mesh else CameraCaster(scene.mesh)
