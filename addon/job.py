@@ -144,10 +144,12 @@ def _shows(choices: Choices, part: bpy.types.Scene) -> bool:
     return bool(unexplained(found))
 
 
-def repeat(blend: str, options: CompareOptions) -> str:
+def repeat(blend: str, choices: Choices) -> str:
     """The command line that compares as the panel does."""
-    words = ["etalon", "compare", blend or "FILE.blend", f"--tolerance={options.tolerance:g}"]
-    return shlex.join([*words, f"--confidence={options.confidence:g}", f"--time={options.time:g}"])
+    verdict = choices.verdict
+    words = ["etalon", "compare", blend or "FILE.blend", f"--tolerance={verdict.tolerance:g}"]
+    words += [f"--confidence={verdict.confidence:g}", f"--time={verdict.time:g}"]
+    return shlex.join([*words, "--partial"] if choices.partial else words)
 
 
 class BackgroundJob:
@@ -166,10 +168,12 @@ class BackgroundJob:
         self._choices = choices
         self._cancel = threading.Event()
         self._temporary = tempfile.TemporaryDirectory(prefix="etalon-", ignore_cleanup_errors=True)
-        self._repeat = repeat(bpy.data.filepath, choices.verdict)
+        self._repeat = repeat(bpy.data.filepath, choices)
         copy = Path(self._temporary.name) / "scene.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
-        self._blender = SecondBlender(copy, scene.name, choices.verdict.seed, choices.reference.threads)
+        self._blender = SecondBlender(
+            copy, scene.name, choices.verdict.seed, choices.reference.threads, choices.partial
+        )
         self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
         self._thread.start()
 

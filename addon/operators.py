@@ -75,7 +75,7 @@ def chosen(scene: bpy.types.Scene) -> job.Choices:
     verdict = CompareOptions(
         tolerance=settings.tolerance / 100, confidence=settings.confidence / 100, time=settings.time
     )
-    return job.Choices(verdict, Options(threads=max(1, (os.cpu_count() or 2) - 1)))
+    return job.Choices(verdict, Options(threads=max(1, (os.cpu_count() or 2) - 1)), settings.partial)
 
 
 def redraw(context: bpy.types.Context) -> None:

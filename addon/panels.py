@@ -26,7 +26,7 @@ class _Panel:
         layout.use_property_decorate = False
         column = layout.column()
         column.enabled = session.running is None
-        for name in ("tolerance", "confidence", "time", "out"):
+        for name in ("tolerance", "confidence", "time", "partial", "out"):
             column.prop(settings, name)
         if session.running is None:
             row = layout.row()

@@ -33,6 +33,11 @@ class EtalonSettings(bpy.types.PropertyGroup):
         min=5.0,
         soft_max=3600.0,
     )
+    partial: bpy.props.BoolProperty(
+        name="Partial",
+        description="With materials that are not simulated, compare the pixels that their light does not reach",
+        default=False,
+    )
     out: bpy.props.StringProperty(
         name="Output",
         description="Folder for the report and the images; // is the folder of this file",

@@ -28,11 +28,11 @@ _WORKER = Path(__file__).with_name("second_blender_worker.py")
 class SecondBlender:
     """Cycles' side of a comparison, as a renderer; nothing but its construction needs the main thread."""
 
-    def __init__(self, copy: Path, scene: str, seed: int, threads: int) -> None:
+    def __init__(self, copy: Path, scene: str, seed: int, threads: int, partial: bool = False) -> None:
         self.name = "Cycles"
         self.settings: dict[str, Any] = {}
         self._log = copy.with_name("second_blender.log")
-        request = {"scene": scene, "seed": seed, "threads": threads, "folder": str(copy.parent)}
+        request = {"scene": scene, "seed": seed, "threads": threads, "partial": partial, "folder": str(copy.parent)}
         # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
         blender = [bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
         with self._log.open("w", encoding="utf-8") as log:

@@ -48,14 +48,14 @@ def _serve(request: dict[str, Any], package: str) -> None:
 
     with console.quiet(), contextlib.ExitStack() as stack:
         try:
-            archive.save(job.export(scene), folder / "scene.npz")
+            archive.save(job.export(scene, request["partial"]), folder / "scene.npz")
             stack.enter_context(cycles.neutral(scene, threads=request["threads"]))
             renderer = cycles.CyclesRenderer(scene, seed=request["seed"], threads=request["threads"])
             say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
             for line in sys.stdin:
                 wanted = json.loads(line)
                 if "show" in wanted:
-                    _show(job, options, scene, **wanted["show"])
+                    _show(job, options, scene, request["partial"], **wanted["show"])
                     say(shown=True)
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
@@ -76,9 +76,11 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(error=str(error))
 
 
-def _show(job: Any, options: Any, scene: Any, verdict: dict, threads: int, box: list, names: list, path: str) -> None:
+def _show(
+    job: Any, options: Any, scene: Any, partial: bool, verdict: dict, threads: int, box: list, names: list, path: str
+) -> None:
     """Write a small scene that shows what nothing explains."""
-    choices = job.Choices(job.CompareOptions(**verdict), options.Options(threads=threads))
+    choices = job.Choices(job.CompareOptions(**verdict), options.Options(threads=threads), partial)
     job.show(scene, choices, tuple(box), names, Path(path))
 
 

@@ -76,3 +76,18 @@ def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch)
     assert running.comparison.verdict.outcome is Outcome.DIFFERENT
     with bpy.data.libraries.load(str(tmp_path / "out" / job.MINIMAL)) as (found, _):
         assert found.scenes == ["floor unexplained"]
+
+
+def test_materials_that_are_not_simulated_come_over_as_unknown(program, tmp_path):
+    scene = floor()
+    tree = bpy.data.materials["rough"].node_tree
+    out = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    tree.links.new(tree.nodes.new("ShaderNodeSubsurfaceScattering").outputs[0], out.inputs["Surface"])
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
+    second = SecondBlender(tmp_path / "copy.blend", scene.name, seed=3, threads=1, partial=True)
+    try:
+        assert "Subsurface" in second.export().materials[0].unknown
+    finally:
+        second.close()
+    choices = job.Choices(CompareOptions(), Options(), partial=True)
+    assert job.repeat("a.blend", choices).endswith(" --partial")
