@@ -10,10 +10,12 @@ import numpy as np
 
 from ...lib.errors import Refusal
 from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
+from ...lib.textures.fold import fold, is_constant
+from .images import ImageTable
 from .matrices import is_sheared
+from .nodes import Scope, TreeReader
+from .nodes_values import VALUES
 from .refusals import refuse_light_rays
-
-_NODES = {"ShaderNodeEmission", "ShaderNodeOutputLight", "NodeFrame"}
 
 
 def read_light(
@@ -57,20 +59,28 @@ def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.
 
 
 def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]) -> np.ndarray:
-    """(3,) colour * strength of the one Emission node that a light's tree may hold."""
+    """(3,) colour * strength of the one Emission node that a light's tree may end in; what feeds it must be the same everywhere."""
     output = tree.get_output_node("CYCLES")
-    if output is None or not output.inputs["Surface"].is_linked:
+    if output is None:
         return np.zeros(3)
-    for node in tree.nodes:
-        if node.bl_idname not in _NODES or node.mute:
-            refusals.append(Refusal(owner, f"its node '{node.name}'", "leave one plain Emission node"))
-            return np.zeros(3)
-    emission = output.inputs["Surface"].links[0].from_node
+    reader = TreeReader(owner, False, ImageTable(), refusals, VALUES)
+    source = reader.trace(output.inputs["Surface"], Scope())
+    emission = source.socket.node
+    if not source.linked:
+        return np.zeros(3)
+    if emission.bl_idname != "ShaderNodeEmission":
+        reader.refuse(emission, source.scope, "", "use one plain Emission node")
+        return np.zeros(3)
+    product = np.ones(3)
     for name in ("Color", "Strength"):
-        if emission.inputs[name].is_linked:
-            refusals.append(Refusal(owner, f"the link to its Emission node's {name}", "remove the link"))
-    color = np.array(emission.inputs["Color"].default_value[:3], dtype=np.float64)
-    return color * emission.inputs["Strength"].default_value
+        content = fold(reader.read(emission.inputs[name], source.scope))
+        if not is_constant(content):
+            reader.refuse(
+                emission, source.scope, f", socket '{name}', which is not the same everywhere,", f"unlink {name}"
+            )
+            return np.zeros(3)
+        product *= np.array(content.value, dtype=np.float64)
+    return product
 
 
 def _point(name: str, data: bpy.types.PointLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ...lib.scene import expressions as ex
+from ...lib.textures.fold import fold
 from .nodes import Scope, TreeReader
 from .nodes_converters import CONVERTERS
 from .nodes_procedural import PROCEDURAL
@@ -75,6 +76,13 @@ def _layer_weight(reader: TreeReader, node: bpy.types.Node, output: str, scope: 
     return ex.LayerWeight(reader.read(node.inputs["Blend"], scope), output=output.upper())
 
 
+def _light_falloff(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    smooth = fold(reader.read(node.inputs["Smooth"], scope))
+    if output != "Quadratic" or smooth != ex.ZERO:
+        reader.refuse(node, scope, f", output '{output}', with its smoothness,", "use Quadratic, and a Smooth of 0")
+    return reader.read(node.inputs["Strength"], scope)
+
+
 def _refuse_angle(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> None:
     reader.refuse_linked(node, scope, "Normal")
     if reader.is_world:
@@ -92,6 +100,7 @@ VALUES = {
     "ShaderNodeMixRGB": _mix_rgb,
     "ShaderNodeValToRGB": _color_ramp,
     "ShaderNodeFresnel": _fresnel,
+    "ShaderNodeLightFalloff": _light_falloff,
     "ShaderNodeLayerWeight": _layer_weight,
 }
 """Node type by Blender's identifier -> reader."""

@@ -148,10 +148,42 @@ def test_an_emission_node_multiplies(studio):
     emission.inputs["Strength"].default_value = 3.0
     (light,) = studio.export().lights
     assert irradiance(light) == pytest.approx(measured(studio, 1), rel=2e-5)
-    link = lamp.data.node_tree.nodes.new("ShaderNodeLightFalloff")
-    lamp.data.node_tree.links.new(link.outputs["Linear"], emission.inputs["Strength"])
-    with pytest.raises(Refused, match="light 'lamp': its node 'Light Falloff' is not simulated"):
-        studio.export()
+
+
+@pytest.mark.parametrize("kind", ["POINT", "AREA"])
+def test_what_feeds_an_emission_node_may_be_any_constant(studio, kind):
+    """A blackbody, arithmetic in a group, a falloff that leaves the square of the distance alone."""
+    studio.quad()
+    lamp = above(studio, kind, **({"shadow_soft_size": 0.0} if kind == "POINT" else {"size": 0.01}))
+    if lamp.data.node_tree is None:
+        lamp.data.use_nodes = True
+    tree = lamp.data.node_tree
+    (emission,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    black, falloff, unused = (tree.nodes.new(f"ShaderNode{n}") for n in ("Blackbody", "LightFalloff", "TexNoise"))
+    black.inputs["Temperature"].default_value = 3200.0
+    tree.links.new(black.outputs[0], emission.inputs["Color"])
+    group = bpy.data.node_groups.new("double", "ShaderNodeTree")
+    group.interface.new_socket("Value", in_out="INPUT", socket_type="NodeSocketFloat")
+    group.interface.new_socket("Value", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    begin, end, math_node = (group.nodes.new(n) for n in ("NodeGroupInput", "NodeGroupOutput", "ShaderNodeMath"))
+    math_node.operation, math_node.inputs[1].default_value = "MULTIPLY", 2.0
+    group.links.new(begin.outputs[0], math_node.inputs[0])
+    group.links.new(math_node.outputs[0], end.inputs[0])
+    double = tree.nodes.new("ShaderNodeGroup")
+    double.node_tree = group
+    double.inputs[0].default_value = 1.5
+    tree.links.new(double.outputs[0], falloff.inputs["Strength"])
+    tree.links.new(falloff.outputs["Quadratic"], emission.inputs["Strength"])
+    (light,) = studio.export().lights
+    value = irradiance(light) if kind == "POINT" else np.array(light.radiance) * np.pi * 0.01**2 / np.pi / 9.0
+    assert value == pytest.approx(measured(studio, 1 if kind == "POINT" else 256), rel=1e-3)
+    for output, to, told in (
+        (falloff.outputs["Linear"], "Strength", "light 'lamp': node 'Light Falloff' .* output 'Linear'"),
+        (unused.outputs[0], "Strength", "socket 'Strength', which is not the same everywhere"),
+    ):
+        tree.links.new(output, emission.inputs[to])
+        with pytest.raises(Refused, match=told):
+            studio.export()
 
 
 def test_an_instanced_light_shines_from_its_instance(studio):
