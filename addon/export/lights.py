@@ -23,9 +23,10 @@ def read_light(
     instancer: bpy.types.Object | None,
     matrix: np.ndarray,
     bounces: int,
+    shown: bool,
     refusals: list[Refusal],
 ) -> Light | None:
-    """The light object `light`, of `instancer` if it is an instance, with the (3, 4) `matrix`.
+    """The light object `light`, of `instancer` if it is an instance, with the (3, 4) `matrix`; `shown` to the camera or not.
 
     None where it gives no light or is refused; `bounces` is how far light will be followed.
     """
@@ -40,8 +41,7 @@ def read_light(
         refusals.append(Refusal(owner, "a spread of 0", "widen the spread, or use a sun"))
     if len(refusals) > before or not emission.any():
         return None
-    visible = light.visible_camera and (instancer is None or instancer.visible_camera)
-    return _READERS[data.type](light.name, data, matrix, emission, visible)
+    return _READERS[data.type](light.name, data, matrix, emission, shown)
 
 
 def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.ndarray:

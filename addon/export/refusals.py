@@ -59,6 +59,12 @@ def is_invisible(instance: bpy.types.DepsgraphObjectInstance) -> bool:
     return not any(all(getattr(one, f"visible_{ray}") for one in both) for ray in _RAYS)
 
 
+def shows_to_camera(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> bool:
+    """Whether camera rays meet the object or light: it and its instancer say so, and its collections are not indirect only."""
+    both = (instance.object, instance.parent or instance.object)
+    return all(one.visible_camera for one in both) and not both[1].indirect_only_get(view_layer=layer)
+
+
 def refuse_light_rays(
     light: bpy.types.Object, instancer: bpy.types.Object | None, bounces: int, refusals: list[Refusal]
 ) -> None:
@@ -91,8 +97,6 @@ def _object_flags(
         yield f"ray visibility without {', '.join(hidden)}", "switch all rays on, or do not render it"
     if thing.is_holdout or parent.holdout_get(view_layer=layer):
         yield "a holdout", "switch it off"
-    if parent.indirect_only_get(view_layer=layer):
-        yield "a collection that is indirect only", "switch it off"
     if any(one.is_shadow_catcher for one in both):
         yield "a shadow catcher", "switch it off"
     if _is_linked(thing):

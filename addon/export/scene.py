@@ -21,7 +21,7 @@ from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .matrices import affine
 from .mesh import LocalMesh, read_mesh
 from .placements import Placements
-from .refusals import is_invisible, refuse_object, refuse_settings
+from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
 
 
 def export_scene(
@@ -121,7 +121,8 @@ def _read_things(
     for instance in depsgraph.object_instances:
         thing = instance.object
         if instance.show_self and thing.type == "LIGHT":
-            light = read_light(thing, instance.parent, affine(instance.matrix_world), bounces, refusals)
+            shown = shows_to_camera(instance, depsgraph.view_layer_eval)
+            light = read_light(thing, instance.parent, affine(instance.matrix_world), bounces, shown, refusals)
             if light is not None:
                 lights.append(light)
             continue
@@ -148,13 +149,13 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Me
         if key not in read:
             read[key] = read_mesh(mesh, thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
-            placements.add(_object(instance), read[key], materials.of_slots(thing))
+            placements.add(_object(instance, depsgraph.view_layer_eval), read[key], materials.of_slots(thing))
     return placements.join(needed.uv_maps, needed.generated, needed.attributes)
 
 
-def _object(instance: bpy.types.DepsgraphObjectInstance) -> Object:
+def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> Object:
     """What materials can ask of an object; an instance has its instancer's colour, and an index of its own."""
-    thing, instancer = instance.object, instance.parent or instance.object
+    thing = instance.object
     if instance.is_instance:
         random = np.array([instance.random_id & 0xFFFFFFFF], np.uint32)
     else:
@@ -162,10 +163,10 @@ def _object(instance: bpy.types.DepsgraphObjectInstance) -> Object:
     return Object(
         thing.name,
         affine(instance.matrix_world),
-        tuple(instancer.color),
+        tuple((instance.parent or thing).color),
         thing.pass_index,
         float(unit(random)[0]),
-        thing.visible_camera and instancer.visible_camera,
+        shows_to_camera(instance, layer),
     )
 
 

@@ -235,7 +235,6 @@ OBJECTS = {
     "a shadow catcher": flag(is_shadow_catcher=True),
     "light linking": linking,
     "adaptive subdivision": adaptive,
-    "a collection that is indirect only": in_collection("indirect_only"),
 }
 
 

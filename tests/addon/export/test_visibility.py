@@ -69,6 +69,31 @@ def scene(studio):
     studio.scene.cycles.max_bounces = 2
 
 
+def test_collections_that_are_indirect_only_hide_from_the_camera(studio):
+    """A face and a lamp each, as Cycles has it."""
+    glow = shader("glow", "Emission", Strength=1.0)
+    lamp = bpy.data.lights.new("lamp", "AREA")
+    panel = studio.add("panel", lamp, Euler((np.pi, 0, 0)).to_matrix().to_4x4())
+    things = {"face": square(studio, "face", glow, 1.0), "panel": panel}
+    panel.visible_camera = True
+    studio.quad("ground", 4.0, z=-1.0)
+    studio.look_down(0.1)
+    studio.scene.render.resolution_x = studio.scene.render.resolution_y = 4
+    collection = bpy.data.collections.new("indirect")
+    studio.scene.collection.children.link(collection)
+    for name, thing in things.items():
+        studio.scene.collection.objects.unlink(thing)
+        for other in (x for x in things.values() if x is not thing):
+            other.hide_render = True
+        thing.hide_render = False
+        collection.objects.link(thing)
+        for indirect in (False, True):
+            studio.layer.layer_collection.children["indirect"].indirect_only = indirect
+            shown = studio.cycles(1).max()
+            found = ReferenceRenderer(studio.export(), Options()).render(0, 1).radiance.max()
+            assert (shown > 0.5) == (found > 0.5) == (not indirect), name
+
+
 def apart(studio, exported):
     """How far the images are apart in blocks of 8 x 8, in standard errors."""
     sides = ReferenceRenderer(exported, Options(threads=1)), CyclesRenderer(studio.scene, threads=1)
