@@ -55,6 +55,11 @@ class Side:
         """How many it has rendered, of the whole image or of a part."""
         return self.film.moments.most
 
+    @property
+    def whole(self) -> int:
+        """How many it has rendered of the whole image."""
+        return self.film.moments.least
+
     def exclude(self, pixels: np.ndarray, of: np.ndarray | None) -> None:
         """Leave `pixels` (height, width) out of the regions `of` (K,), or of all."""
         self.regions.exclude(pixels, self.film.moments, of)

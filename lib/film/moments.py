@@ -37,6 +37,11 @@ class Moments:
         return int(np.max(self.n))
 
     @property
+    def least(self) -> int:
+        """The number of observations of the entry that has fewest."""
+        return int(np.min(self.n))
+
+    @property
     def count(self) -> int | np.ndarray:
         """`n` in a shape that broadcasts against the mean."""
         return (

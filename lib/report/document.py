@@ -146,6 +146,7 @@ def _side(side: Side) -> dict[str, Any]:
         "name": side.name,
         "settings": side.settings,
         "replicates": side.replicates,
+        "replicates_of_all": side.whole,
         "samples_per_replicate": film.samples,
         "samples_per_pixel": film.samples * side.replicates,
         "seconds": film.seconds,

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..compare import Comparison
+from ..compare import Comparison, Side
 from ..verdict.outcome import Outcome
 
 FURTHEST = 5
@@ -138,7 +138,7 @@ def _basis(comparison: Comparison) -> str:
     a, b = comparison.reference, comparison.candidate
     return (
         f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {percent(verdict.confidence, sign=False)} "
-        f"for all of them together, from {a.replicates} x {a.film.samples} and {b.replicates} x {b.film.samples} samples a pixel "
+        f"for all of them together, from {_drawn(a)} and {_drawn(b)} samples a pixel "
         f"in {seconds(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
     )
 
@@ -147,6 +147,12 @@ def _gone(comparison: Comparison) -> int:
     """How many undecided regions have lost all of their pixels."""
     verdict = comparison.verdict
     return int(((verdict.excluded == comparison.regions.sizes) & (verdict.outcomes == Outcome.UNDECIDED)).sum())
+
+
+def _drawn(side: Side) -> str:
+    """Replicates times samples; of the whole image, and of the parts that were sampled longest."""
+    count = str(side.replicates) if side.whole == side.replicates else f"{side.whole} to {side.replicates}"
+    return f"{count} x {side.film.samples}"
 
 
 def _why(comparison: Comparison) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..film.moments import Moments
 from ..film.regions import RegionMoments
 from .attribution import Explanation
 from .claims import difference, interval
@@ -90,8 +91,8 @@ def conclude(
                     "known departures explain every region that differs; whether they explain all the rest is open"
                 )
         outcomes[covered] = Outcome.EXPLAINED
-    share = test.looks[-1].share
-    low, high = interval(of_candidate, of_reference, test.floor, test.level * share / (6 * test.outcomes.size))
+    tail = test.level * _shares(test, of_reference, of_candidate) / (6 * test.outcomes.size)
+    low, high = interval(of_candidate, of_reference, test.floor, tail)
     return Verdict(
         outcome,
         tuple(reasons),
@@ -109,3 +110,12 @@ def conclude(
         tuple(test.looks),
         None if outcome is Outcome.EXPLAINED else forecast(test, of_reference, of_candidate),
     )
+
+
+def _shares(test: SequentialTest, reference: Moments, candidate: Moments) -> np.ndarray:
+    """The share of the error level (N, 1) that was spent when each region was last looked at: what is not sampled on is not either."""
+    n = np.broadcast_to(np.minimum(reference.n, candidate.n), test.outcomes.shape)
+    shares = np.full(n.shape, test.looks[-1].share)
+    for look in reversed(test.looks):
+        shares[n <= min(look.replicates)] = look.share
+    return shares[:, None]
