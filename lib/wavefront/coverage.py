@@ -29,7 +29,7 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
     """
     camera, mesh = kernel.scene.camera, kernel.scene.mesh
     sampler = SobolSampler(kernel.options.seed, -1, samples)
-    materials = [material.name for material in kernel.scene.materials]
+    materials = [material.name or "(no material)" for material in kernel.scene.materials]
     edges = np.cos(np.radians(BANDS[:-1]))
     found: dict[str, list[np.ndarray]] = {"material": [], "facing": [], "object": []}
     for tile in tiles(camera.width * camera.height, samples, TILE_PATHS):
