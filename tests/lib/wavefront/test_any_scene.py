@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from etalon.lib.errors import SceneError
-from etalon.lib.scene.camera import Aperture, Camera
+from etalon.lib.scene.camera import PANORAMAS, Aperture, Camera
 from etalon.lib.scene.checks import validate
 from etalon.lib.scene.expressions import Constant, Coordinates, EnvironmentTexture, ImageTexture
 from etalon.lib.scene.images import Image
@@ -133,8 +133,8 @@ def cameras(draw, scale, offset):
     eye = away + offset
     looks_home = draw(st.booleans()) and np.linalg.norm(away) > 1e-3 * scale
     forward = tuple(-away / np.linalg.norm(away)) if looks_home else draw(directions())
-    kind = draw(st.sampled_from(["PERSPECTIVE", "ORTHOGRAPHIC"]))
-    step = draw(st.sampled_from([1e-6, 0.3])) * (1.0 if kind == "PERSPECTIVE" else scale)
+    kind = draw(st.sampled_from(["PERSPECTIVE", "ORTHOGRAPHIC", *PANORAMAS]))
+    step = draw(st.sampled_from([1e-6, 0.3])) * (scale if kind == "ORTHOGRAPHIC" else 1.0)
     plane = np.array([[step, 0.0, -1.5 * step], [0.0, step, -1.5 * step]])
     aperture = None
     if draw(st.booleans()):
@@ -143,7 +143,9 @@ def cameras(draw, scale, offset):
             0.1 * scale, blades, 0.2, draw(st.sampled_from([0.5, 1.0, 2.0])), scale * draw(st.sampled_from([1e-3, 3.0]))
         )
     to_world = np.concatenate([axes(forward), eye[:, None]], axis=1)
-    return Camera(kind, 3, 3, plane, to_world, draw(st.sampled_from([0.0, 0.1 * scale])), 1e9 * scale, aperture)
+    near, field = draw(st.sampled_from([0.0, 0.1 * scale])), draw(st.sampled_from([0.5, 2.0 * np.pi]))
+    polynomial = (0.0, 1.0, 0.1, 0.0, 0.0) if kind == "FISHEYE_LENS_POLYNOMIAL" else ()
+    return Camera(kind, 3, 3, plane, to_world, near, 1e9 * scale, aperture, field, polynomial)
 
 
 @st.composite
