@@ -70,6 +70,8 @@ class Evaluator:
 
     def __call__(self, expression: ex.Expression) -> np.ndarray:
         """The value or colour of `expression`."""
+        if isinstance(expression, ex.Constant):
+            return _constant(expression)
         found = self._results.get(id(expression))
         if found is None:
             # Overflow is the material's own and comes out as inf or NaN, for the film to count.
@@ -88,7 +90,7 @@ def evaluate(expression: ex.Expression, context: Context, images: ImageSet) -> n
     return Evaluator(context, images)(expression)
 
 
-def _constant(node: ex.Constant, _: Evaluator) -> np.ndarray:
+def _constant(node: ex.Constant) -> np.ndarray:
     value = np.asarray(node.value, dtype=np.float64)
     return value[:, None] if value.ndim else value
 
@@ -162,7 +164,6 @@ def _vector_to_value(node: ex.VectorToValue, read: Evaluator) -> np.ndarray:
 _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     **CONVERTERS,
     **PATTERNS,
-    ex.Constant: _constant,
     ex.Coordinates: lambda node, read: read.context.coordinates(node.kind, node.uv_map),
     ex.Attribute: _attribute,
     ex.ObjectInfo: lambda node, read: read.context.object_info()[_OBJECT[node.output]],

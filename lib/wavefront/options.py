@@ -35,7 +35,7 @@ class Options:
     russian_roulette: bool = True
     seed: int = 0
     threads: int = 2
-    tile_paths: int = 65536
+    tile_paths: int = 131072
 
     def __post_init__(self) -> None:
         for name, allowed in (
