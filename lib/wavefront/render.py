@@ -16,7 +16,7 @@ from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
-from .heap import settle_heap
+from .heap import give_back, settle_heap
 from .kernel import Kernel
 from .options import Options
 from .sums import PixelSums, StageClock
@@ -129,6 +129,8 @@ class ReferenceRenderer:
             finally:
                 for future in pending:
                     future.cancel()
+        if windows is None:
+            give_back()
         radiance /= samples
         seconds = perf_counter() - begin
         return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown)
