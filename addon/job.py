@@ -24,7 +24,7 @@ from ..lib.wavefront.options import Options
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
 from .cycles import CyclesRenderer, neutral
-from .export import export_scene
+from .export import export_scene, render_skies
 from .minimal import seen, where, write_minimal
 from .render_depsgraph import with_render_depsgraph
 from .results import folder_beside
@@ -55,7 +55,7 @@ def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
 
     Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
     """
-    return with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial))
+    return render_skies(with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial)))
 
 
 def judge(

@@ -2,9 +2,10 @@
 """From Blender's evaluated scene to lib.scene.
 
 scene.py the whole, mesh.py one mesh, placements.py its instances in the world, camera.py, lights.py, refusals.py what of objects
-and settings is not simulated; materials.py with nodes*.py closures and the world, images.py textures.
+and settings is not simulated; materials.py with nodes*.py closures and the world, images.py textures, sky.py skies.
 """
 
 from .scene import export_scene
+from .sky import render_skies
 
-__all__ = ["export_scene"]
+__all__ = ["export_scene", "render_skies"]

@@ -79,9 +79,9 @@ class ImageTable:
             return None
         if codes_lost:
             pixels[..., :3] = srgb_encode(pixels[..., :3])
-        return Entry(self._place(Image(image.name, pixels, encoding)), association)
+        return Entry(self.place(Image(image.name, pixels, encoding)), association)
 
-    def _place(self, image: Image) -> int:
+    def place(self, image: Image) -> int:
         """The image's index, that of an equal one where there is one."""
         for index, other in enumerate(self._images):
             if (

@@ -8,6 +8,7 @@ import bpy
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Specular, Transparent
+from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
 from .displacement import read_bump, refuse_beside_bump
@@ -115,7 +116,7 @@ def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int,
     """The size of the largest image in the radiance, within bounds: the table only steers where samples go."""
     if is_constant(radiance):
         return _NO_TABLE
-    indices = [n.image for n in walk(radiance) if isinstance(n, ex.EnvironmentTexture | ex.ImageTexture)]
+    indices = [n.image for n in walk(radiance) if isinstance(n, ex.EnvironmentTexture | ex.ImageTexture | Sky)]
     sizes = [images.images[index].pixels.shape[:2] for index in indices]
     width = max([_LEAST_TABLE[0], *(w for _, w in sizes)])
     height = max([_LEAST_TABLE[1], *(h for h, _ in sizes)])

@@ -11,6 +11,7 @@ from .nodes import Scope, TreeReader
 from .nodes_converters import CONVERTERS
 from .nodes_procedural import PROCEDURAL
 from .nodes_textures import TEXTURES
+from .sky import read_sky
 
 _CONTENT_BY_TYPE = {"FLOAT": "Float", "VECTOR": "Vector", "RGBA": "Color"}
 
@@ -102,5 +103,6 @@ VALUES = {
     "ShaderNodeFresnel": _fresnel,
     "ShaderNodeLightFalloff": _light_falloff,
     "ShaderNodeLayerWeight": _layer_weight,
+    "ShaderNodeTexSky": read_sky,
 }
 """Node type by Blender's identifier -> reader."""

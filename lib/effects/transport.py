@@ -9,6 +9,7 @@ import numpy as np
 
 from ..scene.expressions import EnvironmentTexture
 from ..scene.materials import Emission
+from ..scene.sky import Sky
 from ..textures.fold import walk
 from .facts import Facts
 from .geometry import Answer
@@ -63,7 +64,12 @@ def environment_world(facts: Facts) -> Answer:
     """Whether the world must be asked for each direction."""
     if not facts.world_varies:
         return False, "the world's colour is the same in every direction"
-    textured = any(isinstance(node, EnvironmentTexture) for node in walk(facts.world))
+    nodes = list(walk(facts.world))
+    skies = [node for node in nodes if isinstance(node, Sky)]
+    if skies:
+        disc = ", its sun's disc apart" if any(sky.sun for sky in skies) else ""
+        return True, f"the world is lit by a sky, as Blender renders it{disc}"
+    textured = any(isinstance(node, EnvironmentTexture) for node in nodes)
     return True, f"the world {'is lit by an environment texture' if textured else 'depends on the direction'}"
 
 

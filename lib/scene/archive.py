@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import EtalonError
-from . import camera, converters, expressions, images, lights, materials, mesh, procedural, scene, world
+from . import camera, converters, expressions, images, lights, materials, mesh, procedural, scene, sky, world
 from .checks import validate
 from .scene import Scene
 
@@ -24,7 +24,7 @@ _VERSION = 1
 _SMALL = 64
 _CLASSES = {
     kind.__name__: kind
-    for module in (camera, converters, expressions, images, lights, materials, mesh, procedural, scene, world)
+    for module in (camera, converters, expressions, images, lights, materials, mesh, procedural, scene, sky, world)
     for kind in vars(module).values()
     if isinstance(kind, type) and is_dataclass(kind)
 }

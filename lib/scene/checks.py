@@ -17,6 +17,7 @@ from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .mesh import Mesh
 from .scene import Scene
+from .sky import Sky, SunDisc
 
 _UNIT = 1e-3
 _ENCODINGS = ("SRGB", "LINEAR", "DATA")
@@ -158,7 +159,7 @@ def _check_image(image: Image) -> None:
 def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
     """Demand that images, UV maps and generated coordinates that `root` reads are there, and constants finite."""
     for node in _nodes(root):
-        if isinstance(node, ImageTexture | EnvironmentTexture):
+        if isinstance(node, ImageTexture | EnvironmentTexture | Sky | SunDisc):
             _demand(0 <= node.image < len(scene.images), owner, f"image {node.image} is not in the scene")
         elif isinstance(node, Constant):
             _demand(all(map(math.isfinite, _numbers(node))), owner, "a constant is not finite")

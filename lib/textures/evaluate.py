@@ -10,6 +10,7 @@ import numpy as np
 
 from ..bsdfs.layered import beneath_layer, coat_tint
 from ..scene import expressions as ex
+from ..scene.sky import Sky
 from ..vectors import dot
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
 from .checker import checker
@@ -22,6 +23,7 @@ from .mix import mix
 from .normals import bump, normal_map
 from .patterns import PATTERNS
 from .ramp import color_ramp
+from .sky import sky
 
 
 class Context(Protocol):
@@ -175,6 +177,7 @@ _NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
     ),
     ex.ImageTexture: _image_texture,
     ex.EnvironmentTexture: _environment_texture,
+    Sky: sky,
     ex.Checker: _checker,
     ex.Math: lambda node, read: math(node.operation, read(node.a), read(node.b), read(node.c), node.clamp),
     ex.Mix: _mix,

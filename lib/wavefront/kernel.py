@@ -12,6 +12,7 @@ from ..effects.plan import Plan
 from ..lights.build import light_sampler, light_samplers
 from ..lights.environment import EnvironmentSampler
 from ..lights.selection import LightSelection
+from ..lights.sky import SunnySampler, suns_of
 from ..scene.scene import Scene
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold
@@ -54,10 +55,14 @@ class Kernel:
         else:
             self.lights = [light_sampler(light, radius) for light in scene.lights]
         self.sky: np.ndarray | None = None
-        self.environment: EnvironmentSampler | None = None
+        self.environment: EnvironmentSampler | SunnySampler | None = None
         self.asks_world = plan.needs("environment world")
         if plan.needs("environment table"):
-            self.environment = EnvironmentSampler(self.world, scene.world.table_resolution, radius)
+            resolution, suns = scene.world.table_resolution, suns_of(scene.world.radiance)
+            if suns:
+                self.environment = SunnySampler(self.world, resolution, suns, radius)
+            else:
+                self.environment = EnvironmentSampler(self.world, resolution, radius)
             self.lights.append(self.environment)
         if plan.needs("constant world") and not self.asks_world:
             world = np.asarray(fold(scene.world.radiance).value, np.float64)

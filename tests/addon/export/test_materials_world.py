@@ -93,7 +93,7 @@ def test_the_sampling_table_has_the_size_of_the_image_within_bounds(world):
     ("build", "named"),
     [
         (lambda t: node(t, "BsdfDiffuse"), "Diffuse BSDF) on a world"),
-        (lambda t: node(t, "Background", {"Color": node(t, "TexSky")}), "Sky Texture"),
+        (lambda t: node(t, "Background", {"Color": node(t, "TexGabor")}), "Gabor Texture"),
         (lambda t: node(t, "Background", {"Color": node(t, "TexCoord", output="Camera")}), "output 'Camera'"),
         (lambda t: node(t, "Background", {"Strength": node(t, "LayerWeight")}), "Layer Weight) in a world"),
     ],
