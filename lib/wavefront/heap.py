@@ -8,10 +8,12 @@ import sys
 from collections.abc import Callable
 
 # malloc.h of glibc.
-_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD, _M_ARENA_MAX = -1, -3, -8
 # A tile's arrays are smaller, an image's are larger.
 _KEPT = 8 << 20
-_SPARE = 64 << 20
+# What two threads' tiles need. A heap of a thread's own ends at 64 MB, which one tile passes: all threads share one.
+_SPARE = 192 << 20
+_ARENAS = 1
 
 
 def settle_heap() -> None:
@@ -24,6 +26,7 @@ def settle_heap() -> None:
     if mallopt is not None:
         mallopt(_M_MMAP_THRESHOLD, _KEPT)
         mallopt(_M_TRIM_THRESHOLD, _SPARE)
+        mallopt(_M_ARENA_MAX, _ARENAS)
 
 
 def give_back() -> None:
