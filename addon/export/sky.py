@@ -2,9 +2,10 @@
 """Sky Textures of the world: what Blender itself makes of them, as a table of radiance, and their sun's disc beside it.
 
 A sky is given to both renderers, as an image would be, so Cycles is asked for it: once, at the directions of a table's texels. Cycles
-keeps the sky of its scattering models in a table too, and the one here has its texels. Measured at random directions: within
-4e-5 of Cycles from Blender 5.0 on. Before, the ground fades out by a formula: root mean square 5e-5 of the mean. Preetham and
-Hosek/Wilkie have formulas alone: 3e-5, and 0.7 % at most, right at the sun.
+keeps the sky of its scattering models in a table too, and the one here has its texels. Root mean square of the error, measured at
+random directions, of the mean radiance: 3e-6 from Blender 5.0 on (2e-4 where a sun at the horizon is redder than colours can be),
+2e-5 before, where a formula fades the ground out. Preetham and Hosek/Wilkie are formulas alone: 9e-5, and 1 % at most, right at
+the sun. The disc is the formula of Cycles with its two colours measured: 1e-3 at most but at the very limb.
 """
 
 from __future__ import annotations
@@ -120,8 +121,8 @@ def _sun_place(elevation: float, rotation: float) -> tuple[float, float]:
 
 
 def _dip(node: bpy.types.Node) -> float:
-    """How far below level the horizon is, radians, seen from the node's altitude."""
-    return math.acos(_EARTH / (_EARTH + max(node.altitude, 0.0)))
+    """How far below level the horizon is, radians, seen from the node's altitude; before Blender 5.0 it is level."""
+    return math.acos(_EARTH / (_EARTH + max(node.altitude, 0.0))) if _SINCE_5 else 0.0
 
 
 @lru_cache(maxsize=4)

@@ -12,6 +12,7 @@ from ..scene.lights import SunLight
 from ..scene.sky import Sky
 from ..textures.fold import walk
 from ..textures.sky import toward
+from ..vectors import put
 from .cone import uniform_cone
 from .environment import EnvironmentSampler
 from .light import LightSample, column, luminance
@@ -63,11 +64,12 @@ class SunnySampler:
         wi, radiance = np.empty((3, u1.size)), np.empty((3, u1.size))
         for k, sampler in enumerate((self._rest, *self._suns)):
             at = np.flatnonzero(part == k)
-            again = (u1[at] - (self._edges[k - 1] if k else 0.0)) / self._chance[k]
-            drawn = sampler.sample(point[:, at], np.clip(again, 0.0, 1.0 - 1e-16), u2[at])
-            wi[:, at], radiance[:, at] = drawn.wi, drawn.radiance
+            again = (np.take(u1, at) - (self._edges[k - 1] if k else 0.0)) / self._chance[k]
+            drawn = sampler.sample(np.take(point, at, axis=1), np.clip(again, 0.0, 1.0 - 1e-16), np.take(u2, at))
+            put(wi, at, drawn.wi)
+            put(radiance, at, drawn.radiance)
         in_sun = np.flatnonzero(self._within(wi))
-        radiance[:, in_sun] = self._radiance(wi[:, in_sun])
+        put(radiance, in_sun, self._radiance(np.take(wi, in_sun, axis=1)))
         distance = np.full(u1.size, np.inf)
         return LightSample(wi, distance, radiance, self.pdf(point, wi, distance))
 
