@@ -11,6 +11,7 @@ import OpenImageIO
 from ..errors import EtalonError
 
 NONFINITE = (255, 0, 255)
+STRIPE = (128, 0, 128)
 # Endpoints, and white between them, that stay apart for every kind of colour vision (ColorBrewer's RdBu).
 BELOW, EQUAL, ABOVE = (33, 102, 172), (247, 247, 247), (178, 24, 43)
 
@@ -41,6 +42,14 @@ def signed8(difference: np.ndarray, limit: float) -> np.ndarray:
         for c in range(3):
             out[row, :, c] = np.rint(np.interp(place, (-1, 0, 1), (BELOW[c], EQUAL[c], ABOVE[c])))
         out[row, ~known] = NONFINITE
+    return out
+
+
+def hatched(pixels: np.ndarray, where: np.ndarray) -> np.ndarray:
+    """The view (height, width, 3) with diagonal stripes over the pixels `where` (height, width)."""
+    row, column = np.nonzero(where)
+    out = pixels.copy()
+    out[row, column] = np.where(((row + column) % 8 < 4)[:, None], NONFINITE, STRIPE)
     return out
 
 

@@ -67,16 +67,18 @@ const SRGB = new Uint8Array(4097).map((_, i) => {
   return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
 });
 
-function magenta(color) {
-  color[0] = 255;
+/* What is not compared is hatched. */
+function hatch(i, color) {
+  const pixel = i / 3;
+  const light = ((pixel % width) + Math.floor(pixel / width)) % 8 < 4;
+  color[0] = color[2] = light ? 255 : 128;
   color[1] = 0;
-  color[2] = 255;
 }
 
 function paintRadiance(values) {
   const gain = 4096 * 2 ** state.exposure;
   return painted((i, color) => {
-    if (Number.isNaN(values[i])) return magenta(color);
+    if (Number.isNaN(values[i])) return hatch(i, color);
     for (let c = 0; c < 3; c++) color[c] = SRGB[Math.min(4096, Math.max(0, Math.round(values[i + c] * gain)))];
   });
 }
@@ -87,7 +89,7 @@ function paintDifference() {
   return painted((i, color) => {
     let sum = 0;
     for (let c = 0; c < 3; c++) sum += Math.min(1, Math.max(-1, relative(i + c) / limit));
-    if (Number.isNaN(sum)) return magenta(color);
+    if (Number.isNaN(sum)) return hatch(i, color);
     const end = ends[sum < 0 ? 0 : 1];
     const share = Math.abs(sum) / 3;
     for (let c = 0; c < 3; c++) color[c] = 247 + (end[c] - 247) * share;
@@ -100,7 +102,7 @@ const MAGMA = [[0, 0, 4], [28, 16, 68], [79, 18, 123], [129, 37, 129], [181, 54,
 function paintFlip() {
   return painted((i, color) => {
     const value = flip[i / 3];
-    if (value === view.flip.none) return magenta(color);
+    if (value === view.flip.none) return hatch(i, color);
     const place = (value / view.flip.one) * (MAGMA.length - 1);
     const low = Math.min(Math.floor(place), MAGMA.length - 2);
     for (let c = 0; c < 3; c++) color[c] = MAGMA[low][c] + (MAGMA[low + 1][c] - MAGMA[low][c]) * (place - low);

@@ -19,7 +19,7 @@ from ..compare import Comparison
 from ..effects.plan import Plan
 from ..errors import EtalonError
 from ..film.exr import write_exr, write_film
-from ..film.pictures import middle_exposure, signed8, srgb8, write_png
+from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
 from .document import document
 from .flip import flip
 from .words import percent, seconds
@@ -84,13 +84,15 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -
     write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")})
     means = _shown(comparison)
     exposure = middle_exposure(means[0])
-    write_png(folder / "reference.png", srgb8(means[0], exposure))
-    write_png(folder / "cycles.png", srgb8(means[1], exposure))
     limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance
-    write_png(
-        folder / "difference.png",
-        signed8(np.stack([np.clip(row, -limit, limit).mean(axis=1) for row in difference]), limit),
-    )
+    clipped = np.stack([np.clip(row, -limit, limit).mean(axis=1) for row in difference])
+    views = {
+        "reference": srgb8(means[0], exposure),
+        "cycles": srgb8(means[1], exposure),
+        "difference": signed8(clipped, limit),
+    }
+    for name, view in views.items():
+        write_png(folder / f"{name}.png", hatched(view, comparison.left_out))
 
 
 def _html(comparison: Comparison, figures: dict[str, Any]) -> str:

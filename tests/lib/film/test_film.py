@@ -6,7 +6,7 @@ import pytest
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr, write_exr, write_film
 from etalon.lib.film.film import Film
-from etalon.lib.film.pictures import middle_exposure, signed8, srgb8
+from etalon.lib.film.pictures import hatched, middle_exposure, signed8, srgb8
 from etalon.lib.film.rendering import Rendering
 from etalon.lib.film.windows import Windows
 
@@ -116,3 +116,13 @@ def test_views_for_the_eye():
     assert middle_exposure(np.full((4, 4, 3), 0.25)) == 2.0
     assert middle_exposure(np.zeros((4, 4, 3))) == 0.0
     assert middle_exposure(np.full((4, 4, 3), np.nan)) == 0.0
+
+
+def test_what_is_left_out_is_hatched_and_nothing_else():
+    view, where = np.full((8, 9, 3), 7, np.uint8), np.zeros((8, 9), bool)
+    where[2:6, 1:] = True
+    shown = hatched(view, where)
+    assert (shown[~where] == 7).all()
+    assert {tuple(color) for color in shown[where].tolist()} == {(255, 0, 255), (128, 0, 128)}
+    assert (shown[2:6, 8] != shown[2:6, 4]).any()
+    assert (view == 7).all()
