@@ -116,13 +116,14 @@ def compare(
             raise EtalonError(f"{scene.name}: cancelled before both sides had an image; there is nothing to compare")
         due = next_look(n - 1)
         stopped = meter.why_stop(n, n + 1 if windows is None else due if n < due else next_look(n))
-        # Parts are judged at the numbers laid down before, and at no other: how fast these come depends on what was seen elsewhere.
-        if n != due and not (stopped and windows is None):
+        # How fast parts come depends on what was seen elsewhere: of them, time decides neither when to look nor what a look may spend.
+        last = stopped == "replicates" or bool(stopped and windows is None)
+        if n != due and not last:
             continue
-        test.look(sides[0].regions.moments, sides[1].regions.moments, last=bool(stopped))
+        test.look(sides[0].regions.moments, sides[1].regions.moments, last)
         open_ = test.undecided
         if search is not None:
-            if search.look(sides, excluded | left_out, last=bool(stopped)):
+            if search.look(sides, excluded | left_out, last):
                 open_ = test.outcomes != Outcome.EQUIVALENT
             elif search.complete:
                 open_ = np.zeros_like(open_)

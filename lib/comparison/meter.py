@@ -70,9 +70,10 @@ class Meter:
         return rendering
 
     def why_stop(self, replicates: int, goal: int) -> str:
-        """Why sampling ends with `replicates` on both sides, or '' if it goes on; never depends on what was rendered.
+        """Why sampling ends with `replicates` on both sides, or '' if it goes on.
 
-        Time ends it when less is left than `goal` replicates will take, the number at which there is something to gain.
+        Of whole images this never depends on what was rendered. Time ends it when less is left than `goal` replicates will take,
+        the number at which there is something to gain.
         """
         if self._cancelled():
             return "cancelled"

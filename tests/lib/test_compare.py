@@ -136,6 +136,20 @@ def test_decisions_are_those_of_whole_images(monkeypatch):
     assert len(set(parts.verdict.decided_at)) > 2
 
 
+@pytest.mark.parametrize(("limit", "shares"), [({"time": 30.0}, None), ({"time": None, "replicates": 50}, 1 / 6)])
+def test_of_parts_only_a_number_laid_down_before_makes_a_look_the_last(monkeypatch, limit, shares):
+    """Time comes sooner or later by what was seen elsewhere; it may not decide how much of the level a look spends."""
+    clock = Clock()
+    monkeypatch.setattr(module, "time", clock)
+    reference = Painter("the reference", grey(1.0, 96, 80), 0.01, clock=clock, cost=(0.1, 0.001))
+    candidate = Painter("Cycles", grey(1.0, 96, 80), 0.01, change=noisy_corner(), clock=clock, cost=(0.1, 0.001))
+    found = compare(blank(96, 80), reference, candidate, {}, CompareOptions(samples=16, **limit))
+    assert candidate.windows[-1] is not None
+    k = len(found.verdict.looks)
+    assert found.verdict.looks[-1].share == pytest.approx(shares or 1 / (k * (k + 1)))
+    assert found.stopped == ("time" if limit["time"] else "replicates")
+
+
 def test_a_pixel_that_fails_in_a_part_is_excluded_there():
     def change(replicate, image):
         image = noisy_corner()(replicate, image)
