@@ -10,9 +10,10 @@ from .area import AreaSampler
 from .light import LightSample
 from .spherical_rectangle import SphericalRectangle
 
-# Beyond this many diagonals from the centre a rectangle is sampled by area: its solid angle then varies so little over it that
-# the exact inversion, four times as dear, buys no variance.
-FAR = 1.5
+# Beyond this many diagonals from the centre a rectangle is sampled by area, at a quarter of the exact inversion's price. What that
+# costs: with the distance the density's cube goes by a standard deviation of at most 3 / (sqrt(12) FAR) = 22 %, a variance of 0.05 a sample.
+# At 1.5 diagonals it is 0.33, and a plane under a light, smooth otherwise, took six times the samples.
+FAR = 4.0
 # Below this solid angle (steradians) places are uniform in area: the two densities are then nearly one, and the inversion in
 # solid angle would lose its digits, its error being about 1e-16 / solid angle.
 SMALLEST_SOLID_ANGLE = 1e-7
