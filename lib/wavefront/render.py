@@ -21,6 +21,7 @@ from .kernel import Kernel
 from .options import Options
 from .sums import PixelSums, StageClock
 from .trace import Tracer
+from .turns import short_turns
 
 # Below this many paths the interpreter's share of a tile outweighs what a second thread saves.
 SMALLEST_TILE = 4096
@@ -100,7 +101,7 @@ class ReferenceRenderer:
         def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
             return tile, *self._run(index[tile.first : tile.last], tile, sampler)
 
-        with ThreadPoolExecutor(self.options.threads) as pool:
+        with short_turns(), ThreadPoolExecutor(self.options.threads) as pool:
             pending: set[Future] = set()
             queue = iter(work)
             try:
