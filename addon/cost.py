@@ -21,7 +21,7 @@ from .console import bar, ended_by_interrupt, interruptible, quiet
 from .results import folder_beside
 
 # Seconds for pilots where only a forecast is asked for: with what is under way when they are over, at most 30.
-PILOTS = 27.0
+PILOTS = 24.0
 PILOT_PAIRS = 3
 PILOT_TRUTH = 0.12
 WHOLE = 300.0
