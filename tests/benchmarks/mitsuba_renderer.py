@@ -70,17 +70,21 @@ def _light(light: Light) -> dict:
 
 def _sensor(scene: Scene, sampler: str) -> dict:
     camera = scene.camera
-    if camera.kind != "PERSPECTIVE" or camera.aperture is not None:
+    if camera.kind not in ("PERSPECTIVE", "ORTHOGRAPHIC") or camera.aperture is not None:
         raise Refused([Refusal(scene.name, "its camera", _REMEDY)])
-    plane, world = camera.plane_from_raster, camera.world_from_camera
-    _, y, z, origin = world.T
+    _, y, z, origin = camera.world_from_camera.T
+    to_world = mi.ScalarTransform4f().look_at(list(origin), list(origin - z), list(y))
+    half_width = 0.5 * float(camera.plane_from_raster[0, 0]) * camera.width
+    if camera.kind == "PERSPECTIVE":
+        kind = {"type": "perspective", "fov": float(np.degrees(2.0 * np.arctan(half_width))), "fov_axis": "x"}
+    else:
+        kind = {"type": "orthographic"}
+        to_world = to_world @ mi.ScalarTransform4f().scale([half_width, half_width, 1.0])
     return {
-        "type": "perspective",
-        "fov": float(np.degrees(2.0 * np.arctan(0.5 * plane[0, 0] * camera.width))),
-        "fov_axis": "x",
+        **kind,
         "near_clip": camera.clip_start,
         "far_clip": camera.clip_end,
-        "to_world": mi.ScalarTransform4f().look_at(list(origin), list(origin - z), list(y)),
+        "to_world": to_world,
         "film": {
             "type": "hdrfilm",
             "width": camera.width,

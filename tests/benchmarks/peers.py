@@ -28,6 +28,7 @@ from etalon.addon.cycles import CyclesRenderer, neutral
 from etalon.addon.job import export
 from etalon.addon.opening import open_target
 from etalon.lib.compare import Renderer
+from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -61,7 +62,10 @@ def renderers(scene: Scene, bpy_scene: object, threads: int) -> list[Renderer]:
     if importlib.util.find_spec("mitsuba"):
         from mitsuba_renderer import MitsubaRenderer
 
-        found += [MitsubaRenderer(scene, variant, sampler, threads) for variant, sampler in MITSUBA]
+        try:
+            found += [MitsubaRenderer(scene, variant, sampler, threads) for variant, sampler in MITSUBA]
+        except Refused as refused:
+            print(f"without Mitsuba: {refused}")
     else:
         print("Mitsuba is not installed and left out; `pip install etalon[peers]`")
     return found
@@ -117,9 +121,14 @@ def table(rows: list[Row]) -> str:
         cells = [row.name, f"{statistics.median(row.throughput):.2f}"]
         cells.append(f"{statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})")
         cells += [f"{row.to(target, error):.3g}" for error in ERRORS[1:] for target in TARGETS]
-        cells += [f"{row.to(0.01, error) / reference.to(0.01, error):.2f}" for error in ERRORS]
+        cells += [_ratio(row.to(0.01, error), reference.to(0.01, error)) for error in ERRORS]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def _ratio(peer: float, reference: float) -> str:
+    """Of seconds; the reference needs none where it has no noise."""
+    return f"{peer / reference:.2f}" if reference else "-" if not peer else "inf"
 
 
 def machine(threads: int) -> str:
