@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..sampling.mis import power_heuristic
+from ..sampling.mis import cutoff_power_heuristic
 from ..vectors import dot
 from .kernel import Kernel
 from .paths import Paths
@@ -21,9 +21,9 @@ class Emitters:
         self._kernel, self._sums = kernel, sums
 
     def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
-        """The power heuristic for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
+        """The heuristic's weight for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
         if self._kernel.weighs:
-            return power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
+            return cutoff_power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
         if not self._kernel.samples_lights or self._kernel.options.direct == "bsdf":
             return np.ones_like(pdf)
         return np.where(np.isinf(pdf), 1.0, 0.0)  # only deltas and the camera see what light sampling covers

@@ -19,7 +19,7 @@ class Options:
 
     strategy: how a glossy lobe is sampled: 'visible' normals (Heitz 2014), 'bounded' ones (Eto and Tokuyoshi 2023; GGX), the
         documents' 'd_cos' (pdf(m) = D cos), or the hemisphere by 'cosine' or 'uniform' density.
-    direct: 'mis' combines light and BSDF sampling by the power heuristic; 'lights' and 'bsdf' take one of them alone (light
+    direct: 'mis' combines light and BSDF sampling by the power heuristic with a cutoff; 'lights' and 'bsdf' take one of them alone (light
         that one of them cannot sample is then still taken by the other: deltas, constant worlds).
     masking: 'correlated' (Ross, Heitz; what Cycles uses), 'separable' (the documents' G1 G1) or 'torrance_sparrow'.
     sampler: 'sobol' (Owen-scrambled, padded) or 'random'.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..bsdfs.mixture import Mixture
-from ..sampling.mis import power_heuristic
+from ..sampling.mis import cutoff_power_heuristic
 from ..vectors import dot, orthonormal_basis, to_local, to_world
 from .kernel import Kernel
 from .light_choice import LightChoice
@@ -93,7 +93,7 @@ def _direct(
     value, pdf = mixture.evaluate(toward)
     density = sample.pdf * light.probability
     if kernel.weighs:
-        factor = power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
+        factor = cutoff_power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
         factor /= density
     elif kernel.options.direct == "bsdf":
         factor = np.where(light.delta, 1.0 / density, 0.0)

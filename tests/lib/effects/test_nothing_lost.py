@@ -49,6 +49,11 @@ def image(one, plan, seed, samples=8, replicate=0, **options):
     return rendering.radiance
 
 
+def assert_same(forced, planned):
+    """To the last bit, but for rounding: a black lobe that stays is a product and a quotient more."""
+    np.testing.assert_array_max_ulp(forced, planned, 4)
+
+
 def variants(effect, needed):
     """The effect's scenes, with a light; and once more with a floor beneath, where they still want (or not) the effect."""
     scenes = [lit(one) for one in CASES[effect][0 if needed else 1]]
@@ -58,12 +63,12 @@ def variants(effect, needed):
 
 @pytest.mark.parametrize("effect", NAMES)
 def test_a_scene_that_needs_it(effect, seed):
-    """All other effects forced on change no bit."""
+    """All other effects forced on change nothing."""
     assert effect in CASES, f"the effect '{effect}' has no scenes in effect_cases.py"
     for one in variants(effect, True):
         plan = make_plan(one)
         planned = image(one, plan, seed)
-        np.testing.assert_array_equal(image(one, plan.forcing(*SAME_SAMPLES), seed), planned)
+        assert_same(image(one, plan.forcing(*SAME_SAMPLES), seed), planned)
     assert planned.any()
 
 
@@ -73,7 +78,7 @@ def test_a_scene_that_does_not(effect, seed):
     assert effect in NEUTRAL, f"the effect '{effect}' has no neutral value in neutral.py"
     for one in variants(effect, False):
         planned = image(one, make_plan(one), seed)
-        np.testing.assert_array_equal(image(one, make_plan(one).forcing(*SAME_SAMPLES), seed), planned)
+        assert_same(image(one, make_plan(one).forcing(*SAME_SAMPLES), seed), planned)
         if effect not in OTHER_ESTIMATORS:
             neutral = NEUTRAL[effect](one)
             forced = image(neutral, make_plan(neutral).forcing(effect, *TOGETHER.get(effect, ())), seed)
@@ -95,7 +100,7 @@ def test_under_other_options(options, seed):
         plan = make_plan(one)
         planned = image(one, plan, seed, **options)
         assert planned.any()
-        np.testing.assert_array_equal(image(one, plan.forcing(*SAME_SAMPLES), seed, **options), planned)
+        assert_same(image(one, plan.forcing(*SAME_SAMPLES), seed, **options), planned)
 
 
 NOISY = {
