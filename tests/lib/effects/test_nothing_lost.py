@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from etalon.lib.effects.catalogue import EFFECTS
+from etalon.lib.effects.facts import adding_lobes
 from etalon.lib.effects.plan import Decision, Plan, make_plan
 from etalon.lib.film.moments import Moments
 from etalon.lib.scene.world import World
@@ -49,9 +50,12 @@ def image(one, plan, seed, samples=8, replicate=0, **options):
     return rendering.radiance
 
 
-def assert_same(forced, planned):
-    """To the last bit, but for rounding: a black lobe that stays is a product and a quotient more."""
-    np.testing.assert_array_max_ulp(forced, planned, 4)
+def assert_same(forced, planned, one):
+    """To the last bit; where a black lobe that the plan drops stays beside another, rounding has a product and a quotient more."""
+    if any(len(adding_lobes(material)) < len(material.lobes) for material in one.materials):
+        np.testing.assert_array_max_ulp(forced, planned, 4)
+    else:
+        np.testing.assert_array_equal(forced, planned)
 
 
 def variants(effect, needed):
@@ -63,12 +67,12 @@ def variants(effect, needed):
 
 @pytest.mark.parametrize("effect", NAMES)
 def test_a_scene_that_needs_it(effect, seed):
-    """All other effects forced on change nothing."""
+    """All other effects forced on change no bit."""
     assert effect in CASES, f"the effect '{effect}' has no scenes in effect_cases.py"
     for one in variants(effect, True):
         plan = make_plan(one)
         planned = image(one, plan, seed)
-        assert_same(image(one, plan.forcing(*SAME_SAMPLES), seed), planned)
+        assert_same(image(one, plan.forcing(*SAME_SAMPLES), seed), planned, one)
     assert planned.any()
 
 
@@ -78,7 +82,7 @@ def test_a_scene_that_does_not(effect, seed):
     assert effect in NEUTRAL, f"the effect '{effect}' has no neutral value in neutral.py"
     for one in variants(effect, False):
         planned = image(one, make_plan(one), seed)
-        assert_same(image(one, make_plan(one).forcing(*SAME_SAMPLES), seed), planned)
+        assert_same(image(one, make_plan(one).forcing(*SAME_SAMPLES), seed), planned, one)
         if effect not in OTHER_ESTIMATORS:
             neutral = NEUTRAL[effect](one)
             forced = image(neutral, make_plan(neutral).forcing(effect, *TOGETHER.get(effect, ())), seed)
@@ -100,7 +104,7 @@ def test_under_other_options(options, seed):
         plan = make_plan(one)
         planned = image(one, plan, seed, **options)
         assert planned.any()
-        assert_same(image(one, plan.forcing(*SAME_SAMPLES), seed, **options), planned)
+        assert_same(image(one, plan.forcing(*SAME_SAMPLES), seed, **options), planned, one)
 
 
 NOISY = {
