@@ -82,13 +82,15 @@ class Mixture:
             total_weight, total_pdf = color * factor / share, density
         else:
             total_pdf = share * density
-            value = color * (factor * density)
+            others = np.zeros_like(direction)
             for j, other in enumerate(self._lobes):
                 if j != k and not other.delta:
                     one, other_density = other.part(index).evaluate(direction)
-                    value += _at(self._colors[j], index) * one
+                    others += _at(self._colors[j], index) * one
                     total_pdf += self._share[j, index] * other_density
-            total_weight = value / np.where(total_pdf > 0.0, total_pdf, 1.0)
+            divisor = np.where(total_pdf > 0.0, total_pdf, 1.0)
+            # Beside black lobes the first quotient is 1, and the weight is the lobe's own to the last bit.
+            total_weight = color * (factor * (density / divisor)) + others / divisor
         for whole, part in zip(out, (direction, total_weight, total_pdf), strict=True):
             put(whole, index, part)
 
