@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import etalon
+from etalon.lib.blender_versions import NEWEST_CHECKED, OLDEST
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGED = ("addon", "lib", "reference_scenes")
@@ -56,3 +57,13 @@ def test_importing_the_root_imports_no_blender():
 
     code = "import sys, etalon; sys.exit('bpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
+
+
+def test_pip_installs_no_newer_blender_than_the_newest_checked():
+    major, minor = NEWEST_CHECKED
+    (newest,) = (d for d in project()["project"]["dependencies"] if d.startswith("bpy") and ">= '3.13'" in d)
+    assert f"<{major}.{minor + 1};" in newest
+
+
+def test_the_extension_asks_for_the_oldest_release():
+    assert manifest()["blender_version_min"] == "{}.{}.0".format(*OLDEST)

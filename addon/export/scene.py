@@ -65,6 +65,7 @@ def export_scene(
         camera=view,
         transport=Transport(bounces, max(Transport().transparent_max_bounces, scene.cycles.transparent_max_bounces)),
         images=images.images,
+        blender=bpy.app.version[:2],
     )
     validate(result)
     return result

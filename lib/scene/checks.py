@@ -37,6 +37,8 @@ def validate(scene: Scene) -> None:
     _check_expressions("world", scene.world, scene)
     _demand(min(scene.world.table_resolution) >= 1, "world", "its sampling table is empty")
     _demand(scene.transport.max_bounces >= 0, scene.name, "its number of bounces is negative")
+    release = scene.blender is None or (len(scene.blender) == 2 and all(isinstance(n, int) for n in scene.blender))
+    _demand(release, scene.name, f"its Blender release is {scene.blender}, not a major and a minor version")
     _demand(scene.transport.transparent_max_bounces >= 0, scene.name, "its number of transparent bounces is negative")
 
 

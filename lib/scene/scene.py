@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..blender_versions import Release
 from .camera import Camera
 from .images import Image
 from .lights import Light
@@ -27,7 +28,10 @@ class Transport:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything the reference needs; written by the exporter, checked by `checks.validate`, never changed."""
+    """Everything the reference needs; written by the exporter, checked by `checks.validate`, never changed.
+
+    `blender` is the release that exported it, by which departures are chosen; None for a scene that no Blender made.
+    """
 
     name: str
     mesh: Mesh
@@ -37,3 +41,4 @@ class Scene:
     camera: Camera
     transport: Transport = Transport()
     images: tuple[Image, ...] = ()
+    blender: Release | None = None
