@@ -3,7 +3,7 @@
 
 import sys
 
-from .addon.cli import main
+from .addon.command.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -13,9 +13,10 @@ from pathlib import Path
 
 import bpy
 
-from ..lib.compare import CompareOptions, Comparison, Renderer, compare
+from ..lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
 from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
+from ..lib.files.results import folder_beside
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
@@ -23,12 +24,11 @@ from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.options import Options
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
-from .cycles import CyclesRenderer, neutral
+from .cycles.renderer import CyclesRenderer, neutral
+from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
-from .minimal import seen, where, write_minimal
-from .render_depsgraph import with_render_depsgraph
-from .results import folder_beside
-from .second_blender import SecondBlender
+from .export.minimal import seen, where, write_minimal
+from .export.render_depsgraph import with_render_depsgraph
 
 # A part of the scene that may show a difference is judged in this share of the time, and in so many seconds at least.
 TRY_SHARE, TRY_LEAST = 0.05, 4.0

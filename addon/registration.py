@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import cli, operators, panels, properties
+from .command import cli
+from .ui import operators, panels, properties
 
 _CLASSES = (
     properties.EtalonSettings,

@@ -5,7 +5,7 @@ scene.py the whole, mesh.py one mesh, placements.py its instances in the world, 
 and settings is not simulated; materials.py with nodes*.py closures and the world, images.py textures, sky.py skies.
 """
 
+from .nodes.sky import render_skies
 from .scene import export_scene
-from .sky import render_skies
 
 __all__ = ["export_scene", "render_skies"]

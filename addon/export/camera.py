@@ -10,7 +10,7 @@ import numpy as np
 
 from ...lib.errors import EtalonError, Refusal
 from ...lib.scene.camera import PANORAMAS, Aperture, Camera
-from .matrices import affine, is_sheared
+from ...lib.scene.matrices import affine, is_sheared
 
 _KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
 _POLYNOMIAL = "FISHEYE_LENS_POLYNOMIAL"

@@ -10,11 +10,11 @@ import numpy as np
 
 from ...lib.errors import Refusal
 from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
+from ...lib.scene.matrices import is_sheared
 from ...lib.textures.fold import fold, is_constant
 from .images import ImageTable
-from .matrices import is_sheared
-from .nodes import Scope, TreeReader
-from .nodes_values import VALUES
+from .nodes.tree import Scope, TreeReader
+from .nodes.values import VALUES
 from .refusals import refuse_light_rays
 
 

@@ -11,11 +11,11 @@ from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Specular, 
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
-from .displacement import read_bump, refuse_beside_bump
 from .images import ImageTable
-from .nodes import Scope, TreeReader, valid_link
-from .nodes_shaders import ShaderReader
-from .nodes_values import VALUES
+from .nodes.displacement import read_bump, refuse_beside_bump
+from .nodes.shaders import ShaderReader
+from .nodes.tree import Scope, TreeReader, valid_link
+from .nodes.values import VALUES
 
 _GREY = Diffuse(ex.Constant((0.8, 0.8, 0.8)))
 _INDEX, _HALF = ex.Constant(1.5), ex.Constant(0.5)

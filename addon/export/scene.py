@@ -10,7 +10,9 @@ from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.scene.checks import validate
 from ...lib.scene.lights import Light
 from ...lib.scene.materials import Material
+from ...lib.scene.matrices import affine
 from ...lib.scene.mesh import Mesh, Object
+from ...lib.scene.placements import Placements
 from ...lib.scene.scene import Scene, Transport
 from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
@@ -18,9 +20,7 @@ from .camera import read_camera
 from .images import ImageTable
 from .lights import read_light
 from .materials import DEFAULT_MATERIAL, read_material, read_world
-from .matrices import affine
 from .mesh import LocalMesh, read_mesh
-from .placements import Placements
 from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..compare import CompareOptions
+from ..comparison.compare import CompareOptions
 from ..cost.estimates import Estimate, of_geometric_mean
 from ..film.moments import Moments, merge
 from ..film.regions import Regions

@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from ..compare import CompareOptions, Renderer, versions
+from ..comparison.compare import CompareOptions, Renderer, versions
 from ..errors import EtalonError
 from ..film.regions import image_regions
 from ..film.rendering import Rendering

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from ..compare import Renderer, versions
+from ..comparison.compare import Renderer, versions
 from ..errors import Cancelled, EtalonError
 from ..film.film import finite_or_nan
 from ..film.rendering import Rendering

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from time import perf_counter
 
-from ..compare import Renderer
+from ..comparison.compare import Renderer
 from ..scene.scene import Scene
 from ..wavefront.options import Options
 from ..wavefront.render import ReferenceRenderer

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..compare import Comparison, Side
+from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
 from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..compare import Comparison, Side
+from ..comparison.compare import Comparison, Side
 from ..verdict.outcome import Outcome
 
 FURTHEST = 5

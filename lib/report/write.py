@@ -15,7 +15,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..compare import Comparison
+from ..comparison.compare import Comparison
 from ..effects.plan import Plan
 from ..errors import EtalonError
 from ..film.exr import write_exr, write_film

@@ -7,10 +7,10 @@ import numpy as np
 from scipy import sparse
 
 from ..sampling.sobol import SobolSampler
+from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
 from .kernel import Kernel
 from .render import tiles
-from .surface import SurfacePoints
 
 TILE_PATHS = 16384
 # Angles between the shading normal and the viewer, in degrees, at which bands of a material end: microfacet models part at grazing.

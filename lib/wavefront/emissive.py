@@ -7,9 +7,9 @@ import numpy as np
 
 from ..lights.light import LightSample, luminance
 from ..lights.triangles import EmissiveTriangles
+from ..surfaces.materials import PreparedMaterial
+from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..vectors import cross, dot
-from .materials import PreparedMaterial
-from .surface import SurfacePoints, SurfaceTables
 
 
 class EmissiveMesh:

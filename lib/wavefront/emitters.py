@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 
 from ..sampling.mis import cutoff_power_heuristic
+from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .kernel import Kernel
 from .paths import Paths
 from .raycaster import Hits
 from .sums import PixelSums
-from .surface import SurfacePoints
 
 
 class Emitters:

@@ -14,16 +14,16 @@ from ..lights.environment import EnvironmentSampler
 from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
 from ..scene.scene import Scene
+from ..surfaces.materials import PreparedMaterial
+from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold
 from ..textures.images import ImageSet
 from .camera_caster import CameraCaster
 from .direction import Directions
 from .emissive import EmissiveMesh
-from .materials import PreparedMaterial
 from .options import Options
 from .raycaster import Raycaster
-from .surface import SurfacePoints, SurfaceTables
 
 
 class Kernel:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..surfaces.surface import SurfacePoints
 from .kernel import Kernel
 from .paths import Paths
-from .surface import SurfacePoints
 
 Groups = list[tuple[int, int, int]]
 

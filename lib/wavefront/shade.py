@@ -9,10 +9,10 @@ import numpy as np
 
 from ..bsdfs.mixture import Mixture
 from ..sampling.mis import cutoff_power_heuristic
+from ..surfaces.surface import SurfacePoints
 from ..vectors import dot, orthonormal_basis, to_local, to_world
 from .kernel import Kernel
 from .light_choice import LightChoice
-from .surface import SurfacePoints
 
 
 @dataclass(frozen=True)

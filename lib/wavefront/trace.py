@@ -10,6 +10,7 @@ import numpy as np
 from ..effects.transport import ROULETTE_AFTER
 from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
+from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .camera_rays import camera_rays
 from .emitters import Emitters
@@ -20,7 +21,6 @@ from .paths import Paths
 from .raycaster import Hits
 from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
-from .surface import SurfacePoints
 from .visibility import transmittance
 
 # Dimensions of the sampler: two for the camera, then DIMENSIONS_PER_STEP for each step along the path.

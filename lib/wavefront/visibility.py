@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..surfaces.surface import SurfacePoints
 from .kernel import Kernel
-from .surface import SurfacePoints
 
 
 def transmittance(

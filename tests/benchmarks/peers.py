@@ -23,11 +23,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
-from etalon.addon.console import quiet
-from etalon.addon.cycles import CyclesRenderer, neutral
+from etalon.addon.command.console import quiet
+from etalon.addon.command.opening import open_target
+from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
-from etalon.addon.opening import open_target
-from etalon.lib.compare import Renderer
+from etalon.lib.comparison.compare import Renderer
 from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options

@@ -16,9 +16,9 @@ import argparse
 import math
 
 import bpy
-from etalon.addon.cycles import CyclesRenderer, neutral
+from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
-from etalon.lib.compare import CompareOptions, Comparison, Renderer, compare
+from etalon.lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.options import Options

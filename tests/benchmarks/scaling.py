@@ -20,8 +20,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import bpy
+from etalon.addon.command.opening import open_target
 from etalon.addon.job import export
-from etalon.addon.opening import open_target
 from etalon.lib.scene import archive
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options

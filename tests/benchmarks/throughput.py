@@ -13,9 +13,9 @@ from __future__ import annotations
 import argparse
 import statistics
 
-from etalon.addon.cycles import CyclesRenderer, neutral
+from etalon.addon.command.opening import open_target
+from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
-from etalon.addon.opening import open_target
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 

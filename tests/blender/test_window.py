@@ -55,6 +55,6 @@ def test_esc_cancels_and_the_button_works_again(window, debian, tmp_path):
     assert ended["state"] == before["state"]
     window.wait_for("shown", seconds=STOP)
     window.screenshot(tmp_path / "cancelled.png")
-    assert "second_blender_worker" not in debian.run("sh", "-c", "cat /proc/[0-9]*/cmdline | tr '\\0' ' '").stdout
+    assert "cycles/worker.py" not in debian.run("sh", "-c", "cat /proc/[0-9]*/cmdline | tr '\\0' ' '").stdout
     press_button(window, before["box"], tmp_path / "panel.png")
     window.wait_for("started", seconds=START)

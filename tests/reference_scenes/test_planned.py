@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from etalon.addon.command.opening import open_target
 from etalon.addon.job import export
-from etalon.addon.opening import open_target
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer

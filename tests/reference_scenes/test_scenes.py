@@ -6,7 +6,7 @@ from math import pi
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.cycles import CyclesRenderer
+from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import export
 from etalon.lib.errors import EtalonError
 from etalon.lib.microfacets.albedo import directional_albedo

@@ -7,11 +7,11 @@ import tracemalloc
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.export.coincident import coincident_faces
 from etalon.addon.export.mesh import read_mesh
-from etalon.addon.export.placements import Placements
 from etalon.lib.errors import EtalonError
+from etalon.lib.scene.coincident import coincident_faces
 from etalon.lib.scene.mesh import Object
+from etalon.lib.scene.placements import Placements
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Euler, Matrix

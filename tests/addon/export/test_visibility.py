@@ -3,7 +3,7 @@
 
 import bpy
 import numpy as np
-from etalon.addon.cycles import CyclesRenderer
+from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.options import Options

@@ -9,7 +9,7 @@ from etalon.lib.audit import measure
 from etalon.lib.audit.document import document, table
 from etalon.lib.audit.measure import FIRST, audit
 from etalon.lib.audit.setting import Setting
-from etalon.lib.compare import CompareOptions
+from etalon.lib.comparison.compare import CompareOptions
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.rendering import Rendering
 from etalon.lib.verdict.outcome import Outcome

@@ -15,7 +15,7 @@ from etalon.lib.audit.document import table
 from etalon.lib.audit.measure import audit
 from etalon.lib.audit.setting import FACTORY, Setting
 from etalon.lib.audit.write import write_audit
-from etalon.lib.compare import CompareOptions
+from etalon.lib.comparison.compare import CompareOptions
 from etalon.lib.film.rendering import Rendering
 from jsonschema import Draft202012Validator
 

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.cycles import CyclesRenderer
+from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import export
 from etalon.lib.departures.catalogue import relevant
 from etalon.lib.wavefront.options import Options

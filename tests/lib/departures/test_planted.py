@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from etalon.lib.compare import CompareOptions, compare
+from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.departures.catalogue import SWITCHES, relevant
 from etalon.lib.departures.effects import Alternatives, alternatives
 from etalon.lib.report.words import sentences

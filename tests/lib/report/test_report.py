@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from etalon.lib import report as package
-from etalon.lib.compare import CompareOptions, compare
+from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr

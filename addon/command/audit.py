@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`etalon audit`: the user's own Cycles settings against the least biased state, one at a time, and what each one costs."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import bpy
+
+from ...lib.audit.document import table
+from ...lib.audit.measure import audit
+from ...lib.audit.setting import FACTORY, FILE, Setting
+from ...lib.audit.write import write_audit
+from ...lib.comparison.compare import CompareOptions
+from ...lib.errors import EtalonError
+from ...lib.files.results import folder_beside
+from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
+from ..cycles.renderer import neutral
+from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
+from .console import bar, interruptible, quiet
+from .opening import open_target
+
+# What `neutral` leaves alone, for it only adds noise or needs volumes, and an audit asks about.
+NEUTRAL_BESIDES = {
+    "light_sampling_threshold": 0.0,
+    "volume_bounces": MOST_BOUNCES,
+    "transparent_max_bounces": MOST_BOUNCES,
+}
+
+
+@dataclass
+class Asked:
+    """What is to be measured: `values` are settings with what each of them sets, `same` those that are as neutral."""
+
+    values: list[tuple[Setting, list[Assignment]]] = field(default_factory=list)
+    same: list[Setting] = field(default_factory=list)
+    missing: list[Setting] = field(default_factory=list)
+
+
+def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
+    """The settings of the file that are not as neutral, and the `factory` values too if so asked; read before `neutral` holds it."""
+    asked = Asked()
+    together: dict[str, list[Assignment]] = {FILE: [], FACTORY: []}
+    for entry in CATALOGUE:
+        values = entry.of_file(scene)
+        if not values:
+            continue
+        defaults = entry.of_factory(scene)
+        shown, statement = entry.shown(values), entry.statement
+        needs = entry.needs(values)
+        setting = Setting(entry.key, entry.label, shown, entry.neutral_shown, statement, needs=needs)
+        wanted = [(setting, values)] if entry.departs(values) else []
+        if not wanted:
+            asked.same.append(setting)
+        of_factory, needs = entry.shown(defaults), entry.needs(defaults)
+        if factory and entry.departs(defaults) and not (wanted and of_factory == shown):
+            key = f"{entry.key}-factory"
+            wanted.append((replace(setting, key=key, value=of_factory, origin=FACTORY, needs=needs), defaults))
+        if entry.key == DENOISER and not denoiser_is_there():
+            missing = "this Blender was built without Open Image Denoise; use one from blender.org"
+            asked.missing += [replace(candidate, missing=missing) for candidate, _ in wanted]
+            continue
+        asked.values += wanted
+        together[FILE] += values
+        together[FACTORY] += defaults
+    for origin, label in ((FILE, "all your settings"), (FACTORY, "all factory settings")):
+        count = sum(setting.origin == origin for setting, _ in asked.values)
+        if count > 1:
+            says = "All of them at once: what one hides another may show, so this is not the sum."
+            setting = Setting(f"together-{origin}", label, "", "", says, origin, together=True)
+            asked.values.append((setting, together[origin]))
+    return asked
+
+
+def run(arguments: Namespace) -> int:
+    """Open the scene, measure, print the table, leave the report; the user's settings come back."""
+    if arguments.scene is not None and arguments.scene.endswith(".npz"):
+        raise EtalonError(f"{arguments.scene}: Cycles cannot render a saved scene; give the .blend")
+    options = CompareOptions(
+        tolerance=arguments.tolerance,
+        confidence=arguments.confidence,
+        time=arguments.time,
+        samples=arguments.samples,
+        replicates=arguments.replicates,
+        seed=arguments.seed,
+    )
+    name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
+    folder = arguments.out or Path("etalon-out") / name
+    scene = bpy.context.scene
+    asked, stays, samples = settings(scene, arguments.all), kept(scene), scene.cycles.samples
+    threads = arguments.threads
+
+    def made(assignments: list[Assignment]) -> CyclesWith:
+        return CyclesWith(scene, {}, seed=options.seed, threads=threads, others=assignments)
+
+    with (
+        folder_beside(folder) as beside,
+        interruptible() as interrupted,
+        bar(f"{name}: audit") as progress,
+        quiet(),
+        neutral(scene, max_bounces=MOST_BOUNCES, threads=threads) as changes,
+    ):
+        changes.set_all("cycles", [scene.cycles], NEUTRAL_BESIDES)
+        found = audit(
+            name,
+            made(stays),
+            [(setting, made(stays + values)) for setting, values in asked.values],
+            options,
+            samples,
+            tuple(asked.same),
+            tuple(asked.missing),
+            progress,
+            interrupted,
+        )
+        figures = write_audit(found, beside, arguments.repeat)
+    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
+    print(table(figures))
+    print(f"report: {folder / 'audit.html'}")
+    return 0

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From what the user names, a reference scene or a .blend, to a scene that is open in Blender."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+
+from ...lib.errors import EtalonError
+from ...reference_scenes import SCENES, build
+from .assignments import assign
+from .console import quiet
+
+# A .blend starts with its own magic, or with that of the gzip or Zstandard stream around it.
+_MAGIC = (b"BLENDER", b"\x1f\x8b", b"\x28\xb5\x2f\xfd")
+
+
+def open_target(
+    target: str | None, frame: int | None = None, camera: str | None = None, assignments: Sequence[str] = ()
+) -> str:
+    """Open `target` and return its name; None stays with the file that is open already.
+
+    Then the frame, the camera and each assignment "path=value" are set. Raises EtalonError where there is no such scene,
+    file, library, camera or property.
+    """
+    if target is not None:
+        if target in SCENES:
+            with quiet():
+                build(target)
+        elif target.endswith(".blend"):
+            open_blend(Path(target))
+        else:
+            near = difflib.get_close_matches(target, SCENES, n=1)
+            hint = f"did you mean {near[0]}?" if near else "`etalon scenes` lists the scenes; a file ends in .blend"
+            raise EtalonError(f"{target}: no reference scene of that name; {hint}")
+    scene = bpy.context.scene
+    if frame is not None:
+        scene.frame_set(frame)
+    if camera is not None:
+        choose_camera(scene, camera)
+    for assignment in assignments:
+        assign(assignment)
+    if scene.camera is None:
+        raise EtalonError(f"{scene.name}: the scene has no camera; add one in Blender and make it the active camera")
+    return Path(target).stem if target else (Path(bpy.data.filepath).stem or scene.name)
+
+
+def open_blend(path: Path) -> None:
+    """Load a .blend without running any script in it; raise EtalonError naming what is missing or damaged."""
+    if not path.is_file():
+        raise EtalonError(f"{path}: no such file; check the path")
+    try:
+        with path.open("rb") as file:
+            start = file.read(7)
+    except OSError as error:
+        raise EtalonError(f"{path}: cannot be read ({error.strerror}); check its permissions") from error
+    if not start.startswith(_MAGIC):
+        raise EtalonError(f"{path}: is not a Blender file; save it again from Blender")
+    with quiet():
+        try:
+            bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+        except RuntimeError as error:
+            reason = str(error).strip().splitlines()[-1].rsplit(": ", 1)[-1]
+            raise EtalonError(f"{path}: Blender cannot load it ({reason}); save it again from Blender") from error
+    for library in bpy.data.libraries:
+        if not Path(bpy.path.abspath(library.filepath)).is_file():
+            raise EtalonError(
+                f"{library.name}: the linked library {library.filepath} is not there; restore or relink it"
+            )
+
+
+def choose_camera(scene: bpy.types.Scene, name: str) -> None:
+    """Make the camera object `name` the scene's active one; raise EtalonError, with the names there are, if it is none."""
+    cameras = {o.name: o for o in scene.objects if o.type == "CAMERA"}
+    if name not in cameras:
+        there = ", ".join(sorted(cameras)) or "none"
+        raise EtalonError(f"{name}: no camera of that name in scene {scene.name}; cameras there: {there}")
+    scene.camera = cameras[name]

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles' least biased state, and the way back: every property that was changed returns, whatever happens in between.
+
+What each row does to the image was measured on Cycles itself; a row that only steers noise has no place here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+from ...lib.errors import EtalonError
+
+# The length of the sample sequence of a pixel. Persistent data keeps the first length it met, so it is one for all renders.
+SEQUENCE = 8192
+
+_CYCLES = {
+    "device": "CPU",
+    "feature_set": "SUPPORTED",  # until 4.5: experimental dicing of meshes
+    "shading_system": False,  # no OSL
+    "use_adaptive_sampling": False,  # stops early where it happens to look converged
+    "use_denoising": False,
+    "time_limit": 0.0,
+    "use_animated_seed": False,
+    "sampling_pattern": "AUTOMATIC",
+    "scrambling_distance": 1.0,
+    "auto_scrambling_distance": False,
+    "use_layer_samples": "IGNORE",
+    "use_sample_subset": True,  # sample 0 of a pixel is its centre, in every seed
+    "samples": SEQUENCE,
+    "use_auto_tile": False,
+    "sample_clamp_direct": 0.0,
+    "sample_clamp_indirect": 0.0,
+    "blur_glossy": 0.0,
+    "caustics_reflective": True,
+    "caustics_refractive": True,
+    "use_guiding": False,
+    "use_fast_gi": False,
+    "pixel_filter_type": "BOX",  # the table of the others is off by up to 1/1023 pixel
+    "use_pixel_jitter": False,
+    "film_exposure": 1.0,
+    "use_camera_cull": False,
+    "use_distance_cull": False,
+    "texture_limit_render": "OFF",
+    "texture_resolution_render": 1.0,
+}
+_RENDER = {
+    "engine": "CYCLES",
+    "film_transparent": False,
+    "use_motion_blur": False,
+    "use_simplify": False,
+    "use_compositing": False,
+    "use_sequencer": False,
+    "use_freestyle": False,
+    "use_multiview": False,
+    "use_stamp": False,
+    "use_render_cache": False,
+    "use_placeholder": False,
+    "use_overwrite": True,
+    "save_output": True,
+    "use_file_extension": True,
+    "use_crop_to_border": True,
+    "dither_intensity": 0.0,
+    "threads_mode": "FIXED",
+}
+# In this order: setting the media type changes the format, and that the mode and the depth.
+_IMAGE = {
+    "media_type": "IMAGE",
+    "file_format": "OPEN_EXR",
+    "color_mode": "RGB",
+    "color_depth": "32",
+    "exr_codec": "NONE",
+    "color_management": "FOLLOW_SCENE",
+}
+_VIEW_LAYER = {"use_sky": True, "use_solid": True}
+_OBJECT = {
+    # moves the origins of shadow rays on smooth meshes
+    "shadow_terminator_geometry_offset": 0.0,
+    "shadow_terminator_normal_offset": 0.0,
+    "shadow_terminator_shading_offset": 0.0,
+}
+_OBJECT_CYCLES = {
+    "shadow_terminator_geometry_offset": 0.0,
+    "shadow_terminator_offset": 0.0,
+    "use_adaptive_subdivision": False,
+    "is_caustics_caster": False,
+}
+_MODIFIER = {"use_adaptive_subdivision": False}
+_MATERIAL = {"use_transparent_shadow": True}
+_MATERIAL_CYCLES = {"use_bump_map_correction": False}
+_LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
+_LIGHT_CYCLES = {"max_bounces": 1024, "use_multiple_importance_sampling": True, "is_caustics_light": False}
+_WORLD_CYCLES = {"max_bounces": 1024, "is_caustics_light": False}
+
+
+@dataclass
+class Changes:
+    """What was set and has to come back.
+
+    `settings` maps each setting's path to its neutral value, whether or not it had to change (per object, material and light once);
+    `refused` names the properties that would not take it, `held` lists what belongs to data with animation or drivers.
+    """
+
+    settings: dict[str, Any] = field(default_factory=dict)
+    refused: list[str] = field(default_factory=list)
+    held: list[tuple[Any, str, Any]] = field(default_factory=list)
+    _before: list[tuple[Any, str, Any]] = field(default_factory=list)
+
+    def remember(self, owner: Any, names: Iterable[str]) -> None:
+        """Have the properties that `owner` has of `names` put back, the last of them first."""
+        self._before.extend((owner, name, getattr(owner, name)) for name in names if hasattr(owner, name))
+
+    def set(self, owner: Any, name: str, value: Any) -> None:
+        """Give `owner` the value if it has such a property, and remember the one it had."""
+        if getattr(owner, name, value) == value:
+            return
+        self.remember(owner, (name,))
+        try:
+            setattr(owner, name, value)
+        except (AttributeError, TypeError, RuntimeError):
+            self.refused.append(f"{owner.id_data.name}: {name}")
+
+    def set_all(self, label: str, owners: Iterable[Any], values: dict[str, Any]) -> None:
+        """Set each of `values` on each of `owners`; `label` starts its path in `settings`."""
+        owners = list(owners)
+        for name, value in values.items():
+            known = False
+            for owner in owners:
+                if not hasattr(owner, name):
+                    continue
+                known = True
+                self.set(owner, name, value)
+                if owner.id_data.animation_data is not None:
+                    self.held.append((owner, name, value))
+            if known:
+                self.settings[f"{label}.{name}"] = value
+
+    def undo(self) -> None:
+        """Put everything back, last change first; data that was deleted meanwhile has nothing to get back."""
+        while self._before:
+            owner, name, value = self._before.pop()
+            with suppress(ReferenceError):
+                if getattr(owner, name) != value:
+                    setattr(owner, name, value)
+
+
+@contextmanager
+def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: int | None = None) -> Iterator[Changes]:
+    """Put Cycles into its least biased state for `scene`, and everything back at the end, also after an exception.
+
+    max_bounces: of a path, in Cycles' count, and of each kind of scattering; None: the scene's. threads: None: the scene's choice.
+    May be nested: only what differs is touched. One `neutral` held around many renders keeps the scene's data in Cycles
+    between them (persistent data), which costs memory and saves each its synchronisation. Export inside it too: some of what it
+    sets (simplify, transparent bounces, adaptive subdivision) is seen by the exporter. Raises EtalonError where a value
+    cannot be held because it is animated or driven, or where there is no Cycles.
+    """
+    if not hasattr(scene, "cycles"):
+        raise EtalonError("Cycles is not there; enable the add-on Cycles Render Engine in Blender's preferences")
+    changes = Changes()
+    try:
+        _set_scene(changes, scene, scene.cycles.max_bounces if max_bounces is None else max_bounces, threads)
+        _set_data(changes)
+        _check_animation(changes, scene)
+        yield changes
+    finally:
+        changes.undo()
+
+
+def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threads: int | None) -> None:
+    cycles, render = scene.cycles, scene.render
+    if cycles.samples != SEQUENCE:
+        changes.set(render, "use_persistent_data", False)
+    changes.set_all("cycles", [cycles], _CYCLES)
+    bounces = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces")
+    changes.set_all("cycles", [cycles], dict.fromkeys(bounces, max_bounces))
+    changes.set_all("cycles", [cycles], {"transparent_max_bounces": max(cycles.transparent_max_bounces, 64)})
+    threads = render.threads if threads is None else threads
+    changes.set_all("render", [render], _RENDER | {"threads": threads})
+    changes.remember(render.image_settings, reversed(_IMAGE))
+    changes.set_all("image_settings", [render.image_settings], _IMAGE)
+    changes.set_all("view_layer", scene.view_layers, _VIEW_LAYER)
+    changes.set_all("render", [render], {"use_persistent_data": True})
+
+
+def _set_data(changes: Changes) -> None:
+    data = bpy.data
+    changes.set_all("object", data.objects, _OBJECT)
+    changes.set_all("object.cycles", (o.cycles for o in data.objects), _OBJECT_CYCLES)
+    changes.set_all("modifier", (m for o in data.objects for m in o.modifiers), _MODIFIER)
+    changes.set_all("material", data.materials, _MATERIAL)
+    changes.set_all("material.cycles", (m.cycles for m in data.materials), _MATERIAL_CYCLES)
+    changes.set_all("light", data.lights, _LIGHT)
+    changes.set_all("light.cycles", (light.cycles for light in data.lights), _LIGHT_CYCLES)
+    changes.set_all("world.cycles", (w.cycles for w in data.worlds), _WORLD_CYCLES)
+
+
+def _check_animation(changes: Changes, scene: bpy.types.Scene) -> None:
+    """A render evaluates animation and drivers again, over what was set: refuse channels that would not leave it there."""
+    frame = scene.frame_current_final
+    for owner, name, value in changes.held:
+        data = owner.id_data
+        if data.animation_data is None:
+            continue
+        path = owner.path_from_id(name)
+        driven = any(curve.data_path == path and not curve.mute for curve in data.animation_data.drivers)
+        moved = any(c.data_path == path and not c.mute and c.evaluate(frame) != value for c in _curves(data))
+        if driven or moved:
+            raise EtalonError(f"{data.name}: {path} is animated or driven, and must stay at {value}; mute its channel")
+
+
+def _curves(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
+    """Animation curves of a datablock's action and of its NLA strips; actions have layers only from Blender 5.0 on."""
+    tracks = data.animation_data.nla_tracks
+    actions = [data.animation_data.action, *(strip.action for track in tracks for strip in track.strips)]
+    for action in filter(None, actions):
+        if hasattr(action, "fcurves"):
+            yield from action.fcurves
+        else:
+            bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+            yield from (curve for bag in bags for curve in bag.fcurves)

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles as one side of a comparison: independent replicates, linear float pixels, and its own words about its settings."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...lib.errors import EtalonError
+from ...lib.film.exr import read_exr
+from ...lib.film.rendering import Rendering
+from ...lib.film.windows import Box, Windows
+from ..command.console import quiet
+from ..export.camera import full_frame, rendered_region
+from .neutral import SEQUENCE, Changes, neutral
+
+__all__ = ["CyclesRenderer", "neutral"]
+
+# Cycles adds samples up in float32; longer sums drift (5e-5 here, 6e-4 at 65,536).
+CHUNK = SEQUENCE // 2
+# Camera samples in one call, a few seconds: in between the renderer tells its progress and can be cancelled.
+CALL = 1 << 23
+# Seeds are numbered replicate first, then chunk: distinct for 2^21 replicates of 2^10 chunks.
+REPLICATES = 1 << 21
+
+
+class CyclesRenderer:
+    """Cycles on the CPU in its least biased state, one side of a comparison.
+
+    `max_bounces` and `threads` as for `neutral`; `seed` of the whole. Hold one `neutral` around many replicates: alone each
+    of them sets and puts back everything. Raises EtalonError where the scene has no camera or no view layer to render.
+    """
+
+    name = "Cycles"
+
+    def __init__(
+        self, scene: bpy.types.Scene, *, seed: int = 0, max_bounces: int | None = None, threads: int | None = None
+    ) -> None:
+        layers = [layer.name for layer in scene.view_layers if layer.use]
+        if scene.camera is None:
+            raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
+        if not layers:
+            raise EtalonError(f"{scene.name}: no view layer is used for rendering; switch one on")
+        self.scene = scene
+        self.seed = seed
+        self._layer = layers[0]
+        self._neutral = {"max_bounces": max_bounces, "threads": threads}
+        with neutral(scene, **self._neutral) as changes:
+            self.settings: dict[str, Any] = {"version": bpy.app.version_string, "seed": seed, **changes.settings}
+        if changes.refused:
+            self.settings["not editable"] = ", ".join(changes.refused)
+
+    def render(
+        self,
+        replicate: int,
+        samples: int,
+        progress: Callable[[float], None] = lambda fraction: None,
+        cancelled: Callable[[], bool] = lambda: False,
+        windows: Windows | None = None,
+    ) -> Rendering:
+        """Replicate number `replicate` with `samples` per pixel, or of the pixels in `windows`; different numbers are independent.
+
+        `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file cost.
+        Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart either: one is
+        counted for each partial image in which the pixel was not finite. Raises EtalonError where Cycles cannot render or when cancelled.
+        """
+        begin = time.perf_counter()
+        rendering = reading = 0.0
+        with self._state(), tempfile.TemporaryDirectory(prefix="etalon-") as folder:
+            path = Path(folder) / "cycles.exr"
+            left, bottom, width, height = rendered_region(self.scene.render, *full_frame(self.scene.render))
+            whole = Windows((height, width), ((0, 0, width - 1, height - 1),))
+            total, nonfinite = np.zeros((height, width, 3)), np.zeros((height, width), np.int32)
+            work = list(self._calls(whole if windows is None else windows, samples))
+            for number, (box, done, count) in enumerate(work):
+                if cancelled():
+                    raise EtalonError("Cycles: cancelled before the image was done; nothing to keep")
+                with self._border(None if windows is None else box, left, bottom + height):
+                    rendering += self._call(path, replicate, done, samples, count)
+                start = time.perf_counter()
+                part = slice(box[1], box[3] + 1), slice(box[0], box[2] + 1)
+                if not done:  # what an overlapping rectangle left there is the same
+                    total[part] = nonfinite[part] = 0
+                _add(path, count / samples, total[part], nonfinite[part])
+                reading += time.perf_counter() - start
+                progress((number + 1) / len(work))
+        settings = time.perf_counter() - begin - rendering - reading
+        stages = {"render": rendering, "read": reading, "settings": settings}
+        pixels = (whole if windows is None else windows).pixels
+        return Rendering(total, nonfinite, rendering, stages, pixels * samples, windows=windows)
+
+    @contextmanager
+    def _state(self) -> Iterator[None]:
+        """The settings under which it renders."""
+        with neutral(self.scene, **self._neutral):
+            yield
+
+    def _calls(self, windows: Windows, samples: int) -> Iterator[tuple[Box, int, int]]:
+        """Each render call as a rectangle, the samples that are done before it, and those that it adds."""
+        for box in windows.boxes:
+            most = self._per_call((box[2] - box[0] + 1) * (box[3] - box[1] + 1))
+            for done in range(0, samples, most):
+                yield box, done, min(most, samples - done)
+
+    def _per_call(self, pixels: int) -> int:
+        """The most samples of one call that renders so many pixels: a power of two."""
+        return min(CHUNK, _power_of_two(max(CALL // pixels, 1) + 1) // 2)
+
+    @contextmanager
+    def _border(self, box: Box | None, left: int, top: int) -> Iterator[None]:
+        """Render only the pixels of `box`, whose image's upper left corner is (`left`, `top`) in the frame, y up; None: all of them."""
+        changes = Changes()
+        try:
+            if box is not None:
+                render = self.scene.render
+                width, height = full_frame(render)
+                # Blender cuts off what is left of a pixel, so half of one is added.
+                changes.set(render, "use_border", True)
+                changes.set(render, "border_min_x", (left + box[0] + 0.5) / width)
+                changes.set(render, "border_max_x", min((left + box[2] + 1.5) / width, 1.0))
+                changes.set(render, "border_min_y", (top - box[3] - 0.5) / height)
+                changes.set(render, "border_max_y", min((top - box[1] + 0.5) / height, 1.0))
+            yield
+        finally:
+            changes.undo()
+
+    def _call(self, path: Path, replicate: int, done: int, samples: int, count: int) -> float:
+        """Render `count` samples from sample `done` of a replicate of `samples` into a file; the seconds it took.
+
+        Cycles' seeds only deal one sequence out to the pixels in another order, so a replicate takes its own part of
+        the sequence too. Parts of a power of two that start at a multiple of themselves are nets: sample 0, which
+        is not random, is never among them.
+        """
+        chunk, within = divmod(done, CHUNK)
+        part = min(_power_of_two(samples), CHUNK)
+        changes = Changes()
+        try:
+            changes.set(self.scene.cycles, "seed", (_hash(self.seed) + replicate + chunk * REPLICATES) % (1 << 31))
+            changes.set(self.scene.cycles, "sample_offset", CHUNK + (replicate * part) % CHUNK + within)
+            # Blender before 4.4 has no subset: there, `samples` counts those after the offset.
+            length = "sample_subset_length" if hasattr(self.scene.cycles, "sample_subset_length") else "samples"
+            changes.set(self.scene.cycles, length, count)
+            changes.set(self.scene.render, "filepath", str(path))
+            # Asked for one layer by name, Blender shows another one's image, or that of the time before.
+            for layer in self.scene.view_layers:
+                changes.set(layer, "use", layer.name == self._layer)
+            # Without the tag, persistent data renders the settings of the time before.
+            self.scene.update_tag()
+            with quiet():
+                start = time.perf_counter()
+                try:
+                    bpy.ops.render.render(write_still=True, scene=self.scene.name)
+                except RuntimeError as error:
+                    reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+                    raise EtalonError(
+                        f"{self.scene.name}: Cycles cannot render it ({reason}); try F12 in Blender"
+                    ) from error
+                return time.perf_counter() - start
+        finally:
+            changes.undo()
+
+
+def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray) -> None:
+    """Add the image that Cycles wrote to `radiance` (height, width, 3), times `weight`, and count what is not finite."""
+    channels = read_exr(path)
+    path.unlink()
+    finite = True
+    for k, name in enumerate("RGB"):
+        radiance[..., k] += np.multiply(channels[name], weight, dtype=np.float64)
+        finite = finite & np.isfinite(channels[name])
+    nonfinite += ~finite
+
+
+def _power_of_two(n: int) -> int:
+    """The smallest power of two that is not less than `n`."""
+    return 1 << (n - 1).bit_length()
+
+
+def _hash(seed: int) -> int:
+    """31 bits of a seed, so that neighbouring seeds do not share their replicates."""
+    return int(np.random.SeedSequence(seed).generate_state(1)[0]) & 0x7FFFFFFF

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A second Blender on a saved copy of the file: it exports the scene and renders Cycles' side, for a window that stays alive."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...lib.batch.process import end, send, start
+from ...lib.comparison.compare import CompareOptions
+from ...lib.errors import EtalonError, Refusal, Refused
+from ...lib.film.rendering import Rendering
+from ...lib.film.windows import Windows
+from ...lib.scene import archive
+from ...lib.scene.scene import Scene
+from .worker import MARK
+
+_WORKER = Path(__file__).with_name("worker.py")
+
+
+class SecondBlender:
+    """Cycles' side of a comparison, as a renderer; nothing but its construction needs the main thread."""
+
+    def __init__(self, copy: Path, scene: str, seed: int, threads: int, partial: bool = False) -> None:
+        self.name = "Cycles"
+        self.settings: dict[str, Any] = {}
+        self._log = copy.with_name("second_blender.log")
+        request = {"scene": scene, "seed": seed, "threads": threads, "partial": partial, "folder": str(copy.parent)}
+        # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
+        blender = [bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
+        with self._log.open("w", encoding="utf-8") as log:
+            self._process = start(
+                [*blender, "--python", str(_WORKER), "--", json.dumps(request)],
+                temporary=copy.parent,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log.fileno(),
+            )
+
+    def export(self) -> Scene:
+        """The scene, exported there; raises Refused or EtalonError."""
+        reply = next(self._replies())
+        if "refusals" in reply:
+            raise Refused([Refusal(**refusal) for refusal in reply["refusals"]])
+        if "error" in reply:
+            raise EtalonError(reply["error"])
+        self.name, self.settings = reply["name"], reply["settings"]
+        return archive.load(Path(reply["scene"]))
+
+    def render(
+        self,
+        replicate: int,
+        samples: int,
+        progress: Callable[[float], None],
+        cancelled: Callable[[], bool],
+        windows: Windows | None,
+    ) -> Rendering:
+        """One replicate, or its part in `windows`; raises EtalonError if the process ends before it has one, as it does when it is closed."""
+        self._send({"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]})
+        for reply in self._replies():
+            if "error" in reply:
+                raise EtalonError(reply["error"])
+            if "progress" not in reply:
+                break
+            progress(reply["progress"])
+        with np.load(reply.pop("images")) as images:
+            return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], windows=windows, **reply)
+
+    def show(
+        self, verdict: CompareOptions, threads: int, box: tuple[int, int, int, int], names: list[str], path: Path
+    ) -> None:
+        """Have a small scene written that shows what nothing explains; raises EtalonError where that fails."""
+        choices = {"verdict": asdict(verdict), "threads": threads}
+        self._send({"show": {"box": box, "names": names, "path": str(path.resolve()), **choices}})
+        reply = next(self._replies())
+        if "error" in reply:
+            raise EtalonError(reply["error"])
+
+    def stop(self) -> None:
+        """End the process at once; from any thread."""
+        end(self._process)
+
+    def close(self) -> None:
+        """End the process and close its pipes; only from the thread that reads them."""
+        self.stop()
+        for pipe in (self._process.stdin, self._process.stdout):
+            pipe.close()
+
+    def _send(self, wanted: dict[str, Any]) -> None:
+        try:
+            send(self._process, json.dumps(wanted) + "\n")
+        except OSError as error:
+            raise self._gone() from error
+
+    def _replies(self) -> Iterator[dict[str, Any]]:
+        """What the worker says, from among all that Blender prints."""
+        for line in self._process.stdout:
+            if line.startswith(MARK):
+                yield json.loads(line[len(MARK) :])
+        raise self._gone()
+
+    def _gone(self) -> EtalonError:
+        """The error that says how the process ended, in its own last words."""
+        try:
+            lines = self._log.read_text(encoding="utf-8", errors="replace").split("\n")
+        except OSError:
+            lines = []
+        words = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
+        return EtalonError(f"the second Blender ended early ({words}); compare from the command line to see more")

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What runs inside the second Blender: export the scene, then render one replicate for each line on standard input.
+
+It is run as a script, so it makes the package around it importable first, under the name it has outside Blender.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import importlib.util
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+MARK = "etalon: "
+
+
+def _package() -> str:
+    """Make the package that this file lies in importable, and return its name."""
+    root = Path(__file__).resolve().parents[2]
+    spec = importlib.util.spec_from_file_location(
+        "etalon", root / "__init__.py", submodule_search_locations=[str(root)]
+    )
+    sys.modules["etalon"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(sys.modules["etalon"])
+    return "etalon"
+
+
+def _serve(request: dict[str, Any], package: str) -> None:
+    """Answer the other process until its end of the pipe is closed; every answer is one marked line of JSON."""
+    import bpy
+    import numpy as np
+
+    cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
+    names = ("errors", "scene.archive", "film.windows", "wavefront.options")
+    errors, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
+    console = importlib.import_module(f"{package}.addon.command.console")
+    folder = Path(request["folder"])
+    scene = bpy.data.scenes[request["scene"]]
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+
+    def say(**answer: Any) -> None:
+        answers.write(f"{MARK}{json.dumps(answer)}\n")
+        answers.flush()
+
+    with console.quiet(), contextlib.ExitStack() as stack:
+        try:
+            archive.save(job.export(scene, request["partial"]), folder / "scene.npz")
+            stack.enter_context(cycles.neutral(scene, threads=request["threads"]))
+            renderer = cycles.CyclesRenderer(scene, seed=request["seed"], threads=request["threads"])
+            say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
+            for line in sys.stdin:
+                wanted = json.loads(line)
+                if "show" in wanted:
+                    _show(job, options, scene, request["partial"], **wanted["show"])
+                    say(shown=True)
+                    continue
+                part = wanted["windows"] and windows.Windows(*wanted["windows"])
+                done = renderer.render(
+                    wanted["replicate"], wanted["samples"], lambda f: say(progress=f), lambda: False, part
+                )
+                np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite)
+                say(
+                    images=str(folder / "images.npz"),
+                    seconds=done.seconds,
+                    stages=done.stages,
+                    camera_samples=done.camera_samples,
+                    rays=done.rays,
+                )
+        except errors.Refused as refused:
+            say(refusals=[vars(refusal) for refusal in refused.refusals])
+        except errors.EtalonError as error:
+            say(error=str(error))
+
+
+def _show(
+    job: Any, options: Any, scene: Any, partial: bool, verdict: dict, threads: int, box: list, names: list, path: str
+) -> None:
+    """Write a small scene that shows what nothing explains."""
+    choices = job.Choices(job.CompareOptions(**verdict), options.Options(threads=threads), partial)
+    job.show(scene, choices, tuple(box), names, Path(path))
+
+
+if __name__ == "__main__":
+    _serve(json.loads(sys.argv[sys.argv.index("--") + 1]), _package())

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers of Converter and Color nodes: node type -> expression."""
+
+from __future__ import annotations
+
+import bpy
+
+from ....lib.scene import converters as cv
+from ....lib.scene import expressions as ex
+from .tree import Scope, TreeReader
+
+_COMPONENTS = {"X": 0, "Y": 1, "Z": 2, "Red": 0, "Green": 1, "Blue": 2, "R": 0, "G": 1, "B": 2, "H": 0, "S": 1, "V": 2}
+_VALUES = ("DOT_PRODUCT", "DISTANCE", "LENGTH")
+_AXES = {"X_AXIS": (1.0, 0.0, 0.0), "Y_AXIS": (0.0, 1.0, 0.0), "Z_AXIS": (0.0, 0.0, 1.0)}
+_SAMPLES = 1025
+"""Points at which a curve is taken: four to each cell of Cycles' own table of 257."""
+
+
+def _separate(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    return cv.Component(reader.read(node.inputs[0], scope), _COMPONENTS[output])
+
+
+def _combine(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    return cv.Combine(*(reader.read(socket, scope) for socket in node.inputs))
+
+
+def _separate_color(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    color = reader.read(node.inputs[0], scope)
+    return cv.Component(
+        color if node.mode == "RGB" else cv.ColorModel(color, f"RGB_TO_{node.mode}"), _COMPONENTS[output]
+    )
+
+
+def _combine_color(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    color = cv.Combine(*(reader.read(socket, scope) for socket in node.inputs))
+    return color if node.mode == "RGB" else cv.ColorModel(color, f"{node.mode}_TO_RGB")
+
+
+def _map_range(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    vectors = node.data_type == "FLOAT_VECTOR"
+    names = ("From_Min", "From_Max", "To_Min", "To_Max", "Steps")
+    wanted = (
+        ["Vector", *(f"{n}_FLOAT3" for n in names)] if vectors else ["Value", *(n.replace("_", " ") for n in names)]
+    )
+    sockets = {socket.identifier: socket for socket in node.inputs}
+    parts = (reader.read(sockets[name], scope) for name in wanted)
+    return cv.MapRange(*parts, interpolation=node.interpolation_type, clamp=node.clamp)
+
+
+def _clamp(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    value, low, high = (reader.read(socket, scope) for socket in node.inputs)
+    if node.clamp_type == "RANGE":
+        low, high = ex.Math("MINIMUM", low, high, ex.ZERO), ex.Math("MAXIMUM", low, high, ex.ZERO)
+    return ex.Math("MINIMUM", ex.Math("MAXIMUM", value, low, ex.ZERO), high, ex.ZERO)
+
+
+def _vector_math(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    gives_value = node.operation in _VALUES
+    if gives_value != (output == "Value"):
+        reader.refuse(node, scope, f", output '{output}', which is off in this operation,", "unlink it")
+        return ex.ZERO if output == "Value" else ex.BLACK
+    sockets = {socket.identifier: socket for socket in node.inputs}
+    a, b, c = (
+        reader.read(sockets[name], scope) if sockets[name].enabled else ex.BLACK
+        for name in ("Vector", "Vector_001", "Vector_002")
+    )
+    scale = reader.read(sockets["Scale"], scope) if sockets["Scale"].enabled else ex.ZERO
+    return cv.VectorMath(node.operation, a, b, c, scale)
+
+
+def _vector_rotate(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    vector, center = (reader.read(node.inputs[name], scope) for name in ("Vector", "Center"))
+    if node.rotation_type == "EULER_XYZ":
+        if node.invert:
+            reader.refuse(node, scope, ", option 'Invert' of Euler angles,", "turn by an axis and an angle")
+        off = cv.VectorMath("SUBTRACT", vector, center, ex.BLACK, ex.ZERO)
+        turned = ex.Mapping(off, ex.BLACK, reader.read(node.inputs["Rotation"], scope), ex.WHITE)
+        return cv.VectorMath("ADD", turned, center, ex.BLACK, ex.ZERO)
+    axis = reader.read(node.inputs["Axis"], scope) if node.rotation_type == "AXIS_ANGLE" else None
+    angle = reader.read(node.inputs["Angle"], scope)
+    if node.invert:
+        angle = ex.Math("MULTIPLY", angle, ex.Constant(-1.0), ex.ZERO)
+    return cv.VectorRotate(vector, center, axis or ex.Constant(_AXES[node.rotation_type]), angle)
+
+
+def _hue_saturation(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    return cv.HueSaturation(*(reader.read(socket, scope) for socket in node.inputs))
+
+
+def _bright_contrast(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    return cv.BrightContrast(*(reader.read(socket, scope) for socket in node.inputs))
+
+
+def _gamma(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    return ex.Gamma(*(reader.read(socket, scope) for socket in node.inputs))
+
+
+def _invert(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    factor, color = (reader.read(socket, scope) for socket in node.inputs)
+    negative = ex.Mix(ex.ONE, ex.WHITE, color, blend="SUBTRACT")
+    return ex.Mix(factor, color, negative, clamp_factor=False)
+
+
+def _rgb_to_bw(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    return ex.ColorToValue(reader.read(node.inputs[0], scope))
+
+
+def _blackbody(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    return cv.Blackbody(reader.read(node.inputs[0], scope))
+
+
+def _curves(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    """RGB Curves (the fourth curve comes before the three), Vector Curves and Float Curve."""
+    mapping = node.mapping
+    mapping.update()
+    factor, content = (reader.read(socket, scope) for socket in node.inputs)
+    curves = list(mapping.curves)
+    ends = [point.location[0] for one in curves for point in one.points]
+    low, high = min(0.0, *ends), max(1.0, *ends)
+    at = [low + (high - low) * k / (_SAMPLES - 1) for k in range(_SAMPLES)]
+    if node.bl_idname == "ShaderNodeRGBCurve":
+        at = [mapping.evaluate(curves[3], x) for x in at]
+    tables = tuple(tuple(mapping.evaluate(one, x) for x in at) for one in curves[:3])
+    return cv.Curves(factor, content, tables, low, high, mapping.extend == "EXTRAPOLATED")
+
+
+CONVERTERS = {
+    "ShaderNodeSeparateXYZ": _separate,
+    "ShaderNodeSeparateRGB": _separate,
+    "ShaderNodeSeparateColor": _separate_color,
+    "ShaderNodeCombineXYZ": _combine,
+    "ShaderNodeCombineRGB": _combine,
+    "ShaderNodeCombineColor": _combine_color,
+    "ShaderNodeMapRange": _map_range,
+    "ShaderNodeClamp": _clamp,
+    "ShaderNodeVectorMath": _vector_math,
+    "ShaderNodeVectorRotate": _vector_rotate,
+    "ShaderNodeHueSaturation": _hue_saturation,
+    "ShaderNodeBrightContrast": _bright_contrast,
+    "ShaderNodeGamma": _gamma,
+    "ShaderNodeInvert": _invert,
+    "ShaderNodeRGBToBW": _rgb_to_bw,
+    "ShaderNodeBlackbody": _blackbody,
+    "ShaderNodeRGBCurve": _curves,
+    "ShaderNodeVectorCurve": _curves,
+    "ShaderNodeFloatCurve": _curves,
+}
+"""Node type by Blender's identifier -> reader."""

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reader of the Principled BSDF: a stack of layers becomes a flat list of lobes, each weighed by what the layers above leave.
+
+From top to bottom: alpha, coat, emission, metal, transmission, specular, diffuse (Cycles, kernel/svm/closure.h).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ....lib.scene import expressions as ex
+from ....lib.scene import materials as mt
+from ....lib.textures.fold import is_constant
+from .tree import Scope, valid_link
+
+if TYPE_CHECKING:
+    from .shaders import ShaderReader
+
+_NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
+_LARGEST_ROOT = 0.99**0.5
+_HALF = ex.Constant(0.5)
+
+
+@dataclass(frozen=True)
+class _Weight:
+    """What reaches a layer: a value, and a colour where a coat has tinted it."""
+
+    value: ex.Expression
+    color: ex.Expression | None = None
+
+    def times(self, factor: ex.Expression) -> _Weight:
+        """Less by a value."""
+        return replace(self, value=_product(self.value, factor))
+
+    def without(self, share: ex.Expression) -> _Weight:
+        """What a layer that takes `share` leaves."""
+        return self.times(ex.Math("SUBTRACT", ex.ONE, share, ex.ZERO))
+
+    @property
+    def expression(self) -> ex.Expression:
+        """Value or colour."""
+        return self.value if self.color is None else _tinted(self.color, ex.ValueToColor(self.value))
+
+
+def _product(a: ex.Expression, b: ex.Expression) -> ex.Expression:
+    return ex.Math("MULTIPLY", a, b, ex.ZERO)
+
+
+def _tinted(a: ex.Expression, b: ex.Expression) -> ex.Expression:
+    return ex.Mix(ex.ONE, a, b, blend="MULTIPLY")
+
+
+def _clamped(value: ex.Expression) -> ex.Expression:
+    return ex.Math("ADD", value, ex.ZERO, ex.ZERO, clamp=True)
+
+
+def read_principled(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    """The lobes of a Principled BSDF node."""
+    return _Principled(reader, node, scope).lobes(weight)
+
+
+_Add = Callable[[mt.Closure, _Weight], None]
+
+
+class _Principled:
+    def __init__(self, reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
+        self._reader, self._node, self._scope = reader, node, scope
+        self._normal = reader.normal(node, scope)
+        self._distribution = node.distribution if node.distribution == "MULTI_GGX" else "GGX"
+
+    def _socket(self, name: str, absent: ex.Expression = ex.ZERO) -> ex.Expression:
+        """The folded content of a socket, or `absent` in a Blender that has none of the name."""
+        return self._reader.read(self._node, name, self._scope) if name in self._node.inputs else absent
+
+    def _share(self, name: str) -> ex.Expression:
+        return self._reader.folder(_clamped(self._socket(name)))
+
+    def _refuse(self) -> None:
+        values = self._reader.values
+        for name, neutral in _NOT_SIMULATED.items():
+            if self._socket(name) != ex.Constant(neutral):
+                values.refuse(self._node, self._scope, f", socket '{name}',", f"set it to {neutral:g}")
+        thin = self._node.inputs.get("Thin Wall")
+        if thin is not None and (valid_link(thin) or thin.default_value):
+            values.refuse(self._node, self._scope, ", socket 'Thin Wall',", "switch it off")
+
+    def lobes(self, weight: ex.Expression) -> list[mt.Lobe]:
+        self._refuse()
+        found: list[mt.Lobe] = []
+        fold = self._reader.folder
+
+        def add(closure: mt.Closure, layer: _Weight) -> None:
+            """The lobe, unless nothing reaches it."""
+            reaches = fold(layer.expression)
+            if reaches not in (ex.ZERO, ex.BLACK):
+                found.append(self._reader.lobe(closure, reaches))
+
+        rest = _Weight(weight)
+        alpha = self._share("Alpha")
+        add(mt.Transparent(), rest.without(alpha))
+        rest = rest.times(alpha)
+        rest = self._coat(rest, add)
+        strength = self._socket("Emission Strength")
+        add(
+            mt.Emission(self._socket("Emission Color", ex.WHITE), strength),
+            rest if strength != ex.ZERO else _Weight(ex.ZERO),
+        )
+        metallic = self._share("Metallic")
+        add(self._metal(), rest.times(metallic))
+        rest = rest.without(metallic)
+        transmission = self._share("Transmission Weight")
+        if fold(rest.times(transmission).value) != ex.ZERO:
+            add(self._glass(), rest.times(transmission))
+        rest = rest.without(transmission)
+        if fold(rest.value) != ex.ZERO:
+            rest = self._specular(rest, add)
+            add(mt.Diffuse(self._socket("Base Color"), self._socket("Diffuse Roughness"), self._normal), rest)
+        return found
+
+    def _coat(self, rest: _Weight, add: _Add) -> _Weight:
+        weight = self._reader.folder(ex.Math("MAXIMUM", self._socket("Coat Weight"), ex.ZERO, ex.ZERO))
+        if weight == ex.ZERO:
+            return rest
+        ior, roughness = self._constant("Coat IOR"), self._socket("Coat Roughness")
+        ior = ex.Constant(max(ior.value, 1.0))
+        tint = self._socket("Coat Tint")
+        normal = self._reader.normal(self._node, self._scope, "Coat Normal")
+        add(mt.Specular("MULTI_GGX", ior, ex.WHITE, roughness, normal=normal), rest.times(weight))
+        rest = rest.times(ex.BeneathLayer(ior, ex.WHITE, roughness, weight, "MULTI_GGX", normal))
+        return rest if tint == ex.WHITE else replace(rest, color=ex.CoatTint(ior, tint, weight, normal))
+
+    def _constant(self, name: str) -> ex.Constant:
+        """The content of a socket that may not vary from point to point."""
+        content = self._socket(name)
+        if is_constant(content):
+            return content
+        self._reader.values.refuse(self._node, self._scope, f", socket '{name}' (textured),", f"unlink {name}")
+        return _HALF
+
+    def _stretch(self) -> dict[str, object]:
+        """Roughness and what turns and stretches the lobe."""
+        anisotropy = self._share("Anisotropic")
+        if anisotropy == ex.ZERO:
+            return {"roughness": self._socket("Roughness")}
+        return {
+            "roughness": self._socket("Roughness"),
+            "anisotropy": anisotropy,
+            "rotation": self._socket("Anisotropic Rotation"),
+            "tangent": self._reader.tangent(self._node, self._scope),
+        }
+
+    def _metal(self) -> mt.Metallic:
+        base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
+        return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
+
+    def _glass(self) -> mt.Glass:
+        ior = self._constant("IOR") if self._distribution == "MULTI_GGX" else self._socket("IOR")
+        return mt.Glass(
+            ex.WHITE,
+            ior,
+            self._socket("Roughness"),
+            self._distribution,
+            transmission=ex.Gamma(self._base_in_range(), _HALF),
+            tint=self._socket("Specular Tint", ex.WHITE),
+            normal=self._normal,
+        )
+
+    def _base_in_range(self) -> ex.Expression:
+        return ex.Mix(ex.ZERO, self._socket("Base Color"), ex.WHITE, clamp_result=True)
+
+    def _specular(self, rest: _Weight, add: _Add) -> _Weight:
+        """The dielectric's own layer: level 0.5 leaves the index as it is, others scale the reflectance at normal incidence."""
+        ior, level = max(self._constant("IOR").value, 1e-5), max(self._constant("Specular IOR Level").value, 0.0)
+        if level != 0.5:
+            root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
+            root = min(max(root, -_LARGEST_ROOT), _LARGEST_ROOT)
+            ior = (1.0 + root) / (1.0 - root)
+        if ior == 1.0:
+            return rest
+        eta, tint = ex.Constant(ior), self._socket("Specular Tint", ex.WHITE)
+        add(mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch()), rest)
+        below = ex.BeneathLayer(eta, tint, self._socket("Roughness"), ex.ONE, self._distribution, self._normal)
+        return rest.times(below)

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers of shader nodes: a surface's tree of Mix and Add becomes a flat list of weighted lobes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import bpy
+
+from ....lib.scene import expressions as ex
+from ....lib.scene import materials as mt
+from ....lib.textures.fold import Folder, is_constant
+from .principled import read_principled
+from .tree import Scope, TreeReader, valid_link
+
+# Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
+_LEAST_ANISOTROPY = 1e-4
+_SMOOTH_ROUGHNESS = 2e-10**0.25
+
+_DISTRIBUTIONS = ("BECKMANN", "GGX", "MULTI_GGX", "ASHIKHMIN_SHIRLEY")
+
+
+@dataclass
+class ShaderReader:
+    """Reads shader sockets into lobes; values by `values`, folded by one `folder` so that what is shared stays shared."""
+
+    values: TreeReader
+    folder: Folder
+
+    def lobes(self, socket: bpy.types.NodeSocket, scope: Scope, weight: ex.Expression = ex.ONE) -> list[mt.Lobe]:
+        """The lobes that reach the shader input `socket`, each weighed by `weight`; no weight, no lobes."""
+        if weight == ex.ZERO:
+            return []
+        source = self.values.trace(socket, scope)
+        if not source.linked:
+            return []
+        node = source.socket.node
+        if source.socket.type != "SHADER":
+            return [self.lobe(_glow(self.values, source), weight)]
+        reader = (_WORLD_SHADERS if self.values.is_world else _SHADERS).get(node.bl_idname)
+        if reader is None:
+            home = "world" if self.values.is_world else "surface"
+            self.values.refuse(node, source.scope, f" on a {home}", "replace it by a supported shader")
+            return []
+        return reader(self, node, source.scope, weight)
+
+    def lobe(self, closure: mt.Closure, weight: ex.Expression) -> mt.Lobe:
+        """`closure`, its sockets folded, with its weight."""
+        sockets = {field.name: getattr(closure, field.name) for field in fields(closure)}
+        folded = {name: self.folder(v) for name, v in sockets.items() if isinstance(v, ex.Expression)}
+        return mt.Lobe(replace(closure, **folded), weight)
+
+    def read(self, node: bpy.types.Node, name: str, scope: Scope) -> ex.Expression:
+        """The folded content of the node's socket called `name`."""
+        return self.folder(self.values.read(node.inputs[name], scope))
+
+    def normal(self, node: bpy.types.Node, scope: Scope, name: str = "Normal") -> ex.Expression | None:
+        """What is linked to the node's normal, else the surface's; None for the shading normal."""
+        return self.read(node, name, scope) if valid_link(node.inputs[name]) else self.values.surface_normal
+
+    def tangent(self, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
+        """Where the node's socket Tangent points."""
+        source = self.values.trace(node.inputs["Tangent"], scope)
+        if not source.linked:
+            return mt.Tangent()
+        tangent = source.socket.node
+        if tangent.bl_idname != "ShaderNodeTangent":
+            self.values.refuse(node, scope, ", socket 'Tangent' (linked),", "link a Tangent node to it, or nothing")
+            return mt.Tangent()
+        if tangent.direction_type == "RADIAL":
+            return mt.Tangent("RADIAL", axis=tangent.axis)
+        return mt.Tangent("UV", uv_map=tangent.uv_map)
+
+
+def _glow(values: TreeReader, source: object) -> mt.Emission:
+    """A colour linked to a shader socket shines, as in Cycles."""
+    return mt.Emission(values.content(source, "RGBA"), ex.ONE)
+
+
+def _diffuse(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    color, roughness = reader.read(node, "Color", scope), reader.read(node, "Roughness", scope)
+    closure = mt.Diffuse(color, roughness, reader.normal(node, scope))
+    return [reader.lobe(closure, weight)]
+
+
+def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    if node.distribution not in _DISTRIBUTIONS:
+        what = f", distribution {node.distribution.replace('_', ' ').title()},"
+        reader.values.refuse(node, scope, what, "choose another")
+    anisotropy = reader.read(node, "Anisotropy", scope)
+    closure = mt.Glossy(
+        node.distribution, reader.read(node, "Color", scope), reader.read(node, "Roughness", scope), anisotropy
+    )
+    closure = replace(closure, normal=reader.normal(node, scope))
+    if is_constant(anisotropy) and abs(anisotropy.value) <= _LEAST_ANISOTROPY:
+        closure = replace(closure, anisotropy=ex.ZERO)
+    else:
+        closure = replace(closure, rotation=reader.read(node, "Rotation", scope), tangent=reader.tangent(node, scope))
+    return [reader.lobe(closure, weight)]
+
+
+def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    _refuse_film(reader, node, scope)
+    conductor = node.fresnel_type == "PHYSICAL_CONDUCTOR"
+    closure = mt.Metallic(
+        node.distribution,
+        "CONDUCTOR" if conductor else "F82",
+        reader.read(node, "IOR" if conductor else "Base Color", scope),
+        reader.read(node, "Extinction" if conductor else "Edge Tint", scope),
+        reader.read(node, "Roughness", scope),
+        normal=reader.normal(node, scope),
+    )
+    anisotropy = reader.folder(
+        ex.Math("ADD", reader.values.read(node.inputs["Anisotropy"], scope), ex.ZERO, ex.ZERO, clamp=True)
+    )
+    if anisotropy != ex.ZERO:
+        rotation = reader.read(node, "Rotation", scope)
+        closure = replace(closure, anisotropy=anisotropy, rotation=rotation, tangent=reader.tangent(node, scope))
+    return [reader.lobe(closure, weight)]
+
+
+def _translucent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope), reader.normal(node, scope)), weight)]
+
+
+def _emission(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    closure = mt.Emission(reader.read(node, "Color", scope), reader.read(node, "Strength", scope))
+    return [reader.lobe(closure, weight)]
+
+
+def _transparent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    return [reader.lobe(mt.Transparent(reader.read(node, "Color", scope)), weight)]
+
+
+def _refuse_film(reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
+    reader.values.refuse_linked(node, scope, "Thin Film Thickness")
+    film = node.inputs.get("Thin Film Thickness")
+    if film is not None and film.default_value != 0:
+        reader.values.refuse(node, scope, ", socket 'Thin Film Thickness',", "set it to 0")
+
+
+def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    _refuse_film(reader, node, scope)
+    color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
+    normal = reader.normal(node, scope)
+    if is_smooth(roughness):
+        return [reader.lobe(mt.Glass(color, ior, normal=normal), weight)]
+    if node.distribution != "MULTI_GGX":
+        return [reader.lobe(mt.Glass(color, ior, roughness, node.distribution, normal=normal), weight)]
+    if not is_constant(ior):
+        reader.values.refuse(node, scope, ", socket 'IOR' (textured),", "unlink IOR, or choose GGX")
+        ior = ex.ONE
+    glass = mt.Glass(ex.WHITE, ior, roughness, "MULTI_GGX", reflection=color, transmission=color, normal=normal)
+    return [reader.lobe(glass, weight)]
+
+
+def _refraction(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
+    normal = reader.normal(node, scope)
+    if is_smooth(roughness):
+        return [reader.lobe(mt.Refraction(color, ior, normal=normal), weight)]
+    return [reader.lobe(mt.Refraction(color, ior, roughness, node.distribution, normal), weight)]
+
+
+def is_smooth(roughness: ex.Expression) -> bool:
+    """Whether Cycles takes the interface for smooth."""
+    return is_constant(roughness) and roughness.value <= _SMOOTH_ROUGHNESS
+
+
+def _mix(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    factor_socket, first, second = node.inputs
+    factor = ex.Math("ADD", reader.values.read(factor_socket, scope), ex.ZERO, ex.ZERO, clamp=True)
+    rest = ex.Math("SUBTRACT", ex.ONE, factor, ex.ZERO)
+    return [
+        *reader.lobes(first, scope, reader.folder(ex.Math("MULTIPLY", weight, rest, ex.ZERO))),
+        *reader.lobes(second, scope, reader.folder(ex.Math("MULTIPLY", weight, factor, ex.ZERO))),
+    ]
+
+
+def _add(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+    first, second = node.inputs
+    return [*reader.lobes(first, scope, weight), *reader.lobes(second, scope, weight)]
+
+
+_WORLD_SHADERS = {
+    "ShaderNodeBackground": _emission,
+    "ShaderNodeEmission": _emission,
+    "ShaderNodeMixShader": _mix,
+    "ShaderNodeAddShader": _add,
+}
+_SHADERS = {
+    "ShaderNodeBsdfDiffuse": _diffuse,
+    "ShaderNodeBsdfAnisotropic": _glossy,
+    "ShaderNodeBsdfGlossy": _glossy,
+    "ShaderNodeEmission": _emission,
+    "ShaderNodeBsdfTransparent": _transparent,
+    "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeBsdfGlass": _glass,
+    "ShaderNodeBsdfRefraction": _refraction,
+    "ShaderNodeBsdfMetallic": _metallic,
+    "ShaderNodeBsdfPrincipled": read_principled,
+    "ShaderNodeMixShader": _mix,
+    "ShaderNodeAddShader": _add,
+}

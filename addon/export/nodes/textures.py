@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers of texture nodes and of what feeds them: coordinates, mappings, images, checkers."""
+
+from __future__ import annotations
+
+import bpy
+
+from ....lib.scene import expressions as ex
+from .tree import Scope, TreeReader, valid_link
+
+_SURFACE_COORDINATES = {
+    "Generated": ex.Coordinates("GENERATED"),
+    "Normal": ex.Coordinates("NORMAL"),
+    "UV": ex.Coordinates("UV"),
+    "Object": ex.Coordinates("OBJECT"),
+}
+_GEOMETRY = {
+    "Position": ex.Coordinates("POSITION"),
+    "Normal": ex.Coordinates("SHADING_NORMAL"),
+    "True Normal": ex.Coordinates("TRUE_NORMAL"),
+    "Incoming": ex.Coordinates("INCOMING"),
+    "Backfacing": ex.Backfacing(),
+}
+_OBJECT_INFO = {"Object Index": "INDEX"}
+_DIRECTION = ex.Coordinates("GENERATED")
+_WORLD_COORDINATES = {"Generated": _DIRECTION, "Object": _DIRECTION}
+_INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
+_NEUTRAL_MAPPING = {
+    "translation": (0.0, 0.0, 0.0),
+    "rotation": (0.0, 0.0, 0.0),
+    "scale": (1.0, 1.0, 1.0),
+    "mapping_x": "X",
+    "mapping_y": "Y",
+    "mapping_z": "Z",
+}
+
+
+def _coordinates(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    known = _WORLD_COORDINATES if reader.is_world else _SURFACE_COORDINATES
+    if output not in known:
+        reader.refuse(node, scope, f", output '{output}',", f"use {', '.join(known)}")
+    elif output == "Object" and node.object is not None:
+        reader.refuse(node, scope, f", object '{node.object.name}',", "clear its Object field")
+    elif output in ("Generated", "UV") and node.from_instancer:
+        reader.refuse(node, scope, ", option 'From Instancer',", "switch it off")
+    return known.get(output, ex.BLACK)
+
+
+def _uv_map(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "use Texture Coordinate, Generated")
+    if node.from_instancer:
+        reader.refuse(node, scope, ", option 'From Instancer',", "switch it off")
+    return ex.Coordinates("UV", node.uv_map)
+
+
+def _vertex_color(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if output == "Alpha":  # here, unlike in an Attribute node, nothing has an alpha of 0
+        there = ex.Attribute(node.layer_name, "PRESENCE")
+        return ex.Math("MULTIPLY", ex.Attribute(node.layer_name, "ALPHA"), there, ex.ZERO)
+    return ex.Attribute(node.layer_name)
+
+
+def _attribute(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if reader.is_world or node.attribute_type != "GEOMETRY":
+        kind = "in a world" if reader.is_world else f"type {node.attribute_type.replace('_', ' ').title()}"
+        reader.refuse(node, scope, f", {kind},", "choose the type Geometry on a surface")
+    elif not node.attribute_name:
+        reader.refuse(node, scope, " without a name", "name an attribute of the mesh")
+    return ex.Attribute(node.attribute_name, {"Fac": "FACTOR", "Alpha": "ALPHA"}.get(output, "COLOR"))
+
+
+def _object_info(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if output == "Material Index":
+        return ex.Constant(float(reader.pass_index))
+    return ex.ObjectInfo(_OBJECT_INFO.get(output, output.upper()))
+
+
+def _geometry(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    known = {} if reader.is_world else _GEOMETRY
+    if output not in known:
+        reader.refuse(node, scope, f", output '{output}',", f"use {', '.join(_GEOMETRY)} of a surface")
+    return known.get(output, ex.BLACK)
+
+
+def _normal_map(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if getattr(node, "base", "DISPLACED") != "DISPLACED":
+        reader.refuse(node, scope, ", base Original,", "choose Displaced")
+    strength, color = (reader.read(node.inputs[name], scope) for name in ("Strength", "Color"))
+    invert = getattr(node, "convention", "OPENGL") == "DIRECTX"
+    return ex.NormalMap(color, strength, node.space, node.uv_map, invert)
+
+
+def _bump(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    height, strength, distance = (reader.read(node.inputs[name], scope) for name in ("Height", "Strength", "Distance"))
+    normal = reader.read(node.inputs["Normal"], scope) if valid_link(node.inputs["Normal"]) else reader.surface_normal
+    if not valid_link(node.inputs["Height"]):
+        return normal or ex.Coordinates("SHADING_NORMAL")
+    return ex.Bump(height, strength, distance, normal, node.invert)
+
+
+def _mapping(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    parts = {socket.identifier: socket for socket in node.inputs}
+    kind = node.vector_type
+    location = reader.read(parts["Location"], scope) if kind in ("POINT", "TEXTURE") else ex.BLACK
+    return ex.Mapping(
+        reader.read(parts["Vector"], scope),
+        location,
+        reader.read(parts["Rotation"], scope),
+        reader.read(parts["Scale"], scope),
+        kind=kind,
+    )
+
+
+def refuse_mapping(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> None:
+    """Old files may carry a hidden mapping inside a texture node, which Cycles applies."""
+    for name, neutral in _NEUTRAL_MAPPING.items():
+        value = getattr(node.texture_mapping, name)
+        if (value if isinstance(neutral, str) else tuple(value)) != neutral:
+            reader.refuse(node, scope, f", built-in texture mapping ({name}),", "reset it and use a Mapping node")
+
+
+def _interpolation(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> str:
+    if node.interpolation not in _INTERPOLATIONS:
+        reader.refuse(node, scope, f", interpolation {node.interpolation},", "choose Linear or Closest")
+    return _INTERPOLATIONS.get(node.interpolation, "LINEAR")
+
+
+def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    refuse_mapping(reader, node, scope)
+    if node.projection != "FLAT":
+        reader.refuse(node, scope, f", projection {node.projection.title()},", "choose Flat")
+    key = (*scope.path, node.as_pointer())
+    # Cycles divides alpha out of the colour only where the Alpha output is in use.
+    alpha_linked = any(valid_link(link.to_socket) == link for link in node.outputs["Alpha"].links)
+    if output == "Alpha":
+        reader.alpha_read.add(key)
+    elif reader.is_world and not valid_link(node.inputs[0]):
+        reader.refuse(
+            node, scope, ", socket 'Vector' (unlinked) in a world,", "link Texture Coordinate, Generated to it"
+        )
+    entry = reader.images.add(node.image, alpha_linked, lambda what, remedy: reader.refuse(node, scope, what, remedy))
+    if entry is None:
+        return ex.BLACK if output == "Color" else ex.ZERO
+    if entry.association == "WEIGHTED":
+        reader.alpha_expected[key] = (node, scope)
+    return ex.ImageTexture(
+        reader.read_or(node.inputs[0], scope, ex.Coordinates("UV")),
+        entry.index,
+        interpolation=_interpolation(reader, node, scope),
+        extension=node.extension,
+        output=output.upper(),
+        association=entry.association,
+    )
+
+
+def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    refuse_mapping(reader, node, scope)
+    if node.projection != "EQUIRECTANGULAR":
+        reader.refuse(node, scope, ", projection Mirror Ball,", "choose Equirectangular")
+    if not reader.is_world and not valid_link(node.inputs[0]):
+        reader.refuse(node, scope, ", socket 'Vector' (unlinked) on a surface,", "link its coordinates")
+    entry = reader.images.add(node.image, False, lambda what, remedy: reader.refuse(node, scope, what, remedy))
+    if entry is None:
+        return ex.BLACK
+    if entry.association != "SEPARATE":
+        reader.refuse(node, scope, f", image '{node.image.name}', which has alpha,", "set the image's Alpha to None")
+    vector = reader.read_or(node.inputs[0], scope, _DIRECTION)
+    return ex.EnvironmentTexture(vector, entry.index, interpolation=_interpolation(reader, node, scope))
+
+
+def _checker(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    refuse_mapping(reader, node, scope)
+    return ex.Checker(
+        reader.read_or(node.inputs["Vector"], scope, ex.Coordinates("GENERATED")),
+        reader.read(node.inputs["Color1"], scope),
+        reader.read(node.inputs["Color2"], scope),
+        reader.read(node.inputs["Scale"], scope),
+        output="COLOR" if output == "Color" else "FACTOR",
+    )
+
+
+TEXTURES = {
+    "ShaderNodeTexCoord": _coordinates,
+    "ShaderNodeUVMap": _uv_map,
+    "ShaderNodeNewGeometry": _geometry,
+    "ShaderNodeObjectInfo": _object_info,
+    "ShaderNodeNormalMap": _normal_map,
+    "ShaderNodeBump": _bump,
+    "ShaderNodeVertexColor": _vertex_color,
+    "ShaderNodeAttribute": _attribute,
+    "ShaderNodeMapping": _mapping,
+    "ShaderNodeTexImage": _image_texture,
+    "ShaderNodeTexEnvironment": _environment_texture,
+    "ShaderNodeTexChecker": _checker,
+}
+"""Node type by Blender's identifier -> reader."""

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Walks a node tree as Cycles does: through reroutes, muted nodes and groups, with Blender's silent conversions written out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import bpy
+
+from ....lib.errors import Refusal
+from ....lib.scene import expressions as ex
+from ..images import ImageTable
+
+_COLORS = ("RGBA", "VECTOR")
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Where a node lives: in the tree itself (no `group`) or inside a group node that lives in `parent`."""
+
+    group: bpy.types.Node | None = None
+    parent: Scope | None = None
+
+    @property
+    def path(self) -> tuple[int, ...]:
+        """Identifies the scope: one tree may be in use by many group nodes."""
+        if self.group is None or self.parent is None:
+            return ()
+        return (*self.parent.path, self.group.as_pointer())
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a socket's content comes from: an output of a real node, or (`linked` False) the default of an input.
+
+    `passed` are the types of the group and muted sockets on the way, outermost first: each converts.
+    """
+
+    socket: bpy.types.NodeSocket
+    scope: Scope
+    linked: bool
+    passed: tuple[str, ...]
+
+
+def valid_link(socket: bpy.types.NodeSocket) -> bpy.types.NodeLink | None:
+    """The link into `socket` that counts, if any."""
+    for link in socket.links:
+        if link.is_valid and not link.is_muted and link.from_socket.enabled and link.to_socket.enabled:
+            return link
+    return None
+
+
+@dataclass
+class TreeReader:
+    """Reads the values of one node tree into expressions, by a dictionary of readers: node type -> reader.
+
+    What cannot be read is appended to `refusals` by name, and a stand-in is returned so that reading goes on to find the rest.
+    """
+
+    owner: str
+    is_world: bool
+    images: ImageTable
+    refusals: list[Refusal]
+    readers: dict[str, Callable[[TreeReader, bpy.types.Node, str, Scope], ex.Expression]]
+    pass_index: int = 0
+    """The material's own."""
+    surface_normal: ex.Expression | None = None
+    """What takes the place of the shading normal, where a displacement bumps it."""
+    alpha_expected: dict[tuple, tuple[bpy.types.Node, Scope]] = field(default_factory=dict)
+    """Image nodes whose colour was read on the ground that their alpha is in use too."""
+    alpha_read: set[tuple] = field(default_factory=set)
+    _known: dict[tuple, ex.Expression] = field(default_factory=dict)
+
+    def refuse(self, node: bpy.types.Node, scope: Scope, what: str, remedy: str) -> None:
+        """Record that `what` of `node` is not simulated."""
+        inside = f"group '{scope.group.name}', " if scope.group else ""
+        refusal = Refusal(self.owner, f"{inside}node '{node.name}' ({node.bl_label}){what}", remedy)
+        if refusal not in self.refusals:
+            self.refusals.append(refusal)
+
+    def trace(self, socket: bpy.types.NodeSocket, scope: Scope) -> Source:
+        """Follow links from the input `socket` to where its content comes from."""
+        passed: list[str] = []
+        while True:
+            link = valid_link(socket)
+            if link is None:
+                return Source(socket, scope, False, tuple(passed))
+            output, node = link.from_socket, link.from_node
+            if node.mute or node.bl_idname == "NodeReroute":
+                if bpy.app.version < (5, 0, 0):  # since then what passes a muted node is not converted on the way
+                    passed.append(output.type)
+                inner = next((i.from_socket for i in node.internal_links if i.to_socket == output), None)
+                if inner is None or valid_link(inner) is None:
+                    self.refuse(node, scope, ", which passes nothing on,", "delete it")
+                    return Source(socket, scope, False, tuple(passed))
+                socket = inner
+            elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+                passed.append(output.type)
+                socket = _group_result(node.node_tree, output.identifier)
+                scope = Scope(node, scope)
+                if socket is None:
+                    self.refuse(
+                        node, scope, f", output '{output.name}', to which the group leads nothing,", "unlink it"
+                    )
+                    return Source(link.to_socket, scope, False, tuple(passed))
+            elif node.bl_idname == "NodeGroupInput" and scope.group is not None and scope.parent is not None:
+                passed.append(output.type)
+                socket = next(s for s in scope.group.inputs if s.identifier == output.identifier)
+                scope = scope.parent
+            else:
+                return Source(output, scope, True, tuple(passed))
+
+    def read(self, socket: bpy.types.NodeSocket, scope: Scope) -> ex.Expression:
+        """The content of the input `socket`: a value or a colour, as the socket's type says."""
+        return self.content(self.trace(socket, scope), socket.type)
+
+    def content(self, source: Source, kind: str) -> ex.Expression:
+        """The content of a traced `source`, converted to a socket of type `kind`."""
+        at = source.socket.type
+        expression = self._output(source) if source.linked else self._default(source)
+        for step in (*reversed(source.passed), kind):
+            expression, at = self._convert(expression, at, step, source), step
+        return expression
+
+    def read_or(self, socket: bpy.types.NodeSocket, scope: Scope, default: ex.Expression) -> ex.Expression:
+        """The content of `socket`, or `default` where nothing is linked (texture coordinates)."""
+        return self.read(socket, scope) if valid_link(socket) else default
+
+    def refuse_linked(self, node: bpy.types.Node, scope: Scope, *names: str) -> None:
+        """Refuse each of the sockets called `names` that is linked."""
+        for name in names:
+            socket = node.inputs.get(name)
+            if socket is not None and valid_link(socket):
+                self.refuse(node, scope, f", socket '{name}' (linked),", f"unlink {name}")
+
+    def _output(self, source: Source) -> ex.Expression:
+        node, socket = source.socket.node, source.socket
+        key = (*source.scope.path, node.as_pointer(), socket.identifier)
+        if key not in self._known:
+            reader = self.readers.get(node.bl_idname)
+            if reader is None:
+                self.refuse(node, source.scope, "", "replace it by a supported node or bake it to an image")
+                return _stand_in(socket.type)
+            self._known[key] = reader(self, node, socket.identifier, source.scope)
+        return self._known[key]
+
+    def _default(self, source: Source) -> ex.Expression:
+        socket = source.socket
+        if socket.type == "VALUE":
+            return ex.Constant(float(socket.default_value))
+        if socket.type in _COLORS:
+            x, y, z = list(socket.default_value)[:3]
+            return ex.Constant((float(x), float(y), float(z)))
+        self.refuse(
+            socket.node, source.scope, f", socket '{socket.name}' of type {socket.type.lower()},", "do without it"
+        )
+        return ex.ZERO
+
+    def _convert(self, expression: ex.Expression, have: str, want: str, source: Source) -> ex.Expression:
+        """Blender's silent conversion between socket types."""
+        if have == want or (have in _COLORS and want in _COLORS):
+            return expression
+        if have == "VALUE" and want in _COLORS:
+            return ex.ValueToColor(expression)
+        if have == "RGBA" and want == "VALUE":
+            return ex.ColorToValue(expression)
+        if have == "VECTOR" and want == "VALUE":
+            return ex.VectorToValue(expression)
+        what = f", socket '{source.socket.name}', whose {have.lower()} feeds a {want.lower()},"
+        self.refuse(source.socket.node, source.scope, what, "unlink it")
+        return _stand_in(want)
+
+
+def _stand_in(kind: str) -> ex.Expression:
+    return ex.BLACK if kind in _COLORS else ex.ZERO
+
+
+def _group_result(tree: bpy.types.NodeTree, identifier: str) -> bpy.types.NodeSocket | None:
+    """The input of the group's active output node that carries the group's output `identifier`."""
+    for node in tree.nodes:
+        if node.bl_idname == "NodeGroupOutput" and node.is_active_output:
+            return next((s for s in node.inputs if s.identifier == identifier), None)
+    return None

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers of nodes that make values and colours: node type -> expression."""
+
+from __future__ import annotations
+
+import bpy
+
+from ....lib.scene import expressions as ex
+from ....lib.textures.fold import fold
+from .converters import CONVERTERS
+from .procedural import PROCEDURAL
+from .sky import read_sky
+from .textures import TEXTURES
+from .tree import Scope, TreeReader
+
+_CONTENT_BY_TYPE = {"FLOAT": "Float", "VECTOR": "Vector", "RGBA": "Color"}
+
+
+def _rgb(_: TreeReader, node: bpy.types.Node, __: str, ___: Scope) -> ex.Expression:
+    r, g, b, _alpha = node.outputs[0].default_value
+    return ex.Constant((r, g, b))
+
+
+def _value(_: TreeReader, node: bpy.types.Node, __: str, ___: Scope) -> ex.Expression:
+    return ex.Constant(node.outputs[0].default_value)
+
+
+def _math(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    a, b, c = (reader.read(socket, scope) if socket.enabled else ex.ZERO for socket in node.inputs)
+    return ex.Math(node.operation, a, b, c, clamp=node.use_clamp)
+
+
+def _mix(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    suffix = _CONTENT_BY_TYPE.get(node.data_type)
+    if suffix is None:
+        reader.refuse(node, scope, f", data type {node.data_type.lower()},", "mix values, vectors or colours")
+        return ex.BLACK
+    non_uniform = suffix == "Vector" and node.factor_mode == "NON_UNIFORM"
+    sockets = {socket.identifier: socket for socket in node.inputs}
+    is_color = suffix == "Color"
+    return ex.Mix(
+        reader.read(sockets["Factor_Vector" if non_uniform else "Factor_Float"], scope),
+        reader.read(sockets[f"A_{suffix}"], scope),
+        reader.read(sockets[f"B_{suffix}"], scope),
+        blend=node.blend_type if is_color else "MIX",
+        clamp_factor=node.clamp_factor,
+        clamp_result=is_color and node.clamp_result,
+    )
+
+
+def _mix_rgb(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    factor, a, b = (reader.read(socket, scope) for socket in node.inputs)
+    return ex.Mix(factor, a, b, blend=node.blend_type, clamp_factor=True, clamp_result=node.use_clamp)
+
+
+def _color_ramp(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    ramp = node.color_ramp
+    stops = sorted(ramp.elements, key=lambda stop: stop.position)
+    return ex.ColorRamp(
+        reader.read(node.inputs[0], scope),
+        positions=tuple(stop.position for stop in stops),
+        colors=tuple(tuple(stop.color) for stop in stops),
+        interpolation=ramp.interpolation,
+        mode=ramp.color_mode,
+        hue=ramp.hue_interpolation,
+        output=output.upper(),
+    )
+
+
+def _fresnel(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    _refuse_angle(reader, node, scope)
+    return ex.FresnelFactor(reader.read(node.inputs["IOR"], scope))
+
+
+def _layer_weight(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    _refuse_angle(reader, node, scope)
+    return ex.LayerWeight(reader.read(node.inputs["Blend"], scope), output=output.upper())
+
+
+def _light_falloff(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    smooth = fold(reader.read(node.inputs["Smooth"], scope))
+    if output != "Quadratic" or smooth != ex.ZERO:
+        reader.refuse(node, scope, f", output '{output}', with its smoothness,", "use Quadratic, and a Smooth of 0")
+    return reader.read(node.inputs["Strength"], scope)
+
+
+def _refuse_angle(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> None:
+    reader.refuse_linked(node, scope, "Normal")
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+
+
+VALUES = {
+    **TEXTURES,
+    **PROCEDURAL,
+    **CONVERTERS,
+    "ShaderNodeRGB": _rgb,
+    "ShaderNodeValue": _value,
+    "ShaderNodeMath": _math,
+    "ShaderNodeMix": _mix,
+    "ShaderNodeMixRGB": _mix_rgb,
+    "ShaderNodeValToRGB": _color_ramp,
+    "ShaderNodeFresnel": _fresnel,
+    "ShaderNodeLightFalloff": _light_falloff,
+    "ShaderNodeLayerWeight": _layer_weight,
+    "ShaderNodeTexSky": read_sky,
+}
+"""Node type by Blender's identifier -> reader."""

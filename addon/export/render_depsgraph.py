@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as a render sees it: render levels of modifiers and what is hidden in viewports, but not in renders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import bpy
+
+from ...lib.errors import EtalonError
+
+Result = TypeVar("Result")
+
+
+def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph], Result]) -> Result:
+    """Return `function(depsgraph)` for the depsgraph in render mode, which Blender hands to a render engine only.
+
+    An engine that renders nothing is registered for the time of the call. The scene's settings come back, and whatever
+    `function` raises is raised here; EtalonError where the scene renders no view layer.
+    """
+    results: list[Result] = []
+    errors: list[BaseException] = []
+
+    class Exporter(bpy.types.RenderEngine):
+        bl_idname = "ETALON_EXPORTER"
+        bl_label = "Étalon exporter"
+
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+            if results or errors:
+                return
+            try:
+                results.append(function(depsgraph))
+            except BaseException as error:  # Blender would print it and go on
+                errors.append(error)
+
+    render = scene.render
+    kept = {
+        name: getattr(render, name) for name in ("engine", "use_compositing", "use_sequencer", "use_persistent_data")
+    }
+    bpy.utils.register_class(Exporter)
+    try:
+        # Persistent data would keep the engine, and it is gone in a moment.
+        render.use_compositing = render.use_sequencer = render.use_persistent_data = False
+        render.engine = Exporter.bl_idname
+        bpy.ops.render.render(scene=scene.name)
+    finally:
+        for name, value in kept.items():
+            setattr(render, name, value)
+        bpy.utils.unregister_class(Exporter)
+    if errors:
+        raise errors[0]
+    if not results:
+        raise EtalonError(f"{scene.name}: no view layer is used for rendering; switch one on")
+    return results[0]

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From closures to lobes at surface points: a dictionary, closure type -> builder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..bsdfs.ashikhmin_shirley import AshikhminShirley
+from ..bsdfs.compensated import CYCLES, EXACT, Compensated, multiple_scattering
+from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
+from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
+from ..bsdfs.lambert import Lambert, LambertTransmission
+from ..bsdfs.microfacet import MicrofacetReflection
+from ..bsdfs.mixture import Lobe
+from ..bsdfs.oren_nayar import OrenNayar
+from ..bsdfs.reflected import Reflected
+from ..bsdfs.rotated import Rotated, rotate_in
+from ..bsdfs.specular import Mirror, SmoothDielectric
+from ..bsdfs.tilted import Tilted
+from ..departures.closures import beckmann_form, with_stated_density
+from ..microfacets import ggx
+from ..microfacets.cycles_tables import average_glass_albedo_cycles, glass_albedo_cycles
+from ..microfacets.layers import average_glass_albedo, glass_albedo
+from ..scene.expressions import Constant
+from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
+from ..textures.evaluate import Evaluator
+from ..vectors import dot, orthonormal_basis, to_local
+from ..wavefront.options import Options
+from .surface import SurfacePoints
+
+# Below this product of the alphas a lobe is a mirror, as in Cycles (bsdf_microfacet.h); D(0) would exceed 1.6e9.
+MIRROR_ALPHA_PRODUCT = 2e-10
+_FLOOR = float(np.sqrt(MIRROR_ALPHA_PRODUCT))
+# An index this close to 1 bends nothing, as in Cycles.
+_LEAST_CONTRAST = 1e-4
+
+
+@dataclass(frozen=True)
+class Site:
+    """Points of one material: `read` evaluates sockets there, `wo` (3, n) is local to the frame (t, s, n), (3, n) each."""
+
+    points: SurfacePoints
+    read: Evaluator
+    wo: np.ndarray
+    t: np.ndarray
+    s: np.ndarray
+    n: np.ndarray
+    options: Options
+
+
+def build(closure: Closure, site: Site) -> tuple[Lobe, np.ndarray]:
+    """The lobe of a closure and the colour, (3, 1) or (3, n), that multiplies it."""
+    if getattr(closure, "normal", None) is None:
+        return _BUILDERS[type(closure)](closure, site)
+    n = np.broadcast_to(site.read(closure.normal), site.n.shape)
+    t, s = orthonormal_basis(n)
+    turned = replace(site, wo=to_local(site.points.wo, t, s, n), t=t, s=s, n=n)
+    lobe, color = _BUILDERS[type(closure)](closure, turned)
+    rows = [to_local(axis, site.t, site.s, site.n) for axis in (t, s, n)]
+    return Tilted(lobe, np.stack(rows)), color
+
+
+def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:
+    roughness, color = np.clip(site.read(closure.roughness), 0.0, 1.0), site.read(closure.color)
+    if not np.any(roughness):
+        return Lambert(), color
+    first = 3 if "Oren-Nayar colour" in site.options.departures else 2
+    return OrenNayar(site.wo, roughness, np.clip(color, 0.0, 1.0), first), np.ones((3, 1))
+
+
+def _glossy(closure: Glossy, site: Site) -> tuple[Lobe, np.ndarray]:
+    anisotropy = np.clip(site.read(closure.anisotropy), -0.99, 0.99)
+    stretch = None if not np.any(np.abs(anisotropy) > 1e-4) else glossy_stretch(anisotropy)
+    color = site.read(closure.color)
+    lobe, alpha = _reflection(closure, stretch, site)
+    return _compensated(lobe, closure.distribution, alpha, np.clip(color, 0.0, 1.0), site), color
+
+
+def _metallic(closure: Metallic, site: Site) -> tuple[Lobe, np.ndarray]:
+    base, edge = site.read(closure.base), site.read(closure.edge)
+    if closure.fresnel == "CONDUCTOR":
+        curve = Conductor(np.maximum(base, 0.0), np.maximum(edge, 0.0))
+    else:
+        curve = F82(np.clip(base, 0.0, 1.0), np.clip(edge, 0.0, 1.0))
+    return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
+
+
+def _specular(closure: Specular, site: Site) -> tuple[Lobe, np.ndarray]:
+    curve = tinted_dielectric(np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0))
+    return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
+
+
+def _fresnel_reflection(closure: Metallic | Specular, curve: Fresnel, site: Site) -> Lobe:
+    """Microfacets that reflect by `curve`; the stretch is that of Blender's Metallic and Principled BSDF."""
+    anisotropy = np.clip(site.read(closure.anisotropy), 0.0, 1.0)
+    stretch = np.sqrt(1.0 - 0.9 * anisotropy) if np.any(anisotropy) else None
+    lobe, alpha = _reflection(closure, None if stretch is None else (1.0 / stretch, stretch), site)
+    return _compensated(Reflected(lobe, site.wo, curve), closure.distribution, alpha, curve.average, site)
+
+
+def _reflection(
+    closure: Anisotropic, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
+) -> tuple[Lobe, np.ndarray]:
+    """White microfacet reflection, its alpha stretched by two factors, and the geometric mean of its alphas."""
+    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
+    alpha_x, alpha_y = (alpha, alpha) if stretch is None else (np.minimum(alpha * k, 1.0) for k in stretch)
+    if closure.distribution == "ASHIKHMIN_SHIRLEY":
+        return _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y)), alpha
+    if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT):
+        return Mirror(site.wo), np.sqrt(alpha_x * alpha_y)
+    alpha_x, alpha_y = (
+        np.maximum(alpha_x, _FLOOR),
+        np.maximum(alpha_y, _FLOOR),
+    )  # where a texture reaches zero roughness
+    options = site.options
+    how = (_distribution(closure, options), _masking(options), options.strategy)
+
+    def make(wo: np.ndarray) -> Lobe:
+        lobe = MicrofacetReflection(wo, alpha_x, alpha_y, *how)
+        if closure.distribution == "BECKMANN" and options.strategy == "visible":
+            return with_stated_density(lobe, wo, alpha_x, alpha_y, options.departures)
+        return lobe
+
+    return _turned(closure, stretch, site, make), np.sqrt(alpha_x * alpha_y)
+
+
+def _turned(closure: Anisotropic, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
+    """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
+    if stretch is None:
+        return make(site.wo)
+    tangent, _ = site.points.tangent(closure.tangent, site.read(closure.rotation), site.n)
+    cos, sin = dot(tangent, site.t), dot(tangent, site.s)
+    return Rotated(make(rotate_in(site.wo, cos, sin)), cos, sin)
+
+
+def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.ndarray, site: Site) -> Lobe:
+    """The lobe with its lost light given back where the distribution is Multiscatter GGX; `color` is that of one bounce."""
+    if distribution != "MULTI_GGX" or lobe.delta:
+        return lobe
+    tabulated = "multiple-scattering tables" in site.options.departures
+    albedos = CYCLES if tabulated else EXACT
+    return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color, albedos))
+
+
+def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
+    ior = np.maximum(site.read(closure.ior), 1e-5)
+    color, transmission = site.read(closure.color), site.read(closure.transmission)
+    tint, reflection = site.read(closure.tint), site.read(closure.reflection)
+    eta = np.where(site.points.backfacing, 1.0 / ior, ior)
+    plain = np.all(tint == 1.0)
+    curve = Dielectric(eta) if plain else tinted_dielectric(eta, np.maximum(tint, 0.0))
+    interface = Interface(curve, reflection, transmission)
+    lobe = _interface(closure, interface, eta, site)
+    if closure.distribution == "MULTI_GGX" and not lobe.delta:
+        alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
+        lobe = Compensated(lobe, _glass_scattering(site, alpha, closure.ior, np.clip(transmission, 0.0, 1.0)))
+    return lobe, color
+
+
+def _refraction(closure: Refraction, site: Site) -> tuple[Lobe, np.ndarray]:
+    ior = np.maximum(site.read(closure.ior), 1e-5)
+    eta = np.where(site.points.backfacing, 1.0 / ior, ior)
+    white = np.ones((3, 1))
+    return _interface(closure, Interface(None, white, white), eta, site), site.read(closure.color)
+
+
+def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarray, site: Site) -> Lobe:
+    """A smooth or rough interface."""
+    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
+    if np.all(alpha * alpha <= MIRROR_ALPHA_PRODUCT) or np.all(np.abs(eta - 1.0) < _LEAST_CONTRAST):
+        if interface.is_plain:
+            return SmoothDielectric(site.wo, eta, interface.fresnel is not None)
+        return SmoothInterface(site.wo, eta, interface)
+    eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
+    alpha = np.maximum(alpha, _FLOOR)
+    backs = "refraction from behind" in site.options.departures
+    how = (_distribution(closure, site.options), interface, _masking(site.options), backs)
+    lobe = RoughDielectric(site.wo, alpha, eta, *how)
+    if closure.distribution == "BECKMANN":
+        return with_stated_density(lobe, site.wo, alpha, alpha, site.options.departures)
+    return lobe
+
+
+def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
+    """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n)."""
+    directional, mean = glass_albedo, average_glass_albedo
+    if "multiple-scattering tables" in site.options.departures:
+        directional, mean = glass_albedo_cycles, average_glass_albedo_cycles
+    factor = np.ones((3, site.points.size))
+    outside = float(max(ior.value, 1e-5))
+    for side, eta in ((~site.points.backfacing, outside), (site.points.backfacing, 1.0 / outside)):
+        index = np.flatnonzero(side)
+        if index.size:
+            rough = np.take(np.broadcast_to(alpha, side.shape), index)
+            lost = 1.0 / directional(site.wo[2, index], rough, eta) - 1.0
+            average = mean(rough, eta)
+            tone = color if color.shape[1] == 1 else np.take(color, index, axis=1)
+            factor[:, index] += tone * average / (1.0 - tone * (1.0 - average)) * lost
+    return factor
+
+
+def _masking(options: Options) -> str:
+    """The form of masking, by departure or by choice."""
+    departed = {form for form in ("separable", "correlated") if f"{form} masking" in options.departures}
+    return min(departed, default=options.masking)
+
+
+def _distribution(closure: Closure, options: Options) -> object:
+    return beckmann_form(options.departures) if closure.distribution == "BECKMANN" else ggx
+
+
+def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Factors on alpha along x and y of Blender's Glossy BSDF for an anisotropy in (-1, 1) (Cycles, svm/closure.h)."""
+    stretch = np.where(anisotropy < 0.0, 1.0 / (1.0 + anisotropy), 1.0 - anisotropy)
+    return stretch, 1.0 / stretch
+
+
+_BUILDERS: dict[type[Closure], Callable[..., tuple[Lobe, np.ndarray]]] = {
+    Diffuse: _diffuse,
+    Glossy: _glossy,
+    Metallic: _metallic,
+    Specular: _specular,
+    Translucent: lambda closure, site: (LambertTransmission(), site.read(closure.color)),
+    Glass: _glass,
+    Refraction: _refraction,
+}

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials made ready for shading: sockets folded, lobes sorted by what they do, evaluated at surface points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..bsdfs.mixture import Mixture
+from ..effects.facts import adding_lobes
+from ..scene.expressions import WHITE, Expression
+from ..scene.materials import Closure, Emission, Glass, Material, Refraction, Translucent, Transparent
+from ..textures.evaluate import Evaluator, evaluate
+from ..textures.images import ImageSet
+from ..wavefront.options import Options
+from .lobes import Site, build
+from .surface import SurfacePoints
+
+
+class PreparedMaterial:
+    """One material, ready to be asked at points. With `prunes` its sockets are folded, and lobes that add nothing left out."""
+
+    def __init__(self, material: Material, images: ImageSet, options: Options, prunes: bool) -> None:
+        self.name, self.unknown = material.name, bool(material.unknown)
+        self._images, self._options = images, options
+        lobes = [(x.weight, x.closure) for x in (adding_lobes(material) if prunes else material.lobes)]
+        self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
+        self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
+        self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
+        self.emits = bool(self._emissions)
+        self.transparent = bool(self._transparencies)
+        self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
+        self.scatters = bool(self._scattering)
+
+    def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:
+        return evaluate(expression, points, self._images)
+
+    def _color(self, weight: Expression, closure: Closure, points: SurfacePoints) -> np.ndarray:
+        """Colour times weight, (3, 1) or (3, n)."""
+        return np.atleast_1d(self._evaluate(weight, points)) * self._evaluate(getattr(closure, "color", WHITE), points)
+
+    def emission(self, points: SurfacePoints) -> np.ndarray:
+        """Radiance that the surface emits towards the viewer, (3, 1) or (3, n); negative radiance counts as zero."""
+        total = np.zeros((3, 1))
+        for weight, closure in self._emissions:
+            strength = np.atleast_1d(self._evaluate(closure.strength, points))
+            total = total + np.maximum(self._color(weight, closure, points) * strength, 0.0)
+        return total
+
+    def transparency(self, points: SurfacePoints) -> np.ndarray:
+        """The factor on light that passes straight through, (3, 1) or (3, n)."""
+        total = np.zeros((3, 1))
+        for weight, closure in self._transparencies:
+            total = total + self._color(weight, closure, points)
+        return total
+
+    def scattered_share(self, points: SurfacePoints) -> np.ndarray:
+        """Mean colour of all scattering lobes together, () or (n,): how much they weigh beside transparency."""
+        total = np.zeros(())
+        for weight, closure in self._scattering:
+            total = total + np.abs(self._color(weight, closure, points)).mean(axis=0)
+        return total
+
+    def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
+        """The scattering lobes for local directions `wo` in the frame (t, s, n)."""
+        site = Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options)
+        lobes, colors = [], []
+        for weight, closure in self._scattering:
+            lobe, color = build(closure, site)
+            lobes.append(lobe)
+            colors.append(np.atleast_1d(site.read(weight)) * color)
+        return Mixture(lobes, colors, points.size)

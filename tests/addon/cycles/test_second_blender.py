@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel's job: a second program on a copy of the file, here Blender as a module behind a script that takes its arguments."""
+
+import math
+import sys
+
+import bpy
+import numpy as np
+import pytest
+from etalon.addon import job
+from etalon.addon.command.console import quiet
+from etalon.addon.cycles.renderer import CyclesRenderer
+from etalon.addon.cycles.second_blender import SecondBlender
+from etalon.lib.comparison.compare import CompareOptions
+from etalon.lib.departures.effects import Alternatives
+from etalon.lib.film.windows import Windows
+from etalon.lib.verdict.outcome import Outcome
+from etalon.lib.wavefront.options import Options
+from etalon.reference_scenes import building
+
+PROGRAM = """#!{python}
+import runpy, sys
+import bpy
+bpy.ops.wm.open_mainfile(filepath=sys.argv[4], use_scripts=False)
+runpy.run_path(sys.argv[6], run_name="__main__")
+"""
+
+
+@pytest.fixture
+def program(tmp_path):
+    path = tmp_path / "blender"
+    path.write_text(PROGRAM.format(python=sys.executable))
+    path.chmod(0o755)
+    before, bpy.app.binary_path = bpy.app.binary_path, str(path)
+    yield path
+    bpy.app.binary_path = before
+
+
+def floor():
+    """A rough diffuse floor under a sun."""
+    scene = building.start("floor", 36, 20, 0)
+    rough = building.diffuse("rough", (0.8, 0.6, 0.4))
+    rough.node_tree.nodes["Diffuse BSDF"].inputs["Roughness"].default_value = 1.0
+    building.rectangle("floor", rough, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.energy, sun.data.angle = math.pi, 0.0
+    sun.rotation_euler = (0.0, 1.0, 0.0)
+    scene.collection.objects.link(sun)
+    building.camera((0.013, 0.007, 5.0), (0.013, 0.007, 0.0), ortho_scale=3.0)
+    return scene
+
+
+def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path):
+    scene = floor()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
+    second = SecondBlender(tmp_path / "copy.blend", scene.name, seed=3, threads=1)
+    try:
+        assert second.export().name == "floor"
+        here = CyclesRenderer(scene, seed=3, threads=1)
+        for windows in (None, Windows((20, 36), ((2, 3, 9, 11), (20, 0, 35, 19)))):
+            there = second.render(5, 2, lambda fraction: None, lambda: False, windows)
+            np.testing.assert_array_equal(there.radiance, here.render(5, 2, windows=windows).radiance)
+            assert there.windows == windows
+    finally:
+        second.close()
+
+
+def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch):
+    monkeypatch.setattr(job, "alternatives", lambda reference: Alternatives((), lambda names: reference))
+    scene = floor()
+    choices = job.Choices(CompareOptions(0.01, time=60, samples=8, replicates=8), Options(threads=1))
+    with quiet():
+        running = job.BackgroundJob(scene, choices, tmp_path / "out")
+        running.wait()
+    assert running.errors == ()
+    assert running.comparison.verdict.outcome is Outcome.DIFFERENT
+    with bpy.data.libraries.load(str(tmp_path / "out" / job.MINIMAL)) as (found, _):
+        assert found.scenes == ["floor unexplained"]
+
+
+def test_materials_that_are_not_simulated_come_over_as_unknown(program, tmp_path):
+    scene = floor()
+    tree = bpy.data.materials["rough"].node_tree
+    out = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    tree.links.new(tree.nodes.new("ShaderNodeSubsurfaceScattering").outputs[0], out.inputs["Surface"])
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
+    second = SecondBlender(tmp_path / "copy.blend", scene.name, seed=3, threads=1, partial=True)
+    try:
+        assert "Subsurface" in second.export().materials[0].unknown
+    finally:
+        second.close()
+    choices = job.Choices(CompareOptions(), Options(), partial=True)
+    assert job.repeat("a.blend", choices).endswith(" --partial")

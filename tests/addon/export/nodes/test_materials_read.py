@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials as lobes: how trees flatten, which output counts, and every refusal by name."""
+
+import bpy
+import numpy as np
+import pytest
+from etalon.addon.export.images import ImageTable
+from etalon.addon.export.materials import read_material
+from etalon.lib.errors import EtalonError
+from etalon.lib.scene import expressions as ex
+from etalon.lib.scene import materials as mt
+from etalon.lib.textures.requirements import requirements
+from etalon.tests.addon.export.nodes.node_cells import glowing, node
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _empty_file():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+def lobes(build):
+    refusals = []
+    read = read_material(glowing("Gold", build), ImageTable(), refusals)
+    assert [str(refusal) for refusal in refusals] == []
+    return read.lobes
+
+
+def refused(build, name="Gold"):
+    refusals = []
+    material = build if isinstance(build, bpy.types.Material) else glowing(name, build)
+    read_material(material, ImageTable(), refusals)
+    return [str(refusal) for refusal in refusals]
+
+
+def constant(value):
+    return (
+        ex.Constant(pytest.approx(value))
+        if isinstance(value, float)
+        else ex.Constant(tuple(pytest.approx(v) for v in value))
+    )
+
+
+def test_glossy_sockets_and_defaults():
+    (lobe,) = lobes(lambda t: node(t, "BsdfGlossy", {"Color": (0.8, 0.5, 0.2, 1), "Roughness": 0.3}))
+    assert lobe.weight == ex.ONE
+    assert lobe.closure.distribution == "MULTI_GGX"
+    assert lobe.closure.color == constant((0.8, 0.5, 0.2))
+    assert lobe.closure.roughness == constant(0.3)
+    assert lobe.closure.anisotropy == ex.ZERO
+
+
+@pytest.mark.parametrize("distribution", ["BECKMANN", "GGX", "MULTI_GGX"])
+def test_glossy_distributions(distribution):
+    (lobe,) = lobes(lambda t: node(t, "BsdfGlossy", distribution=distribution))
+    assert lobe.closure.distribution == distribution
+
+
+@pytest.mark.parametrize(
+    ("settings", "tangent"),
+    [
+        (None, mt.Tangent("RADIAL", "Z")),
+        ({"direction_type": "RADIAL", "axis": "X"}, mt.Tangent("RADIAL", "X")),
+        ({"direction_type": "UV_MAP", "uv_map": "Brushed"}, mt.Tangent("UV", uv_map="Brushed")),
+    ],
+)
+def test_anisotropy_brings_its_tangent(settings, tangent):
+    def build(tree):
+        inputs = {"Anisotropy": 0.4, "Rotation": 0.25}
+        if settings:
+            inputs["Tangent"] = node(tree, "Tangent", **settings)
+        return node(tree, "BsdfGlossy", inputs)
+
+    (lobe,) = lobes(build)
+    assert (lobe.closure.anisotropy, lobe.closure.rotation) == (constant(0.4), constant(0.25))
+    assert lobe.closure.tangent == tangent
+    needs = requirements([mt.Material("Gold", (lobe,))])
+    assert needs.generated == (tangent.kind == "RADIAL")
+    assert needs.uv_maps == ({"Brushed"} if tangent.kind == "UV" else set())
+
+
+def test_isotropic_lobes_ask_nothing_of_the_geometry():
+    (lobe,) = lobes(lambda t: node(t, "BsdfGlossy", {"Tangent": node(t, "NewGeometry", output="Incoming")}))
+    assert requirements([mt.Material("Gold", (lobe,))]).generated is False
+
+
+def test_a_tree_of_mixes_becomes_weights():
+    def build(tree):
+        inner = node(
+            tree, "MixShader", {"Fac": 0.25, "Shader": node(tree, "BsdfDiffuse"), "Shader_001": node(tree, "Emission")}
+        )
+        outer = node(tree, "MixShader", {"Fac": 0.4, "Shader": inner, "Shader_001": node(tree, "BsdfTransparent")})
+        return node(tree, "AddShader", {"Shader": outer, "Shader_001": node(tree, "BsdfGlossy")})
+
+    found = {type(lobe.closure): lobe.weight for lobe in lobes(build)}
+    assert found == {
+        mt.Diffuse: constant(0.45),
+        mt.Emission: constant(0.15),
+        mt.Transparent: constant(0.4),
+        mt.Glossy: ex.ONE,
+    }
+
+
+@pytest.mark.parametrize(
+    ("factor", "kept"), [(0.0, mt.Diffuse), (-3.0, mt.Diffuse), (1.0, mt.Emission), (7.0, mt.Emission)]
+)
+def test_a_branch_without_weight_is_not_read(factor, kept):
+    """Not even when it holds what is not simulated: Cycles drops it too."""
+
+    def build(tree):
+        shaders = {mt.Diffuse: node(tree, "BsdfDiffuse"), mt.Emission: node(tree, "Emission")}
+        both = [shaders[kept] if which is kept else node(tree, "BsdfPrincipled") for which in shaders]
+        return node(tree, "MixShader", {"Fac": factor, "Shader": both[0], "Shader_001": both[1]})
+
+    assert [type(lobe.closure) for lobe in lobes(build)] == [kept]
+
+
+@pytest.mark.parametrize("kind", ["Glass", "Refraction"])
+def test_smooth_interfaces(kind):
+    (lobe,) = lobes(lambda t: node(t, "Bsdf" + kind, {"Roughness": 0.003, "IOR": 1.25}))
+    assert type(lobe.closure).__name__ == kind
+    assert lobe.closure.ior == ex.Constant(1.25)
+
+
+def test_shared_nodes_stay_shared():
+    """One image feeding two sockets is one expression, so that it is sampled once."""
+
+    def build(tree):
+        image = bpy.data.images.new("shared", 2, 2)
+        texture = node(tree, "TexImage", image=image)
+        return node(tree, "BsdfGlossy", {"Color": texture, "Roughness": texture})
+
+    (lobe,) = lobes(build)
+    assert lobe.closure.roughness.color is lobe.closure.color
+    assert requirements([mt.Material("", (lobe,))]).uv_maps == {""}
+
+
+def test_an_empty_tree_is_black_and_no_tree_is_diffuse():
+    empty = glowing("Empty", lambda t: node(t, "BsdfDiffuse"))
+    empty.node_tree.links.clear()
+    assert read_material(empty, ImageTable(), []).lobes == ()
+    if bpy.app.version < (5, 0):
+        empty.use_nodes = False
+        empty.diffuse_color = (0.5, 0.25, 1.0, 1.0)
+        (lobe,) = read_material(empty, ImageTable(), []).lobes
+        assert lobe.closure == mt.Diffuse(ex.Constant((0.5, 0.25, 1.0)))
+
+
+def test_the_output_for_cycles_counts():
+    material = glowing("Two outputs", lambda t: node(t, "BsdfDiffuse"))
+    tree = material.node_tree
+    eevee = tree.nodes.new("ShaderNodeOutputMaterial")
+    eevee.target = "EEVEE"
+    tree.links.new(node(tree, "BsdfPrincipled"), eevee.inputs[0])
+    mine = tree.nodes.new("ShaderNodeOutputMaterial")
+    mine.target = "CYCLES"
+    tree.links.new(node(tree, "Emission"), mine.inputs[0])
+    (lobe,) = read_material(material, ImageTable(), []).lobes
+    assert type(lobe.closure) is mt.Emission
+
+
+def bump(tree):
+    return node(tree, "Bump")
+
+
+def colored(build):
+    return lambda t: node(t, "BsdfDiffuse", {"Color": build(t)})
+
+
+def textured(**settings):
+    def build(tree):
+        settings.setdefault("image", bpy.data.images.new("rug", 2, 2))
+        return node(tree, "BsdfDiffuse", {"Color": node(tree, "TexImage", **settings)})
+
+    return build
+
+
+def mapped_inside(tree):
+    texture = node(tree, "TexChecker")
+    texture.node.texture_mapping.scale = (2, 1, 1)
+    return texture
+
+
+def with_alpha(settings):
+    def build(tree):
+        image = bpy.data.images.new("leaf", 2, 2, alpha=True)
+        for name, value in settings.items():
+            setattr(image, name, value)
+        image.pixels.foreach_set(np.full(16, 0.5, np.float32))
+        return node(tree, "BsdfDiffuse", {"Color": node(tree, "TexImage", image=image)})
+
+    return build
+
+
+def odd_space(tree):
+    image = bpy.data.images.new("rug", 2, 2)
+    image.colorspace_settings.name = "Filmic Log"
+    return node(tree, "BsdfDiffuse", {"Color": node(tree, "TexImage", image=image)})
+
+
+def broken_texels(tree):
+    image = bpy.data.images.new("rug", 2, 2, float_buffer=True)
+    image.pixels.foreach_set(np.full(16, np.nan, np.float32))
+    return node(tree, "BsdfDiffuse", {"Color": node(tree, "TexImage", image=image)})
+
+
+def tiled(tree):
+    return node(
+        tree, "BsdfDiffuse", {"Color": node(tree, "TexImage", image=bpy.data.images.new("tiles", 2, 2, tiled=True))}
+    )
+
+
+def dead_alpha(tree):
+    image = bpy.data.images.new("leaf", 2, 2, alpha=True)
+    image.pixels.foreach_set(np.full(16, 0.5, np.float32))
+    texture = node(tree, "TexImage", image=image)
+    node(tree, "Math", {"Value": texture.node.outputs["Alpha"]})
+    return node(tree, "BsdfDiffuse", {"Color": texture})
+
+
+def loose_reroute(tree):
+    return node(tree, "BsdfDiffuse", {"Color": tree.nodes.new("NodeReroute").outputs[0]})
+
+
+def principled(**inputs):
+    return lambda t: node(t, "BsdfPrincipled", {name.replace("_", " "): value for name, value in inputs.items()})
+
+
+def inside_group(tree):
+    group = bpy.data.node_groups.new("Brass", "ShaderNodeTree")
+    group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketShader")
+    group.links.new(node(group, "BsdfToon"), group.nodes.new("NodeGroupOutput").inputs[0])
+    use = tree.nodes.new("ShaderNodeGroup")
+    use.node_tree = group
+    return use.outputs[0]
+
+
+REFUSED = {
+    "Sheen BSDF": lambda t: node(t, "BsdfSheen"),
+    "group 'Group', node 'Toon BSDF'": inside_group,
+    "Principled BSDF), socket 'Subsurface Weight'": principled(Subsurface_Weight=0.5),
+    "Principled BSDF), socket 'Sheen Weight'": principled(Sheen_Weight=0.5),
+    "Principled BSDF), socket 'Thin Film Thickness'": principled(Thin_Film_Thickness=200.0),
+    "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
+    "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
+    "Gabor Texture": colored(lambda t: node(t, "TexGabor")),
+    "socket 'Tangent' (linked)": lambda t: node(t, "BsdfGlossy", {"Anisotropy": 0.5, "Tangent": bump(t)}),
+    "Fresnel), socket 'Normal' (linked)": colored(lambda t: node(t, "Fresnel", {"Normal": bump(t)})),
+    "output 'Camera'": colored(lambda t: node(t, "TexCoord", output="Camera")),
+    "output 'Window'": colored(lambda t: node(t, "TexCoord", output="Window")),
+    "output 'Reflection'": colored(lambda t: node(t, "TexCoord", output="Reflection")),
+    "Attribute), type Object": colored(lambda t: node(t, "Attribute", attribute_type="OBJECT", attribute_name="x")),
+    "output 'Pointiness'": colored(lambda t: node(t, "NewGeometry", output="Pointiness")),
+    "object 'Null'": colored(lambda t: node(t, "TexCoord", output="Object", object=bpy.data.objects.new("Null", None))),
+    "option 'From Instancer'": colored(lambda t: node(t, "TexCoord", output="UV", from_instancer=True)),
+    "built-in texture mapping (scale)": colored(mapped_inside),
+    "interpolation Cubic": textured(interpolation="Cubic"),
+    "projection Box": textured(projection="BOX"),
+    "without an image": textured(image=None),
+    "image 'rug' (colour space Filmic Log)": odd_space,
+    "image 'rug' (texels that are not finite)": broken_texels,
+    "image 'tiles' (tiled)": tiled,
+    "image 'leaf' (alpha Premul": with_alpha({"alpha_mode": "PREMUL"}),
+    "output 'Alpha', whose links lead nowhere": dead_alpha,
+    "Reroute), which passes nothing on": loose_reroute,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("named", REFUSED)
+def test_what_is_not_simulated_is_refused_by_name(named):
+    for image in list(bpy.data.images):
+        bpy.data.images.remove(image)
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    (refusal,) = refused(REFUSED[named])
+    assert refusal.startswith("material '")
+    assert named in refusal
+
+
+@pytest.mark.parametrize("name", ["Volume", "Displacement"])
+def test_other_outputs_are_refused(name):
+    material = glowing("Gold", lambda t: node(t, "BsdfDiffuse"))
+    material.displacement_method = "BOTH"
+    tree = material.node_tree
+    (out,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    tree.links.new(node(tree, "VolumeScatter" if name == "Volume" else "Displacement"), out.inputs[name])
+    (refusal,) = refused(material)
+    assert f"socket '{name}'" in refusal
+
+
+def displaced(build, **inputs):
+    material = glowing("Gold", build)
+    tree = material.node_tree
+    (out,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    height = node(tree, "TexGradient", output="Fac")
+    tree.links.new(node(tree, "Displacement", {"Height": height, **inputs}), out.inputs["Displacement"])
+    material.displacement_method = "BUMP"
+    return material
+
+
+def test_displacement_that_only_bumps_turns_every_normal():
+    refusals = []
+    material = displaced(
+        lambda t: node(t, "AddShader", {"Shader": node(t, "BsdfDiffuse"), "Shader_001": node(t, "BsdfGlossy")})
+    )
+    first, second = read_material(material, ImageTable(), refusals).lobes
+    assert refusals == []
+    assert isinstance(first.closure.normal, ex.Bump)
+    assert second.closure.normal == first.closure.normal
+
+
+def test_what_reads_the_plain_normal_is_refused_beside_a_bump():
+    refusals = []
+    material = displaced(lambda t: node(t, "BsdfDiffuse", {"Color": node(t, "Fresnel")}))
+    read_material(material, ImageTable(), refusals)
+    (refusal,) = map(str, refusals)
+    assert "Fresnel or Layer Weight beside a displacement" in refusal
+
+
+def test_opaque_shadows_of_transparent_surfaces_are_refused():
+    material = glowing("Gold", lambda t: node(t, "BsdfTransparent"))
+    material.use_transparent_shadow = False
+    (refusal,) = refused(material)
+    assert "Transparent Shadows" in refusal
+
+
+def test_all_refusals_come_together():
+    found = refused(lambda t: node(t, "AddShader", {"Shader": node(t, "BsdfSheen"), "Shader_001": node(t, "BsdfHair")}))
+    assert len(found) == 2
+
+
+@pytest.mark.parametrize("damaged", [False, True])
+def test_a_file_that_is_not_there_or_damaged_is_named(tmp_path, damaged):
+    path = tmp_path / "rug.png"
+    path.write_bytes(b"not a picture")
+    image = bpy.data.images.load(str(path))
+    if not damaged:
+        path.unlink()
+    with pytest.raises(
+        EtalonError, match=r"image 'rug.png.*rug.png' (is not there|cannot be read); restore it"
+    ) as caught:
+        lobes(textured(image=image))
+    assert ("cannot be read" in str(caught.value)) == damaged
+
+
+def test_images_are_collected_once():
+    table = ImageTable()
+    first, second = (bpy.data.images.new(name, 2, 2) for name in ("one", "two"))
+    for image in (first, second, first):
+        read_material(glowing("Gold", textured(image=image)), table, [])
+    assert [image.name for image in table.images] == [first.name, second.name]
+    assert table.images[0].pixels.shape == (2, 2, 4)

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The depsgraph is a render's, and the scene's settings come back."""
+
+import bpy
+import pytest
+from etalon.addon.export.render_depsgraph import with_render_depsgraph
+from etalon.lib.errors import EtalonError
+
+
+@pytest.fixture
+def scene():
+    """The factory scene; its cube is subdivided once in viewports, three times in renders, and hidden in viewports."""
+    bpy.ops.wm.read_factory_settings()
+    cube = bpy.data.objects["Cube"]
+    modifier = cube.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = 1, 3
+    cube.hide_viewport = True
+    bpy.context.scene.render.use_persistent_data = True
+    return bpy.context.scene
+
+
+def settings(scene):
+    """What the export borrows."""
+    render = scene.render
+    return render.engine, render.use_compositing, render.use_sequencer, render.use_persistent_data
+
+
+def test_it_is_evaluated_for_a_render(scene):
+    def faces(depsgraph):
+        return depsgraph.mode, {
+            i.object.name: len(i.object.data.polygons) for i in depsgraph.object_instances if i.object.type == "MESH"
+        }
+
+    before = settings(scene)
+    assert with_render_depsgraph(scene, faces) == ("RENDER", {"Cube": 6 * 4**3})
+    assert settings(scene) == before
+
+
+def test_what_the_function_raises_arrives_and_the_settings_come_back(scene):
+    before = settings(scene)
+    with pytest.raises(ZeroDivisionError):
+        with_render_depsgraph(scene, lambda depsgraph: 1 / 0)
+    assert settings(scene) == before
+    assert with_render_depsgraph(scene, lambda depsgraph: 3) == 3
+
+
+def test_several_view_layers_are_one_export(scene):
+    scene.view_layers.new("second")
+    calls = []
+    with_render_depsgraph(scene, lambda depsgraph: calls.append(depsgraph.view_layer.name))
+    assert calls == ["ViewLayer"]
+
+
+def test_a_scene_without_a_layer_to_render_is_refused(scene):
+    scene.view_layers[0].use = False
+    with pytest.raises(EtalonError, match="Scene: no view layer is used for rendering"):
+        with_render_depsgraph(scene, lambda depsgraph: depsgraph.mode)
