@@ -53,7 +53,13 @@ class CyclesRenderer:
         self._layer = layers[0]
         self._neutral = {"max_bounces": max_bounces, "threads": threads}
         with neutral(scene, **self._neutral) as changes:
-            self.settings: dict[str, Any] = {"version": bpy.app.version_string, "seed": seed, **changes.settings}
+            build = f"{_text(bpy.app.build_hash)}, {_text(bpy.app.build_date)}"
+            self.settings: dict[str, Any] = {
+                "version": bpy.app.version_string,
+                "build": build,
+                "seed": seed,
+                **changes.settings,
+            }
         if changes.refused:
             self.settings["not editable"] = ", ".join(changes.refused)
 
@@ -176,6 +182,11 @@ def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray)
         radiance[..., k] += np.multiply(channels[name], weight, dtype=np.float64)
         finite = finite & np.isfinite(channels[name])
     nonfinite += ~finite
+
+
+def _text(value: bytes) -> str:
+    """What Blender tells about its build, as text."""
+    return value.decode("utf-8", "replace")
 
 
 def _power_of_two(n: int) -> int:

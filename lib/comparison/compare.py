@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 
 from ... import __version__
+from ..blender_versions import Release
 from ..departures.effects import Alternatives
 from ..errors import EtalonError
 from ..film.film import nonfinite_pixels
@@ -42,7 +43,7 @@ class Comparison:
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
     where regions differ and departures were tried. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts
     everything, `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
-    is open; `started` is ISO 8601 in UTC.
+    is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene.
     """
 
     scene: str
@@ -61,6 +62,7 @@ class Comparison:
     versions: dict[str, str]
     left_out: np.ndarray
     unknown: dict[str, str]
+    blender: Release | None
 
 
 def compare(
@@ -154,6 +156,7 @@ def compare(
         versions=versions(),
         left_out=left_out,
         unknown=unknown,
+        blender=scene.blender,
     )
 
 

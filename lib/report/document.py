@@ -10,19 +10,21 @@ from typing import Any
 
 import numpy as np
 
+from ..blender_versions import NEWEST_CHECKED, format_release
 from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
 from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 4
+VERSION = 5
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
     3: "Version 3: `plan` lists the effects that the scene calls for; `replicates` of a side are the most that any region has, "
     "since sampling goes on where a region is open; `changes` is this list.",
     4: "Version 4: `left_out` counts the pixels that show light from materials that are not simulated, and names these.",
+    5: "Version 5: `blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
 }
 
 
@@ -68,9 +70,21 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "seconds": comparison.seconds,
             "pilot_seconds": comparison.pilot_seconds,
             "versions": comparison.versions,
+            "blender": _blender(comparison),
             "command": command,
         }
     )
+
+
+def _blender(comparison: Comparison) -> dict[str, Any]:
+    """Version and build of the Blender under test, and whether it is newer than the newest that was checked."""
+    settings, release = comparison.candidate.settings, comparison.blender
+    return {
+        "version": settings.get("version"),
+        "build": settings.get("build"),
+        "newest_checked": format_release(NEWEST_CHECKED),
+        "is_newer_than_checked": release is not None and release > NEWEST_CHECKED,
+    }
 
 
 def plain(value: Any) -> Any:

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
 from ..verdict.outcome import Outcome
 
@@ -58,6 +59,9 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
     """The verdict, what it rests on, where the differences are, and what deciding the rest would cost."""
     verdict = comparison.verdict
     said = [title(comparison), _basis(comparison)]
+    unchecked = describe_unchecked(comparison.blender)
+    if unchecked:
+        said.append(unchecked)
     if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
     said += _why(comparison)

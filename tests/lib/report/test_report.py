@@ -238,7 +238,7 @@ def test_a_verdict_is_read_back_and_an_older_one_told_apart(tmp_path):
     for broken, told in (
         ({"version": 1}, "is of version 1, .*compare again. Version 2: .*departures.* Version 3: .*plan"),
         ({"version": 2}, "is of version 2, .*compare again. Version 3: "),
-        ({"version": VERSION + 1}, "only version 4 is known here; update etalon"),
+        ({"version": VERSION + 1}, f"only version {VERSION} is known here; update etalon"),
         ({"version": None}, "is of version None"),
         ({"format": "shopping"}, "is no verdict of etalon's"),
     ):
@@ -298,6 +298,22 @@ def test_a_smaller_image_is_recommended_where_a_large_one_takes_long(monkeypatch
     slow = replace(found, round_seconds=1e3)
     assert advice in sentences(slow)[-1]
     assert advice not in sentences(replace(found, round_seconds=1e-6))[-1]
+
+
+def test_a_blender_newer_than_the_newest_checked_is_reported_in_words_and_figures(tmp_path):
+    settings = {"version": "99.1.0", "build": "abc123, 2099-01-01"}
+    known = made(settings=settings)
+    newer = replace(known, blender=(99, 1))
+    (said,) = (s for s in sentences(newer) if "99.1" in s)
+    assert said.startswith("Blender 99.1 is newer than")
+    assert not any("newer" in s for s in sentences(known))
+    figures = document(newer, PLAN, "")["blender"]
+    assert figures["is_newer_than_checked"]
+    assert not document(known, PLAN, "")["blender"]["is_newer_than_checked"]
+    assert (figures["version"], figures["build"]) == ("99.1.0", "abc123, 2099-01-01")
+    page = _written(newer, tmp_path, "")
+    assert "Blender 99.1.0 (build abc123, 2099-01-01)" in page
+    assert said in page
 
 
 def test_numbers_in_words():
