@@ -16,7 +16,7 @@ import bpy
 from ..lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
 from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
-from ..lib.files.results import folder_beside
+from ..lib.files.atomic import replace_files
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
@@ -71,7 +71,7 @@ def judge(
 
     `repeat` is the command that does the same again; the report shows it.
     """
-    with folder_beside(folder) as beside:
+    with replace_files(folder) as beside:
         reference = ReferenceRenderer(scene, choices.reference)
         comparison = compare(
             scene,

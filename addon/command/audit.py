@@ -15,7 +15,7 @@ from ...lib.audit.setting import FACTORY, FILE, Setting
 from ...lib.audit.write import write_audit
 from ...lib.comparison.compare import CompareOptions
 from ...lib.errors import EtalonError
-from ...lib.files.results import folder_beside
+from ...lib.files.atomic import replace_files
 from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
@@ -96,7 +96,7 @@ def run(arguments: Namespace) -> int:
         return CyclesWith(scene, {}, seed=options.seed, threads=threads, others=assignments)
 
     with (
-        folder_beside(folder) as beside,
+        replace_files(folder) as beside,
         interruptible() as interrupted,
         bar(f"{name}: audit") as progress,
         quiet(),

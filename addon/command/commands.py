@@ -14,7 +14,7 @@ from pathlib import Path
 from ...lib.comparison.compare import CompareOptions
 from ...lib.effects.plan import Plan, make_plan
 from ...lib.errors import Cancelled, EtalonError
-from ...lib.files.results import file_beside
+from ...lib.files.atomic import replace_file
 from ...lib.film.exr import write_film
 from ...lib.film.film import Film
 from ...lib.report.words import sentences, unexplained
@@ -63,7 +63,7 @@ def render(arguments: Namespace) -> int:
     options = _reference_options(arguments)
     scene = _exported(arguments)
     film = Film.empty(scene.camera.height, scene.camera.width, arguments.samples)
-    with file_beside(arguments.out) as path, interruptible() as interrupted, bar(scene.name) as progress:
+    with replace_file(arguments.out) as path, interruptible() as interrupted, bar(scene.name) as progress:
         renderer = ReferenceRenderer(scene, options)
         for replicate in range(arguments.replicates):
 

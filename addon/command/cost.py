@@ -17,7 +17,7 @@ from ...lib.cost.ways import BEST, Way, reference_ways
 from ...lib.cost.write import table, took, write_cost
 from ...lib.effects.plan import make_plan
 from ...lib.errors import Cancelled, EtalonError
-from ...lib.files.results import folder_beside
+from ...lib.files.atomic import replace_files
 from .console import bar, ended_by_interrupt, interruptible, quiet
 
 # Seconds for pilots where only a forecast is asked for: with what is under way when they are over, at most 30.
@@ -47,7 +47,7 @@ def run(arguments: Namespace) -> int:
     opened = time.perf_counter() - begin
     with quiet():
         exported = export(scene)
-    with folder_beside(folder) as beside, quiet(), neutral(scene, threads=arguments.threads):
+    with replace_files(folder) as beside, quiet(), neutral(scene, threads=arguments.threads):
         ways = reference_ways(exported, arguments.seed, arguments.threads, time.perf_counter() - begin)
         ways += cycles_ways(scene, users, arguments.seed, arguments.threads, opened)
         measurement, verification = _measure(name, _chosen(ways, arguments.ways), arguments)

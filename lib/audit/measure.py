@@ -18,7 +18,7 @@ from ..comparison.compare import CompareOptions, Renderer, versions
 from ..errors import EtalonError
 from ..film.regions import image_regions
 from ..film.rendering import Rendering
-from ..report.words import seconds
+from ..pages.formats import format_duration
 from ..verdict.allocation import Cost, fit_cost
 from ..verdict.claims import FLOOR_SHARE
 from .findings import Audit, Series, judge
@@ -176,7 +176,7 @@ def _samples(seconds: float, cost: Cost, asked: int) -> int:
 def _too_few(setting: Setting, samples: int, cost: Cost) -> Setting:
     """A setting that so few samples cannot measure, with what it would take."""
     enough = 1 << (setting.needs - 1).bit_length()
-    time_ = seconds(ROUNDS * cost.seconds(enough))
+    time_ = format_duration(ROUNDS * cost.seconds(enough))
     few = f"it takes {setting.needs} samples a pixel, and these were {samples}"
     return replace(setting, missing=f"{few}; give --samples {enough} and --time for about {time_}")
 

@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
-from enum import Enum
 from typing import Any
-
-import numpy as np
 
 from ..blender_versions import NEWEST_CHECKED, format_release
 from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
+from ..files.plain_data import make_plain
 from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
 
 FORMAT = "etalon-verdict"
@@ -32,7 +29,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
     """verdict.json as a dictionary; numbers that are not finite are None. `plan` is the reference's, of this scene."""
     verdict = comparison.verdict
     channel = int(worst_channel(verdict.difference[:1])[0])
-    return plain(
+    return make_plain(
         {
             "format": FORMAT,
             "version": VERSION,
@@ -85,21 +82,6 @@ def _blender(comparison: Comparison) -> dict[str, Any]:
         "newest_checked": format_release(NEWEST_CHECKED),
         "is_newer_than_checked": release is not None and release > NEWEST_CHECKED,
     }
-
-
-def plain(value: Any) -> Any:
-    """`value` in JSON's own types: arrays as lists, enumerations as their values, non-finite numbers as None, else text."""
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, dict):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, (bool, int, str)) else str(value)
 
 
 def _region(comparison: Comparison, k: int) -> dict[str, Any]:

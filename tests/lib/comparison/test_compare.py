@@ -9,7 +9,7 @@ from etalon.lib.comparison import meter as module
 from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.comparison.pilot import PILOT
 from etalon.lib.errors import EtalonError
-from etalon.lib.report.document import plain
+from etalon.lib.files.plain_data import make_plain
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
@@ -259,7 +259,7 @@ def test_an_image_without_one_finite_pixel():
     found = run(change=lambda replicate, image: image * np.nan)
     assert found.verdict.outcome is Outcome.UNDECIDED
     assert np.isnan(found.verdict.difference).all()
-    json.dumps(plain(found.verdict.difference), allow_nan=False)
+    json.dumps(make_plain(found.verdict.difference), allow_nan=False)
 
 
 def test_negative_pixels_are_numbers():

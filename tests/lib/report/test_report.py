@@ -15,11 +15,12 @@ from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
+from etalon.lib.pages.formats import format_duration, format_percent
 from etalon.lib.report import write_report
 from etalon.lib.report.document import CHANGES, VERSION, document
 from etalon.lib.report.flip import flip
 from etalon.lib.report.read import read_verdict
-from etalon.lib.report.words import percent, seconds, sentences
+from etalon.lib.report.words import sentences
 from etalon.lib.report.write import averaged
 from etalon.tests.lib.renderers import Painter, blank, grey
 from jsonschema import Draft202012Validator
@@ -268,7 +269,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
 
 def test_a_folder_that_is_a_file_is_named(tmp_path):
     (tmp_path / "out").write_text("a file")
-    with pytest.raises(EtalonError, match=r"out: cannot be written"):
+    with pytest.raises(EtalonError, match=r"out is a file, not a folder"):
         write_report(made(), PLAN, tmp_path / "out")
 
 
@@ -317,5 +318,12 @@ def test_a_blender_newer_than_the_newest_checked_is_reported_in_words_and_figure
 
 
 def test_numbers_in_words():
-    assert [percent(v) for v in (0.01234, -0.5, float("inf"))] == ["+1.23 %", "-50 %", "unbounded"]
-    assert [seconds(v) for v in (0.5, 42, 600, 7200, 3e5, 1e9)] == ["0.5 s", "42 s", "10 min", "2 h", "3 days", "years"]
+    assert [format_percent(v) for v in (0.01234, -0.5, float("inf"))] == ["+1.23 %", "-50 %", "unbounded"]
+    assert [format_duration(v) for v in (0.5, 42, 600, 7200, 3e5, 1e9)] == [
+        "0.5 s",
+        "42 s",
+        "10 min",
+        "2 h",
+        "3 days",
+        "years",
+    ]
