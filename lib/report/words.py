@@ -7,6 +7,7 @@ import numpy as np
 
 from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
+from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_percent
 from ..verdict.outcome import Outcome
 
@@ -14,10 +15,10 @@ FURTHEST = 5
 # Pixels beyond which a smaller image is recommended where time is short.
 LARGE = 1 << 18
 _ENDED = {
-    "decided": "everything was decided",
-    "time": "the time was spent",
-    "replicates": "the replicates asked for were done",
-    "cancelled": "it was cancelled",
+    Stop.DECIDED: "everything was decided",
+    Stop.TIME: "the time was spent",
+    Stop.REPLICATES: "the replicates asked for were done",
+    Stop.CANCELLED: "it was cancelled",
 }
 
 

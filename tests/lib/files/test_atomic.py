@@ -31,7 +31,10 @@ def test_nothing_is_left_when_it_does_not(tmp_path):
 
 
 def test_a_full_disk_is_told_in_one_line(tmp_path):
-    with pytest.raises(EtalonError, match=r"image.exr cannot be written \(No space left on device\); make room"), replace_files(tmp_path / "out"):
+    with (
+        pytest.raises(EtalonError, match=r"image.exr cannot be written \(No space left on device\); make room"),
+        replace_files(tmp_path / "out"),
+    ):
         raise OSError(errno.ENOSPC, "No space left on device", "image.exr")
     assert list(tmp_path.iterdir()) == []
 
