@@ -12,7 +12,7 @@ from ...lib.errors import Refusal
 from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
 from ...lib.scene.matrices import is_sheared
 from ...lib.textures.fold import fold, is_constant
-from .images import ImageTable
+from .nodes.images import ImageTable
 from .nodes.tree import Scope, TreeReader
 from .nodes.values import VALUES
 from .refusals import refuse_light_rays

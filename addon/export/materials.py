@@ -11,8 +11,8 @@ from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Specular, 
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
-from .images import ImageTable
 from .nodes.displacement import read_bump, refuse_beside_bump
+from .nodes.images import ImageTable
 from .nodes.shaders import ShaderReader
 from .nodes.tree import Scope, TreeReader, valid_link
 from .nodes.values import VALUES

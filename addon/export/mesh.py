@@ -4,32 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
 from ...lib.errors import SceneError
+from ...lib.scene.placements import LocalMesh
 from .mesh_attributes import read_attribute
-
-
-@dataclass(frozen=True)
-class LocalMesh:
-    """A mesh before it is placed: v vertices, t triangles, in object space.
-
-    positions (3, v) float32; triangles (3, t) int32; slot (t,) int32, the material slot as stored; smooth (t,) bool;
-    corner_normals (3 corners, 3, t) float32, or None when no face is smooth; uvs: map name -> (3 corners, 2, t) float32;
-    generated (3, v) float32, or None when nobody asks; attributes: name -> (3 corners, 6, t) float32.
-    """
-
-    positions: np.ndarray
-    triangles: np.ndarray
-    slot: np.ndarray
-    smooth: np.ndarray
-    corner_normals: np.ndarray | None
-    uvs: dict[str, np.ndarray]
-    generated: np.ndarray | None
-    attributes: dict[str, np.ndarray]
 
 
 def read_mesh(

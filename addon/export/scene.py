@@ -12,15 +12,15 @@ from ...lib.scene.lights import Light
 from ...lib.scene.materials import Material
 from ...lib.scene.matrices import affine
 from ...lib.scene.mesh import Mesh, Object
-from ...lib.scene.placements import Placements
+from ...lib.scene.placements import LocalMesh, Placements
 from ...lib.scene.scene import Scene, Transport
 from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
 from .camera import read_camera
-from .images import ImageTable
 from .lights import read_light
 from .materials import DEFAULT_MATERIAL, read_material, read_world
-from .mesh import LocalMesh, read_mesh
+from .mesh import read_mesh
+from .nodes.images import ImageTable
 from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
 
 

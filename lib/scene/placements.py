@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...addon.export.mesh import LocalMesh
 from ..errors import EtalonError
 from .coincident import coincident_faces
 from .mesh import Mesh, Object
@@ -27,6 +26,25 @@ _LOG = logging.getLogger(__name__)
 
 # Below this ratio of height to longest edge the normal of a triangle is rounding error.
 _THINNEST = 1e-12
+
+
+@dataclass(frozen=True)
+class LocalMesh:
+    """A mesh before it is placed: v vertices, t triangles, in object space.
+
+    positions (3, v) float32; triangles (3, t) int32; slot (t,) int32, the material slot as stored; smooth (t,) bool;
+    corner_normals (3 corners, 3, t) float32, or None when no face is smooth; uvs: map name -> (3 corners, 2, t) float32;
+    generated (3, v) float32, or None when nobody asks; attributes: name -> (3 corners, 6, t) float32.
+    """
+
+    positions: np.ndarray
+    triangles: np.ndarray
+    slot: np.ndarray
+    smooth: np.ndarray
+    corner_normals: np.ndarray | None
+    uvs: dict[str, np.ndarray]
+    generated: np.ndarray | None
+    attributes: dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)

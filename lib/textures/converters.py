@@ -4,18 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..scene import converters as cv
+from ..scene.expressions import Expression
 from ..vectors import cross, dot, normalize
 from .color_spaces import hsl_to_rgb, hsv_to_rgb, rgb_to_hsl, rgb_to_hsv
+from .context import InputEvaluator
 from .math_node import OPERATIONS
-
-if TYPE_CHECKING:
-    from ..scene.expressions import Expression
-    from .evaluate import Evaluator
 
 _MODELS = {
     "RGB_TO_HSV": rgb_to_hsv,
@@ -58,7 +55,7 @@ def map_range(
     return result
 
 
-def _map_range(node: cv.MapRange, read: Evaluator) -> np.ndarray:
+def _map_range(node: cv.MapRange, read: InputEvaluator) -> np.ndarray:
     low, high = read(node.from_min), read(node.from_max)
     x, start, end, steps = (read(e) for e in (node.value, node.to_min, node.to_max, node.steps))
     result = map_range(x, (low, high), (start, end), steps, node.interpolation, node.clamp)
@@ -103,7 +100,7 @@ _VECTOR_OPERATIONS: dict[str, Callable[..., np.ndarray]] = {
 }
 
 
-def _vector_rotate(node: cv.VectorRotate, read: Evaluator) -> np.ndarray:
+def _vector_rotate(node: cv.VectorRotate, read: InputEvaluator) -> np.ndarray:
     vector, center, axis, angle = (read(e) for e in (node.vector, node.center, node.axis, node.angle))
     there = dot(axis, axis) > 0.0
     axis, v = normalize(axis), vector - center
@@ -113,7 +110,7 @@ def _vector_rotate(node: cv.VectorRotate, read: Evaluator) -> np.ndarray:
     return np.where(there, turned + center, vector)
 
 
-def _hue_saturation(node: cv.HueSaturation, read: Evaluator) -> np.ndarray:
+def _hue_saturation(node: cv.HueSaturation, read: InputEvaluator) -> np.ndarray:
     hue, saturation, value, factor, color = (
         read(e) for e in (node.hue, node.saturation, node.value, node.factor, node.color)
     )
@@ -124,7 +121,7 @@ def _hue_saturation(node: cv.HueSaturation, read: Evaluator) -> np.ndarray:
     return np.maximum(factor * changed + (1.0 - factor) * color, 0.0)
 
 
-def _bright_contrast(node: cv.BrightContrast, read: Evaluator) -> np.ndarray:
+def _bright_contrast(node: cv.BrightContrast, read: InputEvaluator) -> np.ndarray:
     brightness, contrast = read(node.brightness), read(node.contrast)
     return np.maximum((1.0 + contrast) * read(node.color) + (brightness - 0.5 * contrast), 0.0)
 
@@ -140,7 +137,7 @@ def curve(table: np.ndarray, x: np.ndarray, extrapolate: bool) -> np.ndarray:
     return (1.0 - t) * table[cell] + t * table[cell + 1]
 
 
-def _curves(node: cv.Curves, read: Evaluator) -> np.ndarray:
+def _curves(node: cv.Curves, read: InputEvaluator) -> np.ndarray:
     factor, color = read(node.factor), read(node.color)
     rows = np.atleast_2d((color - node.low) / (node.high - node.low))
     changed = [curve(np.array(t), row, node.extrapolate) for t, row in zip(node.tables, rows, strict=True)]
@@ -186,7 +183,7 @@ def blackbody(t: np.ndarray) -> np.ndarray:
     return np.maximum(np.where(t < 800.0, np.array(_COLDEST)[:, None], color), 0.0)
 
 
-def _combine(node: cv.Combine, read: Evaluator) -> np.ndarray:
+def _combine(node: cv.Combine, read: InputEvaluator) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*(np.atleast_1d(read(e)) for e in (node.x, node.y, node.z))))
 
 

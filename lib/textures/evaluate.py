@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ..vectors import dot
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
 from .checker import checker
 from .color_spaces import luminance
+from .context import Context
 from .converters import CONVERTERS, as_value
 from .images import ImageSet, equirectangular
 from .mapping import mapping
@@ -24,37 +24,6 @@ from .normals import bump, normal_map
 from .patterns import PATTERNS
 from .ramp import color_ramp
 from .sky import sky
-
-
-class Context(Protocol):
-    """What a shading point tells its expressions; asked only for what they need."""
-
-    size: int
-    cos_wo: np.ndarray
-    backfacing: np.ndarray
-    n: np.ndarray
-    ng: np.ndarray
-    wo: np.ndarray
-    step: float
-    normal_scale: np.ndarray
-
-    def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
-        """Coordinates (3, n) of a kind named in lib.scene.expressions.Coordinates."""
-
-    def attribute(self, name: str) -> np.ndarray:
-        """Red, green, blue, alpha, factor and presence of an attribute of the mesh, (6, n)."""
-
-    def object_info(self) -> np.ndarray:
-        """Location (3), colour (3), alpha, index and random number of the object, (9, n)."""
-
-    def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
-
-    def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
-        """Unit normals (3, n) of the world for those of the object's space."""
-
-    def moved(self, direction: np.ndarray, step: float) -> Context:
-        """The points `step` further along unit vectors (3, n) in the plane of their triangles."""
 
 
 class Evaluator:

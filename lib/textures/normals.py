@@ -3,18 +3,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..scene.expressions import Bump, NormalMap
 from ..vectors import cross, dot, normalize, orthonormal_basis
-
-if TYPE_CHECKING:
-    from .evaluate import Evaluator
+from .context import InputEvaluator
 
 
-def normal_map(node: NormalMap, read: Evaluator) -> np.ndarray:
+def normal_map(node: NormalMap, read: InputEvaluator) -> np.ndarray:
     """The Normal Map node, (3, n)."""
     context = read.context
     strength = read(node.strength)
@@ -36,7 +32,7 @@ def normal_map(node: NormalMap, read: Evaluator) -> np.ndarray:
     return np.where(dot(n, n) > 0.0, n, context.n)
 
 
-def bump(node: Bump, read: Evaluator) -> np.ndarray:
+def bump(node: Bump, read: InputEvaluator) -> np.ndarray:
     """The Bump node, (3, n): the normal of the surface raised by `height` times `distance`.
 
     Mikkelsen 2010, "Bump mapping unparametrized surfaces on the GPU". The slopes are those at the point itself; Cycles takes

@@ -4,18 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..scene import procedural as pr
+from ..scene.expressions import Expression
+from .context import InputEvaluator
 from .hashes import WHITE_NOISE, hash_rows
 from .noise import fbm, noise_texture
 from .voronoi import voronoi_node
-
-if TYPE_CHECKING:
-    from ..scene.expressions import Expression
-    from .evaluate import Evaluator
 
 _TURN = 2.0 * np.pi
 
@@ -40,7 +37,7 @@ def gradient(kind: str, vector: np.ndarray) -> np.ndarray:
     return np.clip(f, 0.0, 1.0)
 
 
-def _wave(node: pr.Wave, read: Evaluator) -> np.ndarray:
+def _wave(node: pr.Wave, read: InputEvaluator) -> np.ndarray:
     p = (read(node.vector) * read(node.scale) + 1e-6) * 0.999999  # off the steps at whole coordinates, as in Cycles
     axes = "XYZ"
     if node.kind == "BANDS":
@@ -97,7 +94,7 @@ def _brick_noise(n: np.ndarray) -> np.ndarray:
     return 0.5 * (n.astype(np.float32).astype(np.float64) / 1073741824.0)
 
 
-def _brick(node: pr.Brick, read: Evaluator) -> np.ndarray:
+def _brick(node: pr.Brick, read: InputEvaluator) -> np.ndarray:
     x, y, _ = read(node.vector) * read(node.scale)
     width, height = read(node.brick_width), read(node.row_height)
     row = np.floor(y / height)
@@ -128,7 +125,7 @@ def point_of(vector: np.ndarray, w: np.ndarray, dimensions: int) -> list[np.ndar
     return [np.array(part) for part in np.broadcast_arrays(*(np.atleast_1d(part) for part in parts))]
 
 
-def _noise(node: pr.Noise, read: Evaluator) -> np.ndarray:
+def _noise(node: pr.Noise, read: InputEvaluator) -> np.ndarray:
     scale = read(node.scale)
     point = point_of(read(node.vector) * scale, read(node.w) * scale, node.dimensions)
     fractal = tuple(read(e) for e in (node.detail, node.roughness, node.lacunarity, node.offset, node.gain))

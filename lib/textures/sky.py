@@ -4,16 +4,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..scene.sky import Sky, SunDisc
 from ..vectors import dot
+from .context import InputEvaluator
 from .images import ImageSet
-
-if TYPE_CHECKING:
-    from .evaluate import Evaluator
 
 
 def place_in_table(direction: np.ndarray, azimuth: float) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +43,7 @@ def limb_darkening(share: np.ndarray | float) -> np.ndarray | float:
     return 1.0 - 0.6 * (1.0 - np.sqrt(1.0 - np.square(share)))
 
 
-def sky(node: Sky, read: Evaluator) -> np.ndarray:
+def sky(node: Sky, read: InputEvaluator) -> np.ndarray:
     """Radiance (3, n) of a sky."""
     direction = read(node.vector)
     color = read.images.sample(node.image, *place_in_table(direction, node.azimuth), extension="EXTEND")[:3]

@@ -9,15 +9,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..scene.procedural import Voronoi
+from .context import InputEvaluator
 from .hashes import WHITE_NOISE, hash_floats, hash_rows, pcg
-
-if TYPE_CHECKING:
-    from .evaluate import Evaluator
 
 _SAME_POINT = 1e-4
 
@@ -225,7 +222,7 @@ def _fractal_edge(point: np.ndarray, shape: Shape, fractal: Fractal, normalize: 
     return distance / largest if normalize else distance
 
 
-def voronoi_node(node: Voronoi, read: Evaluator) -> np.ndarray:
+def voronoi_node(node: Voronoi, read: InputEvaluator) -> np.ndarray:
     """The Voronoi texture: (n,), or (3, n) for its colour and position."""
     scale = read(node.scale)
     vector, w = read(node.vector) * scale, read(node.w) * scale

@@ -10,7 +10,7 @@ import bpy
 
 from ....lib.errors import Refusal
 from ....lib.scene import expressions as ex
-from ..images import ImageTable
+from .images import ImageTable
 
 _COLORS = ("RGBA", "VECTOR")
 

@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import OpenImageIO
-from etalon.addon.export.images import ImageTable
 from etalon.addon.export.materials import read_material
+from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.scene.materials import Emission
 from etalon.lib.textures.evaluate import Evaluator
 from etalon.lib.textures.images import ImageSet

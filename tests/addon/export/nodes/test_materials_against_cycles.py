@@ -9,8 +9,8 @@ import zlib
 
 import numpy as np
 import pytest
-from etalon.addon.export.images import ImageTable
 from etalon.addon.export.materials import read_material
+from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.scene import expressions as ex
 from etalon.lib.textures.evaluate import Evaluator
 from etalon.lib.textures.images import ImageSet

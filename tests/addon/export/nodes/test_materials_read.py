@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.export.images import ImageTable
 from etalon.addon.export.materials import read_material
+from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene import materials as mt

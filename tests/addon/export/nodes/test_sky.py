@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.export.images import ImageTable
 from etalon.addon.export.materials import read_material, read_world
+from etalon.addon.export.nodes.images import ImageTable
 from etalon.addon.job import export
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.textures.evaluate import Evaluator

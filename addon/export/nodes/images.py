@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...lib.errors import EtalonError
-from ...lib.scene.images import Image
-from ...lib.textures.color_spaces import srgb_encode
+from ....lib.errors import EtalonError
+from ....lib.scene.images import Image
+from ....lib.textures.color_spaces import srgb_encode
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 _SOURCES = ("FILE", "GENERATED")

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a node's function is given: the shading points, and a way to evaluate the node's inputs there."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from ..scene.expressions import Expression
+from .images import ImageSet
+
+
+class Context(Protocol):
+    """What a shading point tells its expressions; asked only for what they need."""
+
+    size: int
+    cos_wo: np.ndarray
+    backfacing: np.ndarray
+    n: np.ndarray
+    ng: np.ndarray
+    wo: np.ndarray
+    step: float
+    normal_scale: np.ndarray
+
+    def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
+        """Coordinates (3, n) of a kind named in lib.scene.expressions.Coordinates."""
+
+    def attribute(self, name: str) -> np.ndarray:
+        """Red, green, blue, alpha, factor and presence of an attribute of the mesh, (6, n)."""
+
+    def object_info(self) -> np.ndarray:
+        """Location (3), colour (3), alpha, index and random number of the object, (9, n)."""
+
+    def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
+
+    def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
+        """Unit normals (3, n) of the world for those of the object's space."""
+
+    def moved(self, direction: np.ndarray, step: float) -> Context:
+        """The points `step` further along unit vectors (3, n) in the plane of their triangles."""
+
+
+class InputEvaluator(Protocol):
+    """Gives the inputs of a node at the points of `context`; `evaluate.Evaluator` is the one that is."""
+
+    context: Context
+    images: ImageSet
+
+    def __call__(self, expression: Expression) -> np.ndarray:
+        """A value as () or (n,), a colour as (3, 1) or (3, n); shared with others, so never write into it."""
