@@ -15,7 +15,7 @@ import numpy as np
 from ..comparison.compare import CompareOptions, Renderer, versions
 from ..comparison.run import Stop, TimedRun
 from ..errors import Cancelled, EtalonError
-from ..film.regions import image_regions
+from ..film.regions import Regions, image_regions
 from ..film.rendering import Rendering
 from ..pages.formats import format_duration
 from ..progress import NO_PROGRESS, Progress
@@ -53,69 +53,105 @@ def audit(
     `options.samples`, or what the time allows, at most the `asked`. Cancelling keeps the rounds that are complete; raises EtalonError
     where there is none.
     """
-    started = datetime.now(UTC).isoformat(timespec="seconds")
-    run = TimedRun(options.time, progress)
-    seconds_neutral: list[float] = []
-    image = np.zeros((0, 0, 3))
-    bad = np.zeros((0, 0), bool)
-    regions, series, samples, rounds = None, [], options.samples or 0, 0
-    stopped = None if candidates else Stop.NOTHING
+    rounds = _Rounds(scene, neutral, candidates, options, TimedRun(options.time, progress))
     try:
-        if candidates:
-            cost, shape = _first_calls(run, [neutral, *(renderer for _, renderer in candidates)])
-            samples = samples or _samples(options.time - run.elapsed, cost, asked)
-            missing += tuple(_too_few(setting, samples, cost) for setting, _ in candidates if setting.needs > samples)
-            candidates = [candidate for candidate in candidates if candidate[0].needs <= samples]
-            series = [Series() for _ in candidates]
-            regions = image_regions(*shape, {}, _block(*shape))
-            image, bad = np.zeros((*shape, 3)), np.zeros(shape, bool)
-            renderers = [neutral, *(renderer for _, renderer in candidates)]
-            stopped = None if candidates else Stop.NOTHING
-        while stopped is None:
-            begin = run.elapsed
-            got: list[Rendering | None] = [None] * len(renderers)
-            for index in _turns(rounds, len(renderers)):
-                rendering = run.render(renderers[index], rounds, samples)[0]
-                # Cycles' own precision: a round holds an image of every setting.
-                got[index] = replace(rendering, radiance=rendering.radiance.astype(np.float32))
-            plain = got[0]
-            finite = np.isfinite(plain.radiance).all(axis=2)
-            image = image + (np.where(finite[..., None], plain.radiance, 0.0) - image) / (rounds + 1)
-            bad |= ~finite
-            seconds_neutral.append(plain.seconds)
-            for entry, rendering in zip(series, got[1:], strict=True):
-                bad |= entry.add(regions, plain.radiance, rendering)
-            rounds += 1
-            if options.replicates is not None and rounds >= options.replicates:
-                stopped = Stop.REPLICATES
-            elif run.elapsed + (run.elapsed - begin) > options.time:
-                stopped = Stop.TIME
+        rounds.prepare(asked)
+        while rounds.stopped is None:
+            rounds.render_round()
     except Cancelled:
-        stopped = Stop.CANCELLED
-        if not rounds:
-            raise EtalonError(f"{scene}: cancelled before the first round was done; there is nothing to tell") from None
-    floor = FLOOR_SHARE * float(np.abs(image).mean()) if rounds else 0.0
-    settings = [setting for setting, _ in candidates]
-    return Audit(
-        scene=scene,
-        options=options,
-        findings=judge(settings, series, np.array(seconds_neutral), options, floor, image, bad),
-        same=same,
-        missing=missing,
-        regions=regions,
-        neutral=image,
-        floor=floor,
-        rounds=rounds,
-        samples=samples,
-        asked=asked,
-        nonfinite=int(bad.sum()),
-        seconds_neutral=float(np.mean(seconds_neutral)) if rounds else 0.0,
-        stopped=stopped,
-        started=started,
-        seconds=run.elapsed,
-        settings=dict(neutral.settings),
-        versions=versions(),
-    )
+        rounds.cancel()
+    return rounds.conclude(asked, same, missing)
+
+
+class _Rounds:
+    """The rounds of one audit under way."""
+
+    def __init__(
+        self,
+        scene: str,
+        neutral: Renderer,
+        candidates: list[tuple[Setting, Renderer]],
+        options: CompareOptions,
+        run: TimedRun,
+    ) -> None:
+        self._started = datetime.now(UTC).isoformat(timespec="seconds")
+        self._scene, self._neutral, self._candidates = scene, neutral, candidates
+        self._options, self._run = options, run
+        self._samples, self._count = options.samples or 0, 0
+        self._too_few: tuple[Setting, ...] = ()
+        self._regions: Regions | None = None
+        self._series: list[Series] = []
+        self._seconds_neutral: list[float] = []
+        self._image = np.zeros((0, 0, 3))
+        self._bad = np.zeros((0, 0), bool)
+        self.stopped = None if candidates else Stop.NOTHING
+
+    def prepare(self, asked: int) -> None:
+        """Call every renderer once, settle the samples, and set settings aside that so few samples cannot show."""
+        if self.stopped is not None:
+            return
+        cost, shape = _first_calls(self._run, [self._neutral, *(renderer for _, renderer in self._candidates)])
+        self._samples = n = self._samples or _samples(self._run.left, cost, asked)
+        self._too_few = tuple(_too_few(setting, n, cost) for setting, _ in self._candidates if setting.needs > n)
+        self._candidates = [candidate for candidate in self._candidates if candidate[0].needs <= n]
+        self._series = [Series() for _ in self._candidates]
+        self._regions = image_regions(*shape, {}, _block(*shape))
+        self._image, self._bad = np.zeros((*shape, 3)), np.zeros(shape, bool)
+        self.stopped = None if self._candidates else Stop.NOTHING
+
+    def render_round(self) -> None:
+        """One image of the neutral state and one of each setting, in turns, from the same random numbers."""
+        begin = self._run.elapsed
+        renderers = [self._neutral, *(renderer for _, renderer in self._candidates)]
+        got: list[Rendering | None] = [None] * len(renderers)
+        for index in _turns(self._count, len(renderers)):
+            rendering, _ = self._run.render(renderers[index], self._count, self._samples)
+            # Cycles' own precision: a round holds an image of every setting.
+            got[index] = replace(rendering, radiance=rendering.radiance.astype(np.float32))
+        plain = got[0]
+        finite = np.isfinite(plain.radiance).all(axis=2)
+        self._count += 1
+        self._image = self._image + (np.where(finite[..., None], plain.radiance, 0.0) - self._image) / self._count
+        self._bad |= ~finite
+        self._seconds_neutral.append(plain.seconds)
+        for entry, rendering in zip(self._series, got[1:], strict=True):
+            self._bad |= entry.add(self._regions, plain.radiance, rendering)
+        if self._options.replicates is not None and self._count >= self._options.replicates:
+            self.stopped = Stop.REPLICATES
+        elif self._run.left < self._run.elapsed - begin:
+            self.stopped = Stop.TIME
+
+    def cancel(self) -> None:
+        """Keep the rounds that are complete; raises EtalonError where there is none."""
+        self.stopped = Stop.CANCELLED
+        if not self._count:
+            raise EtalonError(f"{self._scene}: cancelled before the first round was done; there is nothing to tell")
+
+    def conclude(self, asked: int, same: tuple[Setting, ...], missing: tuple[Setting, ...]) -> Audit:
+        """What the rounds say of each setting."""
+        seconds, count = np.array(self._seconds_neutral), self._count
+        floor = FLOOR_SHARE * float(np.abs(self._image).mean()) if count else 0.0
+        settings = [setting for setting, _ in self._candidates]
+        return Audit(
+            scene=self._scene,
+            options=self._options,
+            findings=judge(settings, self._series, seconds, self._options, floor, self._image, self._bad),
+            same=same,
+            missing=missing + self._too_few,
+            regions=self._regions,
+            neutral=self._image,
+            floor=floor,
+            rounds=count,
+            samples=self._samples,
+            asked=asked,
+            nonfinite=int(self._bad.sum()),
+            seconds_neutral=float(seconds.mean()) if count else 0.0,
+            stopped=self.stopped,
+            started=self._started,
+            seconds=self._run.elapsed,
+            settings=dict(self._neutral.settings),
+            versions=versions(),
+        )
 
 
 def _first_calls(run: TimedRun, renderers: list[Renderer]) -> tuple[Cost, tuple[int, int]]:

@@ -63,20 +63,8 @@ def conclude(
     has no value agrees with nothing, and no sampling will give it one.
     """
     of_reference, of_candidate = reference.moments, candidate.moments
-    reasons = []
-    different = int((test.outcomes == Outcome.DIFFERENT).sum())
-    undecided = int((test.undecided & (reference.sizes > 0)).sum())  # of what has pixels left
-    if different:
-        reasons.append(f"{different} of {test.outcomes.size} regions differ by more than the tolerance")
-    if any(nonfinite.values()):
-        where = " and ".join(f"{count} pixels of {name}" for name, count in nonfinite.items() if count)
-        reasons.append(
-            f"non-finite samples in {where}: these pixels are excluded, and an image that has any cannot be EQUIVALENT"
-        )
-    if min(of_reference.most, of_candidate.most) < 2:
-        reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
-    elif undecided:
-        reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")
+    reasons = _reasons(test, reference, candidate, nonfinite)
+    different = bool((test.outcomes == Outcome.DIFFERENT).any())
     outcome = Outcome.DIFFERENT if different else Outcome.UNDECIDED if reasons else Outcome.EQUIVALENT
     outcomes = test.outcomes.copy()
     if explanation is not None:
@@ -110,6 +98,27 @@ def conclude(
         tuple(test.looks),
         None if outcome is Outcome.EXPLAINED else forecast(test, of_reference, of_candidate),
     )
+
+
+def _reasons(
+    test: SequentialTest, reference: RegionMoments, candidate: RegionMoments, nonfinite: dict[str, int]
+) -> list[str]:
+    """What keeps the image from being EQUIVALENT, in words."""
+    reasons = []
+    different = int((test.outcomes == Outcome.DIFFERENT).sum())
+    undecided = int((test.undecided & (reference.sizes > 0)).sum())  # of what has pixels left
+    if different:
+        reasons.append(f"{different} of {test.outcomes.size} regions differ by more than the tolerance")
+    if any(nonfinite.values()):
+        where = " and ".join(f"{count} pixels of {name}" for name, count in nonfinite.items() if count)
+        reasons.append(
+            f"non-finite samples in {where}: these pixels are excluded, and an image that has any cannot be EQUIVALENT"
+        )
+    if min(reference.moments.most, candidate.moments.most) < 2:
+        reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
+    elif undecided:
+        reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")
+    return reasons
 
 
 def _shares(test: SequentialTest, reference: Moments, candidate: Moments) -> np.ndarray:
