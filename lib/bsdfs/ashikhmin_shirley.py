@@ -55,9 +55,10 @@ class AshikhminShirley:
         x2, y2 = m[0] * m[0], m[1] * m[1]
         sine2 = x2 + y2
         e = np.where(sine2 > 0.0, (self._nx * x2 + self._ny * y2) / np.maximum(sine2, 1e-300), 0.0)
-        # The logarithm of h.n by the smaller of sine and cosine: a cosine near 1 has too few digits where e is large.
-        steep = sine2 < 0.5
-        log_cos = np.log(np.maximum(m[2], FLOOR), where=~steep, out=0.5 * np.log1p(-np.where(steep, sine2, 0.0)))
+        # log(h.n) by the smaller of sine and cosine: a cosine near 1 has too few digits where e is large.
+        log_cos = 0.5 * np.log1p(-np.minimum(sine2, 0.5))
+        low = np.flatnonzero(sine2 > 0.5)
+        log_cos[low] = np.log(np.maximum(m[2][low], FLOOR))
         pdf = np.exp(e * log_cos)
         pdf *= np.sqrt((self._nx + 1.0) * (self._ny + 1.0)) / (8.0 * np.pi)
         pdf /= np.maximum(cos_om, FLOOR)

@@ -47,22 +47,25 @@ def _refracted_squared(c: np.ndarray, sine2: np.ndarray, eta2: np.ndarray, contr
 
 
 def rise_to_grazing(cos_i: np.ndarray, eta: float | np.ndarray) -> np.ndarray:
-    """How far a dielectric's reflectance has risen from normal incidence towards 1, (F - F0) / (1 - F0), at most 1.
+    """How far a dielectric's reflectance has risen from normal incidence to 1, (F - F0) / (1 - F0), at most 1.
 
-    `eta` > 0; below 0 by up to 0.05 where eta > 2 + sqrt(3), whose reflectance falls before it rises. F - F0 as a difference keeps
-    no digits near the normal, where it is of the order of sin^4. With g as for `dielectric`, d = g - eta c = (eta^2 - 1) sin^2 /
+    `eta` > 0; a little below 0 where eta > 2 + sqrt(3), whose reflectance falls before it rises. The difference F - F0 keeps no
+    digits near the normal, where it is of the order of sin^4. With g as for `dielectric`, d = g - eta c = contrast sin^2 /
     (eta c + g) and b = 4 eta^2 + 2 eta (eta^2 + 1) - (eta^2 + 1)^2, the sum of both polarisations has d^2 as a factor:
-    d^2 (2 eta g^2 + b c g + 2 eta^3 c^2) / (2 eta ((c + g) (eta^2 c + g))^2). Beyond the critical angle it is 1.
+    d^2 (2 eta (g^2 + eta^2 c^2) + b c g) / (2 eta ((c + g) (eta^2 c + g))^2). Above one half it is one less the share of 1 - F0 =
+    4 eta / (1 + eta)^2 that passes.
     """
     eta = np.asarray(eta, np.float64)
     eta2, contrast = eta * eta, (eta - 1.0) * (eta + 1.0)
     c = np.maximum(cos_i, _GRAZING)
     sine2 = (1.0 - c) * (1.0 + c)
     g = np.sqrt(np.maximum(_refracted_squared(c, sine2, eta2, contrast), 0.0))
+    s, p = 1.0 / np.square(c + g), 1.0 / np.square(eta2 * c + g)
     d = contrast * sine2 / (eta * c + g)
     b = 4.0 * eta2 + (2.0 * eta - eta2 - 1.0) * (eta2 + 1.0)
-    numerator = d * d * (2.0 * eta * (g * g + eta2 * c * c) + b * c * g)
-    return np.where(g > 0.0, numerator / (2.0 * eta * np.square((c + g) * (eta2 * c + g))), 1.0)
+    rise = d * d * (2.0 * eta * (g * g + eta2 * c * c) + b * c * g) * s * p / (2.0 * eta)
+    passed = c * g * (s + eta2 * p) * np.square(1.0 + eta) / (2.0 * eta)
+    return np.where(rise > 0.5, 1.0 - passed, rise)
 
 
 def conductor(cos_i: np.ndarray, eta: float | np.ndarray, k: float | np.ndarray) -> np.ndarray:
