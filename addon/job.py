@@ -14,9 +14,11 @@ from pathlib import Path
 import bpy
 
 from ..lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
+from ..lib.comparison.run import Stop
 from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
-from ..lib.files.results import folder_beside
+from ..lib.files.atomic import replace_files
+from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
@@ -33,9 +35,6 @@ from .export.render_depsgraph import with_render_depsgraph
 # A part of the scene that may show a difference is judged in this share of the time, and in so many seconds at least.
 TRY_SHARE, TRY_LEAST = 0.05, 4.0
 MINIMAL = "unexplained.blend"
-
-Progress = Callable[[float], None]
-Cancelled = Callable[[], bool]
 
 
 @dataclass(frozen=True)
@@ -65,13 +64,12 @@ def judge(
     folder: Path,
     repeat: str,
     progress: Progress,
-    cancelled: Cancelled,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`.
 
     `repeat` is the command that does the same again; the report shows it.
     """
-    with folder_beside(folder) as beside:
+    with replace_files(folder) as beside:
         reference = ReferenceRenderer(scene, choices.reference)
         comparison = compare(
             scene,
@@ -80,7 +78,6 @@ def judge(
             coverage(reference.kernel),
             choices.verdict,
             progress,
-            cancelled,
             alternatives(reference),
             reached(reference) if reference.kernel.has_unknown else None,
         )
@@ -93,19 +90,19 @@ def compare_here(
     choices: Choices,
     folder: Path,
     repeat: str = "",
-    progress: Progress = lambda fraction: None,
-    cancelled: Cancelled = lambda: False,
+    progress: Progress = NO_PROGRESS,
 ) -> Comparison:
     """Compare with Cycles in this very process; its settings come back when it is done.
 
     The report goes to `folder`, and with it, where something differs and nothing explains it, a small scene that shows it.
-    `repeat` is the command that the report shows; `progress` is told the share that is done. Raises Refused or EtalonError.
+    `repeat` is the command that the report shows; `progress` is told the share that is done and asked whether to end.
+    Raises Refused or EtalonError.
     """
     exported = export(scene, choices.partial)
     with neutral(scene, threads=choices.reference.threads):
         candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
-        comparison = judge(exported, candidate, choices, folder, repeat, progress, cancelled)
-        if comparison.stopped == "cancelled":
+        comparison = judge(exported, candidate, choices, folder, repeat, progress)
+        if comparison.stopped is Stop.CANCELLED:
             return comparison
         show_unexplained(comparison, folder, partial(show, scene, choices))
         return comparison
@@ -197,9 +194,14 @@ class BackgroundJob:
             scene = self._blender.export()
             self.message = "Rendering"
             self.comparison = judge(
-                scene, self._blender, self._choices, self.folder, self._repeat, self._progress, self._cancel.is_set
+                scene,
+                self._blender,
+                self._choices,
+                self.folder,
+                self._repeat,
+                Progress(self._report, self._cancel.is_set),
             )
-            if self.comparison.stopped != "cancelled":
+            if self.comparison.stopped is not Stop.CANCELLED:
                 self.message = "Looking for the cause"
                 show_unexplained(
                     self.comparison,
@@ -217,5 +219,5 @@ class BackgroundJob:
             self._blender.close()
             self._temporary.cleanup()
 
-    def _progress(self, fraction: float) -> None:
+    def _report(self, fraction: float) -> None:
         self.fraction = fraction

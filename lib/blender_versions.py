@@ -55,3 +55,17 @@ def parse_release(text: str) -> Release:
 def format_release(release: tuple[int, ...]) -> str:
     """'5.2' for (5, 2) or (5, 2, 3)."""
     return ".".join(map(str, release[:2]))
+
+
+def describe_unchecked(release: Release | None) -> str:
+    """A warning where `release` is newer than the newest checked; '' elsewhere.
+
+    >>> describe_unchecked((5, 3)), describe_unchecked(None)
+    ('', '')
+    """
+    if release is None or tuple(release) <= NEWEST_CHECKED:
+        return ""
+    return (
+        f"Blender {format_release(release)} is newer than {format_release(NEWEST_CHECKED)}, the newest release that Étalon was "
+        "checked with. A difference may be a change in Cycles that Étalon does not know yet."
+    )

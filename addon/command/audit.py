@@ -15,7 +15,8 @@ from ...lib.audit.setting import FACTORY, FILE, Setting
 from ...lib.audit.write import write_audit
 from ...lib.comparison.compare import CompareOptions
 from ...lib.errors import EtalonError
-from ...lib.files.results import folder_beside
+from ...lib.files.atomic import replace_files
+from ...lib.progress import Progress
 from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
@@ -96,9 +97,9 @@ def run(arguments: Namespace) -> int:
         return CyclesWith(scene, {}, seed=options.seed, threads=threads, others=assignments)
 
     with (
-        folder_beside(folder) as beside,
+        replace_files(folder) as beside,
         interruptible() as interrupted,
-        bar(f"{name}: audit") as progress,
+        bar(f"{name}: audit") as report,
         quiet(),
         neutral(scene, max_bounces=MOST_BOUNCES, threads=threads) as changes,
     ):
@@ -111,11 +112,10 @@ def run(arguments: Namespace) -> int:
             samples,
             tuple(asked.same),
             tuple(asked.missing),
-            progress,
-            interrupted,
+            Progress(report, interrupted),
         )
         figures = write_audit(found, beside, arguments.repeat)
-    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
+    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped.value}")
     print(table(figures))
     print(f"report: {folder / 'audit.html'}")
     return 0

@@ -14,9 +14,10 @@ from pathlib import Path
 from ...lib.comparison.compare import CompareOptions
 from ...lib.effects.plan import Plan, make_plan
 from ...lib.errors import Cancelled, EtalonError
-from ...lib.files.results import file_beside
+from ...lib.files.atomic import replace_file
 from ...lib.film.exr import write_film
 from ...lib.film.film import Film
+from ...lib.progress import Progress
 from ...lib.report.words import sentences, unexplained
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
@@ -47,8 +48,10 @@ def compare(arguments: Namespace) -> int:
     choices = job.Choices(verdict, _reference_options(arguments), arguments.partial)
     name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
     folder = arguments.out or Path("etalon-out") / name
-    with interruptible() as interrupted, bar(name) as progress, quiet():
-        comparison = job.compare_here(bpy.context.scene, choices, folder, arguments.repeat, progress, interrupted)
+    with interruptible() as interrupted, bar(name) as report, quiet():
+        comparison = job.compare_here(
+            bpy.context.scene, choices, folder, arguments.repeat, Progress(report, interrupted)
+        )
     print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
     for sentence in sentences(comparison):
         print(f"  {sentence}")
@@ -63,15 +66,13 @@ def render(arguments: Namespace) -> int:
     options = _reference_options(arguments)
     scene = _exported(arguments)
     film = Film.empty(scene.camera.height, scene.camera.width, arguments.samples)
-    with file_beside(arguments.out) as path, interruptible() as interrupted, bar(scene.name) as progress:
+    with replace_file(arguments.out) as path, interruptible() as interrupted, bar(scene.name) as report:
         renderer = ReferenceRenderer(scene, options)
-        for replicate in range(arguments.replicates):
-
-            def spent(fraction: float, done: int = replicate) -> None:
-                progress((done + fraction) / arguments.replicates)
-
+        progress, count = Progress(report, interrupted), arguments.replicates
+        for replicate in range(count):
+            part = progress.within(replicate / count, (replicate + 1) / count)
             try:
-                film.add(renderer.render(replicate, arguments.samples, spent, interrupted))
+                film.add(renderer.render(replicate, arguments.samples, part))
             except Cancelled:
                 break
         if not film.moments.n:

@@ -9,6 +9,7 @@ from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path
 
+from ...lib.comparison.run import Stop
 from ...lib.cost.document import BASELINE, TARGETS, Extras
 from ...lib.cost.measure import PAIRS, TRUTH_SHARE, Measurement, measure
 from ...lib.cost.models import measure_forms
@@ -17,7 +18,8 @@ from ...lib.cost.ways import BEST, Way, reference_ways
 from ...lib.cost.write import table, took, write_cost
 from ...lib.effects.plan import make_plan
 from ...lib.errors import Cancelled, EtalonError
-from ...lib.files.results import folder_beside
+from ...lib.files.atomic import replace_files
+from ...lib.progress import Progress
 from .console import bar, ended_by_interrupt, interruptible, quiet
 
 # Seconds for pilots where only a forecast is asked for: with what is under way when they are over, at most 30.
@@ -47,7 +49,7 @@ def run(arguments: Namespace) -> int:
     opened = time.perf_counter() - begin
     with quiet():
         exported = export(scene)
-    with folder_beside(folder) as beside, quiet(), neutral(scene, threads=arguments.threads):
+    with replace_files(folder) as beside, quiet(), neutral(scene, threads=arguments.threads):
         ways = reference_ways(exported, arguments.seed, arguments.threads, time.perf_counter() - begin)
         ways += cycles_ways(scene, users, arguments.seed, arguments.threads, opened)
         measurement, verification = _measure(name, _chosen(ways, arguments.ways), arguments)
@@ -72,7 +74,7 @@ def _measure(name: str, ways: list[Way], arguments: Namespace) -> tuple[Measurem
     pilots = arguments.target is not None
     budget = arguments.time or (PILOTS if pilots else WHOLE)
     with interruptible() as interrupted:
-        with bar(f"{name}: {'pilots' if pilots else 'measuring'}") as progress:
+        with bar(f"{name}: {'pilots' if pilots else 'measuring'}") as report:
             pairs = PILOT_PAIRS if pilots else PAIRS
             measurement = measure(
                 name,
@@ -82,14 +84,13 @@ def _measure(name: str, ways: list[Way], arguments: Namespace) -> tuple[Measurem
                 pairs,
                 first=(BASELINE,),
                 truth_share=PILOT_TRUTH if pilots else TRUTH_SHARE,
-                progress=progress,
-                cancelled=interrupted,
+                progress=Progress(report, interrupted),
             )
-        if not arguments.verify or measurement.stopped == "cancelled":
+        if not arguments.verify or measurement.stopped is Stop.CANCELLED:
             return measurement, None
         try:
-            with bar(f"{name}: the cheapest way") as progress:
-                return measurement, verify(measurement, arguments.target, progress, interrupted)
+            with bar(f"{name}: the cheapest way") as report:
+                return measurement, verify(measurement, arguments.target, Progress(report, interrupted))
         except Cancelled:
             return measurement, None
 

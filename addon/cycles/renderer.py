@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from ...lib.errors import EtalonError
 from ...lib.film.exr import read_exr
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
+from ...lib.progress import NO_PROGRESS, Progress
 from ..command.console import quiet
 from ..export.camera import full_frame, rendered_region
 from .neutral import SEQUENCE, Changes, neutral
@@ -53,7 +54,13 @@ class CyclesRenderer:
         self._layer = layers[0]
         self._neutral = {"max_bounces": max_bounces, "threads": threads}
         with neutral(scene, **self._neutral) as changes:
-            self.settings: dict[str, Any] = {"version": bpy.app.version_string, "seed": seed, **changes.settings}
+            build = f"{_text(bpy.app.build_hash)}, {_text(bpy.app.build_date)}"
+            self.settings: dict[str, Any] = {
+                "version": bpy.app.version_string,
+                "build": build,
+                "seed": seed,
+                **changes.settings,
+            }
         if changes.refused:
             self.settings["not editable"] = ", ".join(changes.refused)
 
@@ -61,15 +68,15 @@ class CyclesRenderer:
         self,
         replicate: int,
         samples: int,
-        progress: Callable[[float], None] = lambda fraction: None,
-        cancelled: Callable[[], bool] = lambda: False,
+        progress: Progress = NO_PROGRESS,
         windows: Windows | None = None,
     ) -> Rendering:
         """Replicate number `replicate` with `samples` per pixel, or of the pixels in `windows`; different numbers are independent.
 
         `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file cost.
         Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart either: one is
-        counted for each partial image in which the pixel was not finite. Raises EtalonError where Cycles cannot render or when cancelled.
+        counted for each partial image in which the pixel was not finite.
+        Raises EtalonError where Cycles cannot render, Cancelled when asked to end.
         """
         begin = time.perf_counter()
         rendering = reading = 0.0
@@ -80,8 +87,7 @@ class CyclesRenderer:
             total, nonfinite = np.zeros((height, width, 3)), np.zeros((height, width), np.int32)
             work = list(self._calls(whole if windows is None else windows, samples))
             for number, (box, done, count) in enumerate(work):
-                if cancelled():
-                    raise EtalonError("Cycles: cancelled before the image was done; nothing to keep")
+                progress.check()
                 with self._border(None if windows is None else box, left, bottom + height):
                     rendering += self._call(path, replicate, done, samples, count)
                 start = time.perf_counter()
@@ -90,7 +96,7 @@ class CyclesRenderer:
                     total[part] = nonfinite[part] = 0
                 _add(path, count / samples, total[part], nonfinite[part])
                 reading += time.perf_counter() - start
-                progress((number + 1) / len(work))
+                progress.report((number + 1) / len(work))
         settings = time.perf_counter() - begin - rendering - reading
         stages = {"render": rendering, "read": reading, "settings": settings}
         pixels = (whole if windows is None else windows).pixels
@@ -176,6 +182,11 @@ def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray)
         radiance[..., k] += np.multiply(channels[name], weight, dtype=np.float64)
         finite = finite & np.isfinite(channels[name])
     nonfinite += ~finite
+
+
+def _text(value: bytes) -> str:
+    """What Blender tells about its build, as text."""
+    return value.decode("utf-8", "replace")
 
 
 def _power_of_two(n: int) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from ...lib.comparison.compare import CompareOptions
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Windows
+from ...lib.progress import NO_PROGRESS, Progress
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
 from .worker import MARK
@@ -58,18 +59,26 @@ class SecondBlender:
         self,
         replicate: int,
         samples: int,
-        progress: Callable[[float], None],
-        cancelled: Callable[[], bool],
-        windows: Windows | None,
+        progress: Progress = NO_PROGRESS,
+        windows: Windows | None = None,
     ) -> Rendering:
-        """One replicate, or its part in `windows`; raises EtalonError if the process ends before it has one, as it does when it is closed."""
-        self._send({"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]})
-        for reply in self._replies():
-            if "error" in reply:
-                raise EtalonError(reply["error"])
-            if "progress" not in reply:
-                break
-            progress(reply["progress"])
+        """One replicate, or its part in `windows`.
+
+        Raises EtalonError if the process ends before it has one; Cancelled if it was stopped because `progress` said so.
+        """
+        try:
+            self._send(
+                {"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]}
+            )
+            for reply in self._replies():
+                if "error" in reply:
+                    raise EtalonError(reply["error"])
+                if "progress" not in reply:
+                    break
+                progress.report(reply["progress"])
+        except EtalonError:
+            progress.check()
+            raise
         with np.load(reply.pop("images")) as images:
             return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], windows=windows, **reply)
 

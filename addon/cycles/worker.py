@@ -35,8 +35,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
-    names = ("errors", "scene.archive", "film.windows", "wavefront.options")
-    errors, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
+    names = ("errors", "progress", "scene.archive", "film.windows", "wavefront.options")
+    errors, progress, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
     console = importlib.import_module(f"{package}.addon.command.console")
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]
@@ -60,7 +60,7 @@ def _serve(request: dict[str, Any], package: str) -> None:
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
                 done = renderer.render(
-                    wanted["replicate"], wanted["samples"], lambda f: say(progress=f), lambda: False, part
+                    wanted["replicate"], wanted["samples"], progress.Progress(lambda f: say(progress=f)), part
                 )
                 np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite)
                 say(

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ...lib.comparison.compare import Comparison
-from ...lib.files.results import file_beside
+from ...lib.files.atomic import replace_file
 from ...lib.report.words import furthest, unexplained
 
 # So many parts of the scene are tried; each takes a comparison of its own.
@@ -55,7 +55,7 @@ def write_minimal(scene: bpy.types.Scene, box: Box, names: list[str], shows: Sho
                 break
         else:
             _fill(part, list(scene.objects), scene.world)
-        with file_beside(path) as beside:
+        with replace_file(path) as beside:
             bpy.data.libraries.write(str(beside), {part}, path_remap="ABSOLUTE", fake_user=True)
     finally:
         bpy.data.scenes.remove(part)

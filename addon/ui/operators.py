@@ -13,7 +13,7 @@ import bpy.utils.previews
 
 from ...lib.comparison.compare import CompareOptions, Comparison
 from ...lib.errors import EtalonError
-from ...lib.files.results import folder_beside
+from ...lib.files.atomic import replace_files
 from ...lib.wavefront.options import Options
 from .. import job
 
@@ -104,7 +104,7 @@ class CompareWithCycles(bpy.types.Operator):
             if scene.camera is None:
                 raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
             folder = output_folder(scene)
-            with folder_beside(folder):  # says at once when the folder cannot be written
+            with replace_files(folder):  # says at once when the folder cannot be written
                 pass
             session.begin(job.BackgroundJob(scene, chosen(scene), folder))
         except EtalonError as error:

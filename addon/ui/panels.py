@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import bpy
 
+from ...lib.blender_versions import describe_unchecked
 from ...lib.report.words import sentences
 from .operators import ICONS, CancelComparison, CompareWithCycles, OpenReport, session
 
@@ -37,6 +38,9 @@ class _Panel:
             layout.progress(factor=running.fraction, text=f"{running.message}: {running.fraction:.0%}")
             layout.operator(CancelComparison.bl_idname)
         characters = max(20, int(context.region.width / context.preferences.system.ui_scale / _PIXELS_PER_CHARACTER))
+        unchecked = describe_unchecked(bpy.app.version[:2])
+        if unchecked and session.comparison is None:  # a comparison says it among its sentences
+            _draw_text(layout, unchecked, characters, icon="INFO")
         for error in session.errors:
             _draw_text(layout.box(), error, characters, icon="ERROR")
         if session.comparison is not None:

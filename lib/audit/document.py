@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..cost.estimates import CONFIDENCE
-from ..report.document import plain
-from ..report.words import percent
+from ..files.plain_data import make_plain
+from ..pages.formats import format_percent
 from ..verdict.outcome import Outcome
 from .findings import DRAWN, SQUARES, Audit, Finding
 from .setting import FACTORY, FILE
@@ -27,7 +27,7 @@ HEADINGS = ("setting", "value", "verdict", "whole image", "worst block", "where"
 
 def document(audit: Audit, command: str) -> dict[str, Any]:
     """audit.json as a dictionary; numbers that are not finite are None. Settings come in the order of what they cost."""
-    return plain(
+    return make_plain(
         {
             "format": FORMAT,
             "version": VERSION,
@@ -123,7 +123,7 @@ def bias(told: dict[str, Any]) -> str:
     if value == low == high == 0:
         return SAME
     ends = "unbounded" if low is None or high is None else f"{100 * low:+.3g} to {100 * high:+.3g}"
-    return f"{'unbounded' if value is None else percent(value)} ({ends})"
+    return f"{'unbounded' if value is None else format_percent(value)} ({ends})"
 
 
 def ratio(estimate: dict[str, float | None]) -> str:

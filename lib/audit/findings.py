@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..comparison.compare import CompareOptions
+from ..comparison.run import Stop
 from ..cost.estimates import Estimate, of_geometric_mean
 from ..film.moments import Moments, merge
 from ..film.regions import Regions
@@ -80,7 +81,7 @@ class Audit:
 
     `neutral` (height, width, 3) is the image of the neutral state, `seconds_neutral` the mean seconds of one render call of it, `nonfinite` the
     number of pixels in which a sample of any image was not finite, `asked` the samples a pixel that the user's file asks for. `stopped`
-    is 'time', 'replicates', 'cancelled' or 'nothing to measure'.
+    says why the audit ended.
     """
 
     scene: str
@@ -96,7 +97,7 @@ class Audit:
     asked: int
     nonfinite: int
     seconds_neutral: float
-    stopped: str
+    stopped: Stop
     started: str
     seconds: float
     settings: dict[str, object]

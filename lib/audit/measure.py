@@ -7,18 +7,18 @@ for a while slow both sides. How many rounds there are depends on time alone, ne
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
 
 from ..comparison.compare import CompareOptions, Renderer, versions
-from ..errors import EtalonError
+from ..comparison.run import Stop, TimedRun
+from ..errors import Cancelled, EtalonError
 from ..film.regions import image_regions
 from ..film.rendering import Rendering
-from ..report.words import seconds
+from ..pages.formats import format_duration
+from ..progress import NO_PROGRESS, Progress
 from ..verdict.allocation import Cost, fit_cost
 from ..verdict.claims import FLOOR_SHARE
 from .findings import Audit, Series, judge
@@ -34,39 +34,6 @@ GRAIN = 16
 # Replicates of the first calls are numbered from here, so that they are independent of all others.
 FIRST = 1 << 20
 FIRST_SAMPLES = (1, 8)
-NOTHING = "nothing to measure"
-
-
-class _Stop(Exception):
-    """Cancelled."""
-
-
-class _Run:
-    """One audit under way."""
-
-    def __init__(
-        self, options: CompareOptions, progress: Callable[[float], None], cancelled: Callable[[], bool]
-    ) -> None:
-        self.begin = time.monotonic()
-        self.budget, self._progress, self._cancelled = options.time, progress, cancelled
-
-    @property
-    def elapsed(self) -> float:
-        return time.monotonic() - self.begin
-
-    def render(self, renderer: Renderer, replicate: int, samples: int) -> tuple[Rendering, float]:
-        """One replicate and the seconds of the whole call; raises _Stop when cancelled."""
-        self._progress(min(self.elapsed / self.budget, 1.0))
-        start = time.monotonic()
-        try:
-            rendering = renderer.render(replicate, samples, lambda fraction: None, self._cancelled)
-        except EtalonError:
-            if self._cancelled():
-                raise _Stop from None
-            raise
-        if self._cancelled():
-            raise _Stop
-        return rendering, time.monotonic() - start
 
 
 def audit(
@@ -77,8 +44,7 @@ def audit(
     asked: int,
     same: tuple[Setting, ...] = (),
     missing: tuple[Setting, ...] = (),
-    progress: Callable[[float], None] = lambda fraction: None,
-    cancelled: Callable[[], bool] = lambda: False,
+    progress: Progress = NO_PROGRESS,
 ) -> Audit:
     """Render the `neutral` state and each of the `candidates` in rounds, and compare them pair by pair.
 
@@ -88,12 +54,12 @@ def audit(
     where there is none.
     """
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    run = _Run(options, progress, cancelled)
+    run = TimedRun(options.time, progress)
     seconds_neutral: list[float] = []
     image = np.zeros((0, 0, 3))
     bad = np.zeros((0, 0), bool)
     regions, series, samples, rounds = None, [], options.samples or 0, 0
-    stopped = "" if candidates else NOTHING
+    stopped = None if candidates else Stop.NOTHING
     try:
         if candidates:
             cost, shape = _first_calls(run, [neutral, *(renderer for _, renderer in candidates)])
@@ -104,8 +70,8 @@ def audit(
             regions = image_regions(*shape, {}, _block(*shape))
             image, bad = np.zeros((*shape, 3)), np.zeros(shape, bool)
             renderers = [neutral, *(renderer for _, renderer in candidates)]
-            stopped = "" if candidates else NOTHING
-        while not stopped:
+            stopped = None if candidates else Stop.NOTHING
+        while stopped is None:
             begin = run.elapsed
             got: list[Rendering | None] = [None] * len(renderers)
             for index in _turns(rounds, len(renderers)):
@@ -121,11 +87,11 @@ def audit(
                 bad |= entry.add(regions, plain.radiance, rendering)
             rounds += 1
             if options.replicates is not None and rounds >= options.replicates:
-                stopped = "replicates"
+                stopped = Stop.REPLICATES
             elif run.elapsed + (run.elapsed - begin) > options.time:
-                stopped = "time"
-    except _Stop:
-        stopped = "cancelled"
+                stopped = Stop.TIME
+    except Cancelled:
+        stopped = Stop.CANCELLED
         if not rounds:
             raise EtalonError(f"{scene}: cancelled before the first round was done; there is nothing to tell") from None
     floor = FLOOR_SHARE * float(np.abs(image).mean()) if rounds else 0.0
@@ -152,7 +118,7 @@ def audit(
     )
 
 
-def _first_calls(run: _Run, renderers: list[Renderer]) -> tuple[Cost, tuple[int, int]]:
+def _first_calls(run: TimedRun, renderers: list[Renderer]) -> tuple[Cost, tuple[int, int]]:
     """The first call of every renderer, which also sets things up; the cost of a round, and the image's height and width."""
     few, more = FIRST_SAMPLES
     rendering, _ = run.render(renderers[0], FIRST, few)
@@ -176,7 +142,7 @@ def _samples(seconds: float, cost: Cost, asked: int) -> int:
 def _too_few(setting: Setting, samples: int, cost: Cost) -> Setting:
     """A setting that so few samples cannot measure, with what it would take."""
     enough = 1 << (setting.needs - 1).bit_length()
-    time_ = seconds(ROUNDS * cost.seconds(enough))
+    time_ = format_duration(ROUNDS * cost.seconds(enough))
     few = f"it takes {setting.needs} samples a pixel, and these were {samples}"
     return replace(setting, missing=f"{few}; give --samples {enough} and --time for about {time_}")
 

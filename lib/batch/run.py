@@ -21,7 +21,7 @@ from typing import Any
 from tqdm import tqdm
 
 from ..errors import EtalonError
-from ..files.results import folder_beside
+from ..files.atomic import replace_files
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
 from .process import end, etalon_command, start
@@ -135,7 +135,7 @@ def _key(unit: Unit, options: tuple[str, ...]) -> str:
 def run(plan: BatchPlan) -> int:
     """Run what the plan asks for and its journal lacks; return the exit code of the batch."""
     keyed = {_key(unit, plan.options): unit for unit in plan.units()}
-    with folder_beside(plan.out):  # says at once when the folder cannot be written
+    with replace_files(plan.out):  # says at once when the folder cannot be written
         pass
     with closing(_open_journal(plan.out / "journal.sqlite")) as journal:
         try:
@@ -228,7 +228,7 @@ def _write_tables(plan: BatchPlan, recorded: list[tuple[Unit, sqlite3.Row | None
     """Write batch.csv and batch.html about the whole plan, as far as the journal knows it."""
     names = [v.name for v in plan.variations]
     results = [_result(plan.out, unit, row) for unit, row in recorded]
-    with folder_beside(plan.out) as beside:
+    with replace_files(plan.out) as beside:
         write_csv(names, results, beside / "batch.csv")
         write_grid(names, results, beside / "batch.html")
 

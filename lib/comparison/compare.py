@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -12,10 +11,13 @@ import numpy as np
 import scipy
 
 from ... import __version__
+from ..blender_versions import Release
 from ..departures.effects import Alternatives
-from ..errors import EtalonError
+from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import Coverage, Regions, image_regions
+from ..film.windows import Windows
+from ..progress import NO_PROGRESS, Progress
 from ..scene.scene import Scene
 from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
 from ..verdict.outcome import Outcome
@@ -24,7 +26,8 @@ from ..verdict.verdict import Verdict, conclude
 from .focus import focus
 from .meter import Meter
 from .options import CompareOptions
-from .pilot import pilot
+from .pilot import choose_samples
+from .run import Stop
 from .search import Search
 from .sides import Renderer, Side
 
@@ -40,9 +43,9 @@ class Comparison:
 
     `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
-    where regions differ and departures were tried. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts
+    where regions differ and departures were tried. `stopped` says why sampling ended. `seconds` counts
     everything, `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
-    is open; `started` is ISO 8601 in UTC.
+    is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene.
     """
 
     scene: str
@@ -53,7 +56,7 @@ class Comparison:
     excluded: np.ndarray
     verdict: Verdict
     explanation: Explanation | None
-    stopped: str
+    stopped: Stop
     started: str
     seconds: float
     pilot_seconds: float
@@ -61,6 +64,7 @@ class Comparison:
     versions: dict[str, str]
     left_out: np.ndarray
     unknown: dict[str, str]
+    blender: Release | None
 
 
 def compare(
@@ -69,8 +73,7 @@ def compare(
     candidate: Renderer,
     coverage: Coverage,
     options: CompareOptions,
-    progress: Callable[[float], None] = lambda fraction: None,
-    cancelled: Callable[[], bool] = lambda: False,
+    progress: Progress = NO_PROGRESS,
     among: Alternatives | None = None,
     left_out: np.ndarray | None = None,
 ) -> Comparison:
@@ -83,78 +86,138 @@ def compare(
     and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor
     do those whose paths meet a material that is not known; EtalonError is raised where none is left.
     """
-    started = datetime.now(UTC).isoformat(timespec="seconds")
-    asked = among is not None and bool(among.departures)
-    size = (scene.camera.height, scene.camera.width)
-    meter = Meter(options, progress, cancelled, ASIDE_SHARE if asked else 0.0)
-    samples = _both(options.samples) or pilot(reference, candidate, options, meter)
-    pilot_seconds = meter.elapsed
-    unknown = {material.name: material.unknown for material in scene.materials if material.unknown}
-    regions = image_regions(*size, coverage, left_out=None if left_out is None else _compared(scene, left_out))
-    left_out = np.zeros(size, bool) if left_out is None else left_out
-    del coverage  # as large as the regions made of it
-    sides = tuple(Side.empty(r, regions, s) for r, s in zip((reference, candidate), samples, strict=True))
-    excluded = np.zeros(regions.shape, bool)
-    held_back = ATTRIBUTION_SHARE if asked else 0.0
-    test = SequentialTest(len(regions), options.tolerance, options.confidence, held_back)
-    search = Search(among, test, meter) if asked else None
-    stopped, wanted, windows = "", None, None
-    while not stopped:
-        for side, renderer in zip(sides, (reference, candidate), strict=True):
-            rendering = meter.render(renderer, side.replicates, side.film.samples, windows)
-            if rendering is None:
+    loop = _Loop(scene, (reference, candidate), options, progress, among)
+    loop.choose_samples()
+    loop.lay_out_regions(coverage, left_out)
+    while loop.stopped is None:
+        loop.render_round()
+        if loop.is_look_due():
+            loop.test_regions()
+            loop.narrow()
+    return loop.conclude()
+
+
+class _Loop:
+    """One comparison under way; `compare` calls its methods in the order in which they stand here."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        renderers: tuple[Renderer, Renderer],
+        options: CompareOptions,
+        progress: Progress,
+        among: Alternatives | None,
+    ) -> None:
+        self._started = datetime.now(UTC).isoformat(timespec="seconds")
+        self._scene, self._renderers, self._options = scene, renderers, options
+        self._among = among if among is not None and among.departures else None
+        self._meter = Meter(options, progress, ASIDE_SHARE if self._among else 0.0)
+        self._windows: Windows | None = None
+        # The regions (K,) that are sampled on; None: all.
+        self._wanted: np.ndarray | None = None
+        self._is_last = False
+        self.stopped: Stop | None = None
+
+    def choose_samples(self) -> None:
+        """Settle the samples per replicate: what the user asked for, or what a pilot finds."""
+        asked = self._options.samples
+        try:
+            pair = (asked, asked) if isinstance(asked, int) else asked
+            self._samples = pair or choose_samples(*self._renderers, self._meter)
+        except Cancelled as cancelled:
+            raise self._nothing_to_compare() from cancelled
+        self._pilot_seconds = self._meter.elapsed
+
+    def lay_out_regions(self, coverage: Coverage, left_out: np.ndarray | None) -> None:
+        """Set up regions, both sides and the test, before anything that counts is rendered."""
+        size = (self._scene.camera.height, self._scene.camera.width)
+        compared = None if left_out is None else _compared(self._scene, left_out)
+        self._regions = image_regions(*size, coverage, left_out=compared)
+        self._left_out = np.zeros(size, bool) if left_out is None else left_out
+        self._excluded = np.zeros(size, bool)
+        self._sides = tuple(
+            Side.empty(renderer, self._regions, samples)
+            for renderer, samples in zip(self._renderers, self._samples, strict=True)
+        )
+        held_back = ATTRIBUTION_SHARE if self._among else 0.0
+        self._test = SequentialTest(len(self._regions), self._options.tolerance, self._options.confidence, held_back)
+        self._search = Search(self._among, self._test, self._meter) if self._among else None
+
+    def render_round(self) -> None:
+        """Add one replicate to each side; a cancelled one is not kept."""
+        for side, renderer in zip(self._sides, self._renderers, strict=True):
+            try:
+                rendering = self._meter.render_counted(renderer, side.replicates, side.film.samples, self._windows)
+            except Cancelled:
                 break
-            excluded = excluded | nonfinite_pixels(rendering, regions.shape)
+            self._excluded = self._excluded | nonfinite_pixels(rendering, self._regions.shape)
             if rendering.unknown is not None:
-                left_out = _compared(scene, left_out | (rendering.unknown > 0))
-            for one in sides:
-                one.exclude(excluded | left_out, wanted)
-            side.add(rendering, wanted)
+                self._left_out = _compared(self._scene, self._left_out | (rendering.unknown > 0))
+            for one in self._sides:
+                one.exclude(self._excluded | self._left_out, self._wanted)
+            side.add(rendering, self._wanted)
             del rendering  # not while the other side renders
-        n = sides[1].replicates
-        if n == 0:
-            raise EtalonError(f"{scene.name}: cancelled before both sides had an image; there is nothing to compare")
+        if not self._sides[1].replicates:
+            raise self._nothing_to_compare()
+
+    def is_look_due(self) -> bool:
+        """Whether the test is to look at what there is, and whether sampling ends with that look."""
+        n = self._sides[1].replicates
         due = next_look(n - 1)
-        stopped = meter.why_stop(n, n + 1 if windows is None else due if n < due else next_look(n))
+        goal = n + 1 if self._windows is None else due if n < due else next_look(n)
+        self.stopped = self._meter.why_stop(n, goal)
         # How fast parts come depends on what was seen elsewhere: of them, time decides neither when to look nor what a look may spend.
-        last = stopped == "replicates" or bool(stopped and windows is None)
-        if n != due and not last:
-            continue
-        test.look(sides[0].regions.moments, sides[1].regions.moments, last)
-        open_ = test.undecided
-        if search is not None:
-            if search.look(sides, excluded | left_out, last):
-                open_ = test.outcomes != Outcome.EQUIVALENT
-            elif search.complete:
-                open_ = np.zeros_like(open_)
-        open_ = open_ & (sides[0].regions.sizes > 0)
-        if not open_.any():
-            stopped = stopped or "decided"
-        elif windows is not None or focus(regions, open_) is not None:
-            wanted = open_ if wanted is None else wanted & open_
-            windows = focus(regions, wanted)
-            meter.mark(n)
-    nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in sides}
-    explanation = None if search is None else search.conclude(sides)
-    verdict = conclude(test, sides[0].regions, sides[1].regions, nonfinite, explanation)
-    return Comparison(
-        scene=scene.name,
-        options=options,
-        reference=sides[0],
-        candidate=sides[1],
-        regions=regions,
-        excluded=excluded,
-        verdict=verdict,
-        explanation=explanation,
-        stopped=stopped,
-        started=started,
-        seconds=meter.elapsed,
-        pilot_seconds=pilot_seconds,
-        round_seconds=meter.round_seconds,
-        versions=versions(),
-        left_out=left_out,
-        unknown=unknown,
-    )
+        self._is_last = self.stopped is Stop.REPLICATES or (self.stopped is not None and self._windows is None)
+        return n == due or self._is_last
+
+    def test_regions(self) -> None:
+        """Look at all regions, and seek the causes of those that differ."""
+        of_reference, of_candidate = (side.regions.moments for side in self._sides)
+        self._test.look(of_reference, of_candidate, self._is_last)
+        self._open = self._test.undecided
+        if self._search is not None:
+            if self._search.look(self._sides, self._excluded | self._left_out, self._is_last):
+                self._open = self._test.outcomes != Outcome.EQUIVALENT
+            elif self._search.complete:
+                self._open = np.zeros_like(self._open)
+        self._open = self._open & (self._sides[0].regions.sizes > 0)
+
+    def narrow(self) -> None:
+        """End where nothing is open; else sample on where something is, once that is a small part of the image."""
+        if not self._open.any():
+            self.stopped = self.stopped or Stop.DECIDED
+        elif self._windows is not None or focus(self._regions, self._open) is not None:
+            self._wanted = self._open if self._wanted is None else self._wanted & self._open
+            self._windows = focus(self._regions, self._wanted)
+            self._meter.mark(self._sides[1].replicates)
+
+    def conclude(self) -> Comparison:
+        """The verdict, and all that it rests on."""
+        nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in self._sides}
+        explanation = None if self._search is None else self._search.conclude(self._sides)
+        verdict = conclude(self._test, *(side.regions for side in self._sides), nonfinite, explanation)
+        return Comparison(
+            scene=self._scene.name,
+            options=self._options,
+            reference=self._sides[0],
+            candidate=self._sides[1],
+            regions=self._regions,
+            excluded=self._excluded,
+            verdict=verdict,
+            explanation=explanation,
+            stopped=self.stopped,
+            started=self._started,
+            seconds=self._meter.elapsed,
+            pilot_seconds=self._pilot_seconds,
+            round_seconds=self._meter.round_seconds,
+            versions=versions(),
+            left_out=self._left_out,
+            unknown={material.name: material.unknown for material in self._scene.materials if material.unknown},
+            blender=self._scene.blender,
+        )
+
+    def _nothing_to_compare(self) -> EtalonError:
+        return EtalonError(f"{self._scene.name}: cancelled before both sides had an image; there is nothing to compare")
 
 
 def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:
@@ -164,10 +227,6 @@ def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:
             f"{scene.name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces"
         )
     return left_out
-
-
-def _both(samples: int | tuple[int, int] | None) -> tuple[int, int] | None:
-    return (samples, samples) if isinstance(samples, int) else samples
 
 
 def versions() -> dict[str, str]:

@@ -4,91 +4,66 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
 
-from ..errors import EtalonError
 from ..film.rendering import Rendering
 from ..film.windows import Windows
+from ..progress import Progress
 from .options import CompareOptions
+from .run import Stop, TimedRun
 from .sides import Renderer
 
 
-class Meter:
-    """What a comparison has spent, what it may spend, and what the user is told meanwhile."""
+class Meter(TimedRun):
+    """What a comparison has spent and what it may spend; a share `aside` of the time is kept for finding causes."""
 
-    def __init__(
-        self, options: CompareOptions, progress: Callable[[float], None], cancelled: Callable[[], bool], aside: float
-    ) -> None:
-        self._start = time.monotonic()
+    def __init__(self, options: CompareOptions, progress: Progress, aside: float) -> None:
+        super().__init__(options.time, progress)
         self.seconds_aside = None if options.time is None else aside * options.time
         self.spent_aside = 0.0
         self._options = options
-        self._progress = progress
-        self._cancelled = cancelled
         self._rendered = 0
         self._mark = 0.0, 0
         self.round_seconds = math.nan
-
-    @property
-    def elapsed(self) -> float:
-        """Seconds since the comparison began."""
-        return time.monotonic() - self._start
 
     def mark(self, replicates: int) -> None:
         """From here on, with `replicates` on both sides, a replicate costs something else than before."""
         self._mark = self.elapsed - self.spent_aside, replicates
 
-    def render(
-        self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None = None
-    ) -> Rendering | None:
-        """One replicate that counts towards the limits, or None if it was cancelled."""
+    def render_counted(self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None) -> Rendering:
+        """One replicate that counts towards the limits."""
         if not self._rendered:
             self.mark(0)
-        rendering = self.pilot(renderer, replicate, samples, windows)
-        self._rendered += rendering is not None
+        rendering, _ = self.render(renderer, replicate, samples, windows)
+        self._rendered += 1
         return rendering
 
-    def pilot(
-        self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None = None
-    ) -> Rendering | None:
-        """One replicate, or None if it was cancelled."""
-        try:
-            rendering = renderer.render(replicate, samples, self._report, self._cancelled, windows)
-        except EtalonError:
-            if self._cancelled():
-                return None
-            raise
-        # What a cancelled renderer hands over may be half an image.
-        return None if self._cancelled() else rendering
-
-    def aside(self, renderer: Renderer, replicate: int, samples: int) -> Rendering | None:
-        """One replicate on the time set aside, or None if it was cancelled."""
+    def render_aside(self, renderer: Renderer, replicate: int, samples: int) -> Rendering:
+        """One replicate on the time set aside."""
         before = self.elapsed
-        rendering = self.pilot(renderer, replicate, samples)
+        rendering, _ = self.render(renderer, replicate, samples)
         self.spent_aside += self.elapsed - before
         return rendering
 
-    def why_stop(self, replicates: int, goal: int) -> str:
-        """Why sampling ends with `replicates` on both sides, or '' if it goes on.
+    def why_stop(self, replicates: int, goal: int) -> Stop | None:
+        """Why sampling ends with `replicates` on both sides, or None if it goes on.
 
         Of whole images this never depends on what was rendered. Time ends it when less is left than `goal` replicates will take,
         the number at which there is something to gain.
         """
-        if self._cancelled():
-            return "cancelled"
+        if self.progress.is_cancelled:
+            return Stop.CANCELLED
         if self._options.replicates is not None and replicates >= self._options.replicates:
-            return "replicates"
+            return Stop.REPLICATES
         # What is set aside counts as spent from the start: how much of it is used depends on what was rendered.
         sampling = self.elapsed - self.spent_aside
         begin, before = self._mark
         self.round_seconds = (sampling - begin) / max(replicates - before, 1)
         if self._options.time is None or replicates < 2:
-            return ""
+            return None
         left = self._options.time - self.seconds_aside - sampling
-        return "time" if self.round_seconds * (goal - replicates) > left else ""
+        return Stop.TIME if self.round_seconds * (goal - replicates) > left else None
 
-    def _report(self, fraction: float) -> None:
-        spent = self.elapsed / self._options.time if self._options.time else 0.0
+    def report(self, fraction: float) -> None:
+        """Tell the share of the time, or of the replicates, that is spent."""
         done = (self._rendered + fraction) / (2 * self._options.replicates) if self._options.replicates else 0.0
-        self._progress(min(max(spent, done), 1.0))
+        self.progress.report(min(max(self.share_spent, done), 1.0))

@@ -18,7 +18,7 @@ class Search:
 
     def __init__(self, among: Alternatives, test: SequentialTest, meter: Meter) -> None:
         self._attribution = Attribution(among.departures, test, ATTRIBUTION_SHARE * (1 - test.confidence))
-        self._effects = PairedEffects(among, meter.aside, lambda: meter.spent_aside, meter.seconds_aside)
+        self._effects = PairedEffects(among, meter.render_aside, lambda: meter.spent_aside, meter.seconds_aside)
         self._test, self._meter = test, meter
 
     @property

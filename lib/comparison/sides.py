@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -13,12 +12,14 @@ from ..film.film import Film
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..film.windows import Windows
+from ..progress import Progress
 
 
 class Renderer(Protocol):
-    """Either side: `settings` is what the report prints; `render` gives replicate number `replicate`, independent of all
-    others, with `samples` per pixel, or of the pixels in `windows` alone. After `cancelled` says so it may return
-    anything or raise an EtalonError.
+    """Either side: `settings` is what the report prints.
+
+    `render` gives replicate number `replicate`, independent of all others, with `samples` per pixel, or of the pixels in `windows`
+    alone. It raises Cancelled once `progress` says that the work is to end.
     """
 
     name: str
@@ -28,14 +29,13 @@ class Renderer(Protocol):
         self,
         replicate: int,
         samples: int,
-        progress: Callable[[float], None],
-        cancelled: Callable[[], bool],
-        windows: Windows | None,
+        progress: Progress = ...,
+        windows: Windows | None = None,
     ) -> Rendering:
         """One replicate."""
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Side:
     """One renderer's part: its `name` and `settings`, its film, and the moments of its regions."""
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..effects.plan import Plan
-from ..report.document import plain
+from ..files.plain_data import make_plain
 from .efficiency import MEASURES, efficiency, ratio, relmse
 from .estimates import Estimate, of_mean, of_positive_mean
 from .forecast import Forecast, forecast
@@ -50,7 +50,7 @@ def bias(measured: Measured) -> Estimate:
 
 def document(measurement: Measurement, extras: Extras) -> dict[str, Any]:
     """cost.json as a dictionary; numbers that are not finite are None."""
-    return plain(
+    return make_plain(
         {
             "format": FORMAT,
             "version": VERSION,

@@ -5,16 +5,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 import numpy as np
 
 from ..comparison.compare import Renderer, versions
+from ..comparison.run import Stop, TimedRun
 from ..errors import Cancelled, EtalonError
 from ..film.film import finite_or_nan
 from ..film.rendering import Rendering
+from ..progress import NO_PROGRESS, Progress
 from .ways import Way
 from .yardstick import Score, Yardstick
 
@@ -81,7 +82,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Measurement:
-    """All ways of one scene in one run; `stopped` is 'time', 'samples' or 'cancelled'."""
+    """All ways of one scene in one run; `stopped` says why it ended."""
 
     scene: str
     size: tuple[int, int]
@@ -89,7 +90,7 @@ class Measurement:
     truth: Truth
     yardstick: Yardstick
     pairs: int
-    stopped: str
+    stopped: Stop
     started: str
     seconds: float
     budget: float
@@ -103,10 +104,6 @@ class Measurement:
         return any(m.way.key == key and m.points for m in self.ways)
 
 
-class _Stop(Exception):
-    """Cancelled."""
-
-
 @dataclass(eq=False)
 class _Entry:
     """A way whose renderer stands, and the seconds of all its replicates at the latest level."""
@@ -114,36 +111,6 @@ class _Entry:
     measured: Measured
     renderer: Renderer
     latest: float = 0.0
-
-
-class _Run:
-    """One measurement under way."""
-
-    def __init__(self, budget: float, progress: Callable[[float], None], cancelled: Callable[[], bool]) -> None:
-        self.begin = time.monotonic()
-        self.budget, self._progress, self._cancelled = budget, progress, cancelled
-
-    @property
-    def elapsed(self) -> float:
-        return time.monotonic() - self.begin
-
-    @property
-    def left(self) -> float:
-        return self.budget - self.elapsed
-
-    def render(self, renderer: Renderer, replicate: int, samples: int) -> tuple[Rendering, float]:
-        """One replicate and the seconds of the whole call."""
-        self._progress(min(self.elapsed / self.budget, 1.0))
-        start = time.monotonic()
-        try:
-            rendering = renderer.render(replicate, samples, lambda fraction: None, self._cancelled)
-        except EtalonError:
-            if self._cancelled():
-                raise _Stop from None
-            raise
-        if self._cancelled():
-            raise _Stop
-        return rendering, time.monotonic() - start
 
 
 def measure(
@@ -155,8 +122,7 @@ def measure(
     most_samples: int = MOST_SAMPLES,
     first: tuple[str, ...] = (),
     truth_share: float = TRUTH_SHARE,
-    progress: Callable[[float], None] = lambda fraction: None,
-    cancelled: Callable[[], bool] = lambda: False,
+    progress: Progress = NO_PROGRESS,
 ) -> Measurement:
     """Measure `ways` of the scene named `scene` within `budget` seconds, the way `best` being the truth for all.
 
@@ -170,26 +136,26 @@ def measure(
     if pairs < 2:
         raise EtalonError(f"pairs is {pairs}; give at least 2, for an interval")
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    run = _Run(budget, progress, cancelled)
-    stopped = "samples"
+    run = TimedRun(budget, progress)
+    stopped = Stop.SAMPLES
     measured = [Measured(way) for way in ways]
     try:
         entries = _first_calls(run, measured, (best, *first))
         leader = next(e for e in entries if e.measured.way.key == best)
         truth, yardstick = _truth(run, leader, pairs, truth_share * budget)
         if _levels(run, entries, (best, *first), yardstick, pairs, most_samples):
-            stopped = "time"
-    except _Stop:
+            stopped = Stop.TIME
+    except Cancelled:
         if not any(m.points for m in measured):
             raise Cancelled(f"{scene}: cancelled before anything was measured; nothing was written") from None
-        stopped = "cancelled"
+        stopped = Stop.CANCELLED
     height, width = yardstick.excluded.shape
     return Measurement(
         scene, (width, height), measured, truth, yardstick, pairs, stopped, started, run.elapsed, budget, versions()
     )
 
 
-def _first_calls(run: _Run, measured: list[Measured], first: tuple[str, ...]) -> list[_Entry]:
+def _first_calls(run: TimedRun, measured: list[Measured], first: tuple[str, ...]) -> list[_Entry]:
     """Build every renderer and call it once: what that takes longer than later calls belongs to the setup."""
     entries = []
     for m in sorted(measured, key=lambda m: (m.way.key != first[0], m.way.key not in first)):
@@ -213,7 +179,7 @@ def _first_calls(run: _Run, measured: list[Measured], first: tuple[str, ...]) ->
     return sorted(entries, key=lambda e: order.index(e.measured.way.key))
 
 
-def _truth(run: _Run, leader: _Entry, pairs: int, seconds: float) -> tuple[Truth, Yardstick]:
+def _truth(run: TimedRun, leader: _Entry, pairs: int, seconds: float) -> tuple[Truth, Yardstick]:
     """Two long renders a pair, of as many samples as `seconds` allow."""
     begin = run.elapsed
     _, again = run.render(leader.renderer, FIRST + 1, LEVEL_FACTOR)
@@ -249,7 +215,7 @@ class _Level:
 
 
 def _levels(
-    run: _Run, entries: list[_Entry], first: tuple[str, ...], yardstick: Yardstick, pairs: int, most_samples: int
+    run: TimedRun, entries: list[_Entry], first: tuple[str, ...], yardstick: Yardstick, pairs: int, most_samples: int
 ) -> bool:
     """Go through the levels; whether time, and not `most_samples`, ended it."""
     alive, samples, replicate = sorted(entries, key=lambda e: e.measured.way.key not in first), 1, 0
@@ -283,7 +249,7 @@ def _affordable(entries: list[_Entry], left: float, first: tuple[str, ...]) -> l
 
 
 def _pair(
-    run: _Run, entry: _Entry, yardstick: Yardstick, samples: int, replicate: int, pair: int, level: _Level
+    run: TimedRun, entry: _Entry, yardstick: Yardstick, samples: int, replicate: int, pair: int, level: _Level
 ) -> None:
     images = []
     for k in range(2):

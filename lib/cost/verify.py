@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..film.film import finite_or_nan
+from ..progress import NO_PROGRESS, Progress
 from .forecast import Forecast, forecast, found_floor
 from .measure import Measurement
 from .ways import Bias
@@ -52,8 +52,7 @@ def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast] | 
 def verify(
     measurement: Measurement,
     target: float,
-    progress: Callable[[float], None] = lambda fraction: None,
-    cancelled: Callable[[], bool] = lambda: False,
+    progress: Progress = NO_PROGRESS,
 ) -> Verification | None:
     """Run the cheapest way to `target` twice: their difference gives the variance, the truth of the pilots the bias.
 
@@ -65,16 +64,12 @@ def verify(
     key, told = found
     measured = measurement[key]
     renderer = measured.way.make()
-    renderer.render(VERIFY - 1, 1, lambda fraction: None, cancelled)
+    renderer.render(VERIFY - 1, 1, progress.silent)
     samples = int(told.samples.median)
     images, seconds, walls = [], [], []
     for k in range(2):
-
-        def share(fraction: float, k: int = k) -> None:
-            progress((k + fraction) / 2)
-
         start = time.monotonic()
-        rendering = renderer.render(VERIFY + k, samples, share, cancelled)
+        rendering = renderer.render(VERIFY + k, samples, progress.within(k / 2, (k + 1) / 2))
         walls.append(time.monotonic() - start)
         seconds.append(rendering.seconds)
         images.append(finite_or_nan(rendering, measurement.yardstick.excluded.shape))

@@ -3,43 +3,31 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..report.words import seconds
+from ..files.plain_data import write_json
+from ..pages import render_page
+from ..pages.formats import format_duration
 from .document import Extras, document, write_csv
 from .measure import Measurement
 from .plots import error_figure, save, stage_figure
-
-_REPORT = Path(__file__).parent.parent / "report"  # its style sheet is this page's too
 
 
 def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[str, Any]:
     """Write all files into `folder`, which must be there; returns what cost.json holds."""
     figures = document(measurement, extras)
-    text = json.dumps(figures, indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "cost.json").write_text(text + "\n", encoding="utf-8")
+    write_json(folder / "cost.json", figures)
     write_csv(figures, folder / "cost.csv")
     pictures = {"error": save(error_figure(figures), folder, "cost")}
     if any(len(way.get("stages", ())) > 3 for way in figures["ways"]):
         pictures["stages"] = save(stage_figure(figures), folder, "stages")
-    environment = Environment(
-        loader=FileSystemLoader([Path(__file__).parent, _REPORT]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    filters = {f.__name__: f for f in (seconds, digits, interval, middle, ends, took)}
-    environment.filters.update(filters)
-    page = environment.get_template("cost.html").render(
-        figures=figures, pictures={name: Markup(svg) for name, svg in pictures.items()}
-    )
+    values = {"figures": figures, "pictures": {name: Markup(svg) for name, svg in pictures.items()}}
+    filters = {f.__name__: f for f in (digits, interval, middle, ends, took)}
+    page = render_page(Path(__file__).with_name("cost.html"), values, filters)
     (folder / "cost.html").write_text(page, encoding="utf-8")
     return figures
 
@@ -61,7 +49,7 @@ def _short(value: float) -> str:
 
 def middle(span: dict[str, float | None]) -> str:
     """The median of a forecast span of seconds."""
-    return "not reached" if span["median"] is None else seconds(span["median"])
+    return "not reached" if span["median"] is None else format_duration(span["median"])
 
 
 def ends(span: dict[str, float | None]) -> str:
@@ -69,8 +57,8 @@ def ends(span: dict[str, float | None]) -> str:
     if span["low"] is None:
         return ""
     if span["median"] is None:
-        return f"at best {seconds(span['low'])}"
-    return f"{seconds(span['low'])} to {'never' if span['high'] is None else seconds(span['high'])}"
+        return f"at best {format_duration(span['low'])}"
+    return f"{format_duration(span['low'])} to {'never' if span['high'] is None else format_duration(span['high'])}"
 
 
 def took(span: dict[str, float | None]) -> str:

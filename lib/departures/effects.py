@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import Cancelled
 from ..film.film import finite_or_nan
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
@@ -44,14 +45,14 @@ def alternatives(reference: ReferenceRenderer) -> Alternatives:
 class PairedEffects:
     """Calling it with a set of names gives what they add to each region, (pairs, N, 3), one row for each pair of replicates.
 
-    `render(renderer, replicate, samples)` does the work, and may give None. Pairs are kept, and more are made as they are asked for,
+    `render(renderer, replicate, samples)` does the work, and may raise Cancelled. Pairs are kept, and more are made as they are asked for,
     until `seconds` (None: no limit) are spent, as told by `spent`.
     """
 
     def __init__(
         self,
         among: Alternatives,
-        render: Callable[[Any, int, int], Rendering | None],
+        render: Callable[[Any, int, int], Rendering],
         spent: Callable[[], float],
         seconds: float | None,
     ) -> None:
@@ -102,7 +103,8 @@ class PairedEffects:
         """The regions' means (N, 3) of one image."""
         if names not in self._renderers:
             self._renderers[names] = self._among.renderer(names)
-        rendering = self._render(self._renderers[names], FIRST + pair, self.samples)
-        if rendering is None:
+        try:
+            rendering = self._render(self._renderers[names], FIRST + pair, self.samples)
+        except Cancelled:
             return None
         return self._regions.means(finite_or_nan(rendering, self._regions.regions.shape))

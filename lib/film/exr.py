@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 import OpenImageIO
 
 from ..errors import EtalonError
+from ..files.atomic import replace_file
 from .film import Film
 
 # Rows of an image in one piece: a multiple of what OpenEXR compresses together.
@@ -49,8 +49,7 @@ def _write(path: Path, names: list[str], shape: tuple[int, int], channels: Calla
     spec = OpenImageIO.ImageSpec(width, height, len(names), "float")
     spec.channelnames = names
     spec.attribute("compression", "zip")
-    beside = path.with_name(f".unfinished-{os.getpid()}-{path.name}")
-    try:
+    with replace_file(path) as beside:
         file = OpenImageIO.ImageOutput.create(str(beside))
         good = file is not None and file.open(str(beside), spec)
         for start in range(0, height if good else 0, _ROWS):
@@ -60,11 +59,6 @@ def _write(path: Path, names: list[str], shape: tuple[int, int], channels: Calla
         good = good and file.close()
         if not good:
             raise _failure(path, file, "cannot be written", "make room or name another folder")
-        os.replace(beside, path)
-    except OSError as error:
-        raise EtalonError(f"{path}: cannot be written ({error.strerror}); name another folder") from error
-    finally:
-        beside.unlink(missing_ok=True)
 
 
 def read_exr(path: Path | str) -> dict[str, np.ndarray]:

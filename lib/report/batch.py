@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from ..pages import render_page
 
 COLUMNS = ("status", "verdict", "relative_difference", "low", "high", "seconds", "folder", "message")
 
@@ -50,9 +50,5 @@ def write_grid(names: list[str], rows: list[Row], path: Path) -> None:
     lines: dict[tuple[Any, ...], dict[Any, Row]] = {}
     for r in rows:
         lines.setdefault((r.scene, *r.values[:-1]), {})[r.values[-1] if names else None] = r
-    loader = FileSystemLoader(Path(__file__).parent)
-    environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    text = environment.get_template("batch.html").render(names=names, across=across, lines=lines)
+    text = render_page(Path(__file__).with_name("batch.html"), {"names": names, "across": across, "lines": lines})
     path.write_text(text, encoding="utf-8")

@@ -3,26 +3,25 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
-from enum import Enum
 from typing import Any
 
-import numpy as np
-
+from ..blender_versions import NEWEST_CHECKED, format_release
 from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
+from ..files.plain_data import make_plain
 from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 4
+VERSION = 5
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
     3: "Version 3: `plan` lists the effects that the scene calls for; `replicates` of a side are the most that any region has, "
     "since sampling goes on where a region is open; `changes` is this list.",
     4: "Version 4: `left_out` counts the pixels that show light from materials that are not simulated, and names these.",
+    5: "Version 5: `blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
 }
 
 
@@ -30,7 +29,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
     """verdict.json as a dictionary; numbers that are not finite are None. `plan` is the reference's, of this scene."""
     verdict = comparison.verdict
     channel = int(worst_channel(verdict.difference[:1])[0])
-    return plain(
+    return make_plain(
         {
             "format": FORMAT,
             "version": VERSION,
@@ -68,24 +67,21 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "seconds": comparison.seconds,
             "pilot_seconds": comparison.pilot_seconds,
             "versions": comparison.versions,
+            "blender": _blender(comparison),
             "command": command,
         }
     )
 
 
-def plain(value: Any) -> Any:
-    """`value` in JSON's own types: arrays as lists, enumerations as their values, non-finite numbers as None, else text."""
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, dict):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, (bool, int, str)) else str(value)
+def _blender(comparison: Comparison) -> dict[str, Any]:
+    """Version and build of the Blender under test, and whether it is newer than the newest that was checked."""
+    settings, release = comparison.candidate.settings, comparison.blender
+    return {
+        "version": settings.get("version"),
+        "build": settings.get("build"),
+        "newest_checked": format_release(NEWEST_CHECKED),
+        "is_newer_than_checked": release is not None and release > NEWEST_CHECKED,
+    }
 
 
 def _region(comparison: Comparison, k: int) -> dict[str, Any]:

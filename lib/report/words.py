@@ -3,44 +3,30 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
+from ..comparison.run import Stop
+from ..pages.formats import format_duration, format_percent
 from ..verdict.outcome import Outcome
 
 FURTHEST = 5
 # Pixels beyond which a smaller image is recommended where time is short.
 LARGE = 1 << 18
 _ENDED = {
-    "decided": "everything was decided",
-    "time": "the time was spent",
-    "replicates": "the replicates asked for were done",
-    "cancelled": "it was cancelled",
+    Stop.DECIDED: "everything was decided",
+    Stop.TIME: "the time was spent",
+    Stop.REPLICATES: "the replicates asked for were done",
+    Stop.CANCELLED: "it was cancelled",
 }
-
-
-def percent(value: float, sign: bool = True) -> str:
-    """A share as a percentage, with three significant digits; 'unbounded' where it is not finite."""
-    if not math.isfinite(value):
-        return "unbounded"
-    return f"{100 * value:+.3g} %" if sign else f"{100 * value:.6g} %"
-
-
-def seconds(value: float) -> str:
-    """A duration as a person says it."""
-    for limit, unit, size in ((100, "s", 1), (6000, "min", 60), (172800, "h", 3600)):
-        if value < limit:
-            return f"{value / size:.2g} {unit}" if value / size < 10 else f"{value / size:.0f} {unit}"
-    return f"{value / 86400:.0f} days" if value < 1e8 else "years"
 
 
 def title(comparison: Comparison) -> str:
     """The verdict in one sentence."""
     verdict = comparison.verdict
     names = [f"the {s.name}" if s.name == "reference" else s.name for s in (comparison.candidate, comparison.reference)]
-    limit = f"{percent(verdict.tolerance, sign=False)}"
+    limit = f"{format_percent(verdict.tolerance, sign=False)}"
     total = verdict.outcomes.size - _gone(comparison)
     if verdict.outcome is Outcome.EQUIVALENT:
         return f"{names[0]} agrees with {names[1]} to within {limit} in all {total} regions."
@@ -58,6 +44,9 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
     """The verdict, what it rests on, where the differences are, and what deciding the rest would cost."""
     verdict = comparison.verdict
     said = [title(comparison), _basis(comparison)]
+    unchecked = describe_unchecked(comparison.blender)
+    if unchecked:
+        said.append(unchecked)
     if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
     said += _why(comparison)
@@ -75,7 +64,7 @@ def _left_out(comparison: Comparison) -> str:
     count, total = int(comparison.left_out.sum()), comparison.left_out.size
     named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
     return (
-        f"{count} of {total} pixels ({percent(count / total, sign=False)}) are not compared: light reaches them from materials that "
+        f"{count} of {total} pixels ({format_percent(count / total, sign=False)}) are not compared: light reaches them from materials that "
         f"are not simulated: {listed(tuple(named))}."
     )
 
@@ -137,9 +126,9 @@ def _basis(comparison: Comparison) -> str:
         parts.append(f"{gone} without a pixel to compare")
     a, b = comparison.reference, comparison.candidate
     return (
-        f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {percent(verdict.confidence, sign=False)} "
+        f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {format_percent(verdict.confidence, sign=False)} "
         f"for all of them together, from {_drawn(a)} and {_drawn(b)} samples a pixel "
-        f"in {seconds(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
+        f"in {format_duration(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
     )
 
 
@@ -183,8 +172,8 @@ def _region(comparison: Comparison, k: int) -> str:
     channel = worst_channel(verdict.difference[k : k + 1])[0]
     low, high = verdict.low[k, channel], verdict.high[k, channel]
     return (
-        f"{_place(comparison, k)} {percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
-        f"({percent(low)} to {percent(high)})"
+        f"{_place(comparison, k)} {format_percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
+        f"({format_percent(low)} to {format_percent(high)})"
     )
 
 
@@ -194,12 +183,12 @@ def _forecast(comparison: Comparison) -> str:
         return ""
     low, median, high, nearly = ends
     count = comparison.verdict.forecast.regions
-    most = f"and {seconds(high)}" if high < 1e8 else "and no upper end yet"
+    most = f"and {format_duration(high)}" if high < 1e8 else "and no upper end yet"
     samples = comparison.candidate.film.samples * comparison.candidate.replicates * comparison.verdict.forecast.factor
     drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
-    likely = f"about {seconds(median)}{drawn}" if median < 1e8 else "longer than can be told"
-    before = f"; nine in ten of them {seconds(nearly)}" if count >= 10 and nearly < 1e8 else ""
-    return f"Deciding the {count} open regions takes {likely} (90 % sure: between {seconds(low)} {most}){before}.{_sooner(comparison)}"
+    likely = f"about {format_duration(median)}{drawn}" if median < 1e8 else "longer than can be told"
+    before = f"; nine in ten of them {format_duration(nearly)}" if count >= 10 and nearly < 1e8 else ""
+    return f"Deciding the {count} open regions takes {likely} (90 % sure: between {format_duration(low)} {most}){before}.{_sooner(comparison)}"
 
 
 def _sooner(comparison: Comparison) -> str:

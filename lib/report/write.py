@@ -4,25 +4,21 @@
 from __future__ import annotations
 
 import base64
-import json
-import os
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from ..comparison.compare import Comparison
 from ..effects.plan import Plan
-from ..errors import EtalonError
+from ..files.atomic import replace_files
+from ..files.plain_data import write_json
 from ..film.exr import write_exr, write_film
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
+from ..pages import render_page
 from .document import document
 from .flip import flip
-from .words import percent, seconds
 
 # The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
 MOST_PIXELS = 600_000
@@ -38,19 +34,8 @@ def write_report(comparison: Comparison, plan: Plan, folder: Path, command: str 
     `plan` is what the reference ran of its effects, `command` what repeats the comparison, shown as text. Raises EtalonError where the
     folder cannot be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
-        try:
-            _write_all(comparison, plan, beside, command)
-            for path in sorted(beside.iterdir()):
-                os.replace(path, folder / path.name)
-        finally:
-            shutil.rmtree(beside, ignore_errors=True)
-    except OSError as error:
-        raise EtalonError(
-            f"{folder}: cannot be written ({error.strerror}); make room or name another folder"
-        ) from error
+    with replace_files(folder) as beside:
+        _write_all(comparison, plan, beside, command)
 
 
 def _shown(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
@@ -75,8 +60,7 @@ def relative_difference(comparison: Comparison) -> np.ndarray:
 
 def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -> None:
     figures = document(comparison, plan, command)
-    text = json.dumps(figures, indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "verdict.json").write_text(text + "\n", encoding="utf-8")
+    write_json(folder / "verdict.json", figures)
     (folder / "report.html").write_text(_html(comparison, figures), encoding="utf-8")
     write_film(folder / "reference.exr", comparison.reference.film)
     write_film(folder / "cycles.exr", comparison.candidate.film)
@@ -96,14 +80,6 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -
 
 
 def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(percent=percent, seconds=seconds)
     height, width = comparison.regions.shape
     step = 1
     while -(-height // step) * -(-width // step) > MOST_PIXELS:
@@ -128,12 +104,13 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
         "names": [comparison.reference.name, comparison.candidate.name],
         "regions": [_row(region) for region in figures["regions"]],
     }
-    return environment.get_template("report.html").render(
-        figures=figures,
-        view=view,
-        floats=[_packed(image.astype("<f4")) for image in images],
-        flip=_packed(bytes_),
-    )
+    values = {
+        "figures": figures,
+        "view": view,
+        "floats": [_packed(image.astype("<f4")) for image in images],
+        "flip": _packed(bytes_),
+    }
+    return render_page(Path(__file__).with_name("report.html"), values)
 
 
 def _packed(values: np.ndarray) -> Markup:

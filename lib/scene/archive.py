@@ -4,9 +4,7 @@
 from __future__ import annotations
 
 import json
-import os
 import struct
-import tempfile
 import zipfile
 import zlib
 from dataclasses import fields, is_dataclass
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import EtalonError
+from ..files.atomic import replace_file
 from . import camera, converters, expressions, images, lights, materials, mesh, procedural, scene, sky, world
 from .checks import validate
 from .scene import Scene
@@ -43,19 +42,8 @@ def save(scene: Scene, path: Path | str) -> None:
     text = json.dumps({"version": _VERSION, "root": root, "nodes": encoder.nodes})
     arrays = {f"array_{i}": array for i, array in enumerate(encoder.arrays)}
     arrays["scene"] = np.frombuffer(text.encode(), np.uint8)
-    beside: Path | None = None
-    try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-            beside = Path(file.name)
-            np.savez(file, **arrays)
-        os.replace(beside, path)
-    except OSError as error:
-        raise EtalonError(
-            f"{path}: cannot be written ({error.strerror}); choose another folder or make room"
-        ) from error
-    finally:
-        if beside is not None:
-            beside.unlink(missing_ok=True)
+    with replace_file(path) as beside, beside.open("wb") as file:
+        np.savez(file, **arrays)
 
 
 def load(path: Path | str) -> Scene:

@@ -3,19 +3,16 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-from ..errors import EtalonError
+from ..files.atomic import replace_files
+from ..files.plain_data import write_json
+from ..pages import render_page
 from .case import Case
 from .closed_forms import closed_forms
 from .identities import identities
@@ -62,39 +59,19 @@ def line(case: Case) -> str:
 
 def write(cases: list[Case], folder: Path) -> None:
     """stability.json and stability.html in `folder`, each complete or not there; EtalonError where it cannot be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
-        try:
-            (beside / "stability.json").write_text(_json(cases), encoding="utf-8")
-            (beside / "stability.html").write_text(_html(cases), encoding="utf-8")
-            for path in sorted(beside.iterdir()):
-                os.replace(path, folder / path.name)
-        finally:
-            shutil.rmtree(beside, ignore_errors=True)
-    except OSError as error:
-        raise EtalonError(
-            f"{folder}: cannot be written ({error.strerror}); make room or name another folder"
-        ) from error
+    with replace_files(folder) as beside:
+        write_json(beside / "stability.json", _figures(cases))
+        (beside / "stability.html").write_text(_page(cases), encoding="utf-8")
 
 
-def _json(cases: list[Case]) -> str:
+def _figures(cases: list[Case]) -> dict[str, Any]:
     rows = [{**asdict(case), "passed": case.passed} for case in cases]
     for row in rows:
         row.update({k: str(v) for k, v in row.items() if isinstance(v, float) and not math.isfinite(v)})
-    document = {"format": FORMAT, "version": VERSION, "passed": all(case.passed for case in cases), "cases": rows}
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return {"format": FORMAT, "version": VERSION, "passed": all(case.passed for case in cases), "cases": rows}
 
 
-def _html(cases: list[Case]) -> str:
-    here = Path(__file__).parent
-    environment = Environment(
-        loader=FileSystemLoader([here, here.parent / "report"]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["number"] = number
+def _page(cases: list[Case]) -> str:
     families = [(family, list(group)) for family, group in groupby(cases, key=lambda case: case.family)]
-    return environment.get_template("stability.html").render(cases=cases, families=families)
+    values = {"cases": cases, "families": families}
+    return render_page(Path(__file__).with_name("stability.html"), values, {"number": number})

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from time import perf_counter
@@ -11,9 +11,9 @@ from time import perf_counter
 import numpy as np
 
 from ..effects.plan import Plan, make_plan
-from ..errors import Cancelled
 from ..film.rendering import Rendering
 from ..film.windows import Windows
+from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
 from .heap import give_back, settle_heap
@@ -80,8 +80,7 @@ class ReferenceRenderer:
         self,
         replicate: int,
         samples: int,
-        progress: Callable[[float], None] = lambda _: None,
-        cancelled: Callable[[], bool] = lambda: False,
+        progress: Progress = NO_PROGRESS,
         windows: Windows | None = None,
     ) -> Rendering:
         """One independent replicate of `samples` samples per pixel, or of the pixels in `windows`; raises Cancelled when asked to stop."""
@@ -124,9 +123,8 @@ class ReferenceRenderer:
                         for stage, seconds in clock.seconds.items():
                             stages[stage] = stages.get(stage, 0.0) + seconds
                         done += 1
-                    progress(done / len(work))
-                    if cancelled():
-                        raise Cancelled("cancelled")
+                    progress.report(done / len(work))
+                    progress.check()
             finally:
                 for future in pending:
                     future.cancel()

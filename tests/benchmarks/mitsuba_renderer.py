@@ -137,7 +137,7 @@ class MitsubaRenderer:
         self._scene = mi.load_dict(description)
         self.settings = {"variant": variant, "sampler": sampler, "max_depth": depth, "threads": threads}
 
-    def render(self, replicate: int, samples: int, progress: object = None, cancelled: object = None) -> Rendering:
+    def render(self, replicate: int, samples: int, progress: object = None, windows: object = None) -> Rendering:
         """One image; `seconds` until its pixels are there."""
         mi.set_variant(self._variant)
         start = time.perf_counter()

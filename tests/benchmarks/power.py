@@ -19,6 +19,7 @@ import bpy
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
 from etalon.lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
+from etalon.lib.comparison.run import Stop
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.options import Options
@@ -101,7 +102,7 @@ def main() -> None:
             spent = sorted(replicates for _, replicates in results)
             alarms = sum(Outcome.DIFFERENT in set(c.verdict.outcomes) for c, _ in results)
             hits = f"found in {sum(found(c) for c, _ in results)}" if factor != 1.0 else f"false alarms in {alarms}"
-            decided = sum(c.stopped == "decided" for c, _ in results)
+            decided = sum(c.stopped is Stop.DECIDED for c, _ in results)
             print(
                 f"{pair:21} bias {factor - 1:.1%}: {hits} of {arguments.runs} runs; all decided in {decided}; "
                 f"forecast {spent[len(spent) // 2]} replicates of {SAMPLES} samples in the median",

@@ -75,7 +75,7 @@ class Watch:
             report(
                 "ended",
                 outcome=comparison and comparison.verdict.outcome.value,
-                stopped=comparison and comparison.stopped,
+                stopped=comparison and comparison.stopped.value,
                 folder=str(session.folder),
                 errors=session.errors,
                 fractions=len(self.fractions),

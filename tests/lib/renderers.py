@@ -33,7 +33,7 @@ class Painter:
         self.clock, self.change = clock or Clock(), change
         self.asked, self.windows = [], []
 
-    def render(self, replicate, samples, progress, cancelled, windows):
+    def render(self, replicate, samples, progress, windows=None):
         self.asked.append((replicate, samples))
         self.windows.append(windows)
         rng = np.random.default_rng([zlib.crc32(self.name.encode()), replicate])
@@ -46,8 +46,8 @@ class Painter:
         if windows is not None:
             image = np.where(windows.mask[..., None], image, np.nan)
         self.clock.now += seconds
-        progress(0.5)
-        progress(1.0)
+        progress.report(0.5)
+        progress.report(1.0)
         counts = (~np.isfinite(image).all(axis=2)).astype(int)
         return Rendering(
             image, counts, seconds, {"paint": seconds}, round(image[..., 0].size * share) * samples, 7, windows

@@ -30,7 +30,7 @@ def test_a_folder_that_cannot_be_made(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(atlas, "equations", lambda points: iter([HELD]))
     (tmp_path / "file").write_text("")
     assert cli.main(["stability", "--no-scenes", "--out", str(tmp_path / "file")]) == 2
-    assert "cannot be written" in capsys.readouterr().err
+    assert "is a file, not a folder" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("points", ["0", "-3", "many"])

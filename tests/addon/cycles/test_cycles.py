@@ -9,6 +9,7 @@ import pytest
 from etalon.addon.cycles.renderer import CHUNK, CyclesRenderer, neutral
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.windows import Windows
+from etalon.lib.progress import Progress
 from etalon.reference_scenes import building
 
 RADIANCE = (0.25, 1.5, 3000.0)
@@ -137,7 +138,7 @@ def test_pixels_are_linear_floats_of_the_emission():
     scene.view_settings.exposure = 2.0
     scene.cycles.film_exposure = 0.5
     done = []
-    found = CyclesRenderer(scene, threads=2).render(0, 3, done.append)
+    found = CyclesRenderer(scene, threads=2).render(0, 3, Progress(done.append))
     assert found.radiance.shape == (6, 8, 3)
     assert found.radiance.dtype == np.float64
     np.testing.assert_allclose(found.radiance, np.broadcast_to(RADIANCE, (6, 8, 3)), rtol=1e-6)
@@ -205,7 +206,7 @@ def test_a_replicate_of_many_samples_is_drawn_in_chunks():
         asked.append(scene.cycles.seed)
         return False
 
-    found = renderer.render(0, CHUNK + 3, told.append, cancelled)
+    found = renderer.render(0, CHUNK + 3, Progress(told.append, cancelled))
     assert len(told) == len(asked) == 2
     assert told[-1] == 1.0
     np.testing.assert_allclose(found.radiance, np.broadcast_to(RADIANCE, (4, 4, 3)), rtol=1e-5)
@@ -215,8 +216,8 @@ def test_a_replicate_of_many_samples_is_drawn_in_chunks():
 def test_cancelled_gives_nothing_and_leaves_no_trace():
     scene = glowing()
     before = snapshot(scene)
-    with pytest.raises(EtalonError, match="Cycles: cancelled"):
-        CyclesRenderer(scene).render(0, 4, cancelled=lambda: True)
+    with pytest.raises(EtalonError, match="cancelled before the image was finished"):
+        CyclesRenderer(scene).render(0, 4, Progress(is_cancelled=lambda: True))
     assert snapshot(scene) == before
 
 

@@ -58,7 +58,7 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
         assert second.export().name == "floor"
         here = CyclesRenderer(scene, seed=3, threads=1)
         for windows in (None, Windows((20, 36), ((2, 3, 9, 11), (20, 0, 35, 19)))):
-            there = second.render(5, 2, lambda fraction: None, lambda: False, windows)
+            there = second.render(5, 2, windows=windows)
             np.testing.assert_array_equal(there.radiance, here.render(5, 2, windows=windows).radiance)
             assert there.windows == windows
     finally:

@@ -5,13 +5,15 @@ import math
 
 import numpy as np
 import pytest
-from etalon.lib.audit import measure
 from etalon.lib.audit.document import document, table
 from etalon.lib.audit.measure import FIRST, audit
 from etalon.lib.audit.setting import Setting
+from etalon.lib.comparison import run as run_module
 from etalon.lib.comparison.compare import CompareOptions
+from etalon.lib.comparison.run import Stop
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.rendering import Rendering
+from etalon.lib.progress import Progress
 from etalon.lib.verdict.outcome import Outcome
 
 SHAPE = (40, 48)
@@ -30,7 +32,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(measure.time, "monotonic", clock.monotonic)
+    monkeypatch.setattr(run_module.time, "monotonic", clock.monotonic)
     return clock
 
 
@@ -44,13 +46,13 @@ class Painter:
         self.clock, self.seed, self.change, self.cost, self.sigma = clock, seed, change, cost, sigma
         self.asked = []
 
-    def render(self, replicate, samples, progress, cancelled):
+    def render(self, replicate, samples, progress, windows=None):
         self.asked.append((replicate, samples))
         rng = np.random.default_rng([self.seed, replicate])
         image = 1.0 + self.sigma / math.sqrt(samples) * rng.standard_normal((*SHAPE, 3))
         seconds = self.cost[0] + self.cost[1] * samples
         self.clock.now += seconds
-        progress(1.0)
+        progress.report(1.0)
         image = self.change(image)
         return Rendering(image, (~np.isfinite(image).all(axis=2)).astype(int), seconds)
 
@@ -63,7 +65,7 @@ def run(clock, seed, changes, options=None, cancelled=lambda: False, asked=4096,
     options = options or CompareOptions(time=60.0)
     neutral = Painter(clock, seed)
     candidates = [(setting(key), Painter(clock, seed, c, costs.get(key, (0.1, 0.01)))) for key, c in changes.items()]
-    return audit("Test", neutral, candidates, options, asked, cancelled=cancelled)
+    return audit("Test", neutral, candidates, options, asked, progress=Progress(is_cancelled=cancelled))
 
 
 def left(factor):
@@ -150,7 +152,7 @@ def test_seconds_are_what_the_clock_said(clock, seed):
     assert found.seconds_neutral == pytest.approx(0.14)
     assert found.samples == 4
     assert found.seconds <= 60.0
-    assert found.stopped == "time"
+    assert found.stopped is Stop.TIME
 
 
 def test_no_side_has_a_place_of_its_own_in_a_round(clock, seed):
@@ -159,10 +161,10 @@ def test_no_side_has_a_place_of_its_own_in_a_round(clock, seed):
     seen = set()
 
     class Uneven(Painter):
-        def render(self, replicate, samples, progress, cancelled):
+        def render(self, replicate, samples, progress, windows=None):
             self.cost = (0.1 if replicate in seen else 0.3, 0.01)
             seen.add(replicate)
-            return super().render(replicate, samples, progress, cancelled)
+            return super().render(replicate, samples, progress)
 
     candidates = [(setting(key), Uneven(clock, seed)) for key in "abc"]
     found = audit("Test", Uneven(clock, seed), candidates, CompareOptions(time=40.0, samples=1), 64)
@@ -194,7 +196,7 @@ def test_cancelled_keeps_complete_rounds(clock, seed):
         return calls > 20
 
     found = run(clock, seed, {"much": left(0.5)}, cancelled=cancelled)
-    assert found.stopped == "cancelled"
+    assert found.stopped is Stop.CANCELLED
     assert found.rounds >= 2
     with pytest.raises(EtalonError, match="cancelled before the first round"):
         run(clock, seed, {"much": left(0.5)}, cancelled=lambda: True)
@@ -204,7 +206,7 @@ def test_nothing_to_measure_renders_nothing(clock, seed):
     neutral = Painter(clock, seed)
     found = audit("Test", neutral, [], CompareOptions(), 64, (setting("same"),))
     assert neutral.asked == []
-    assert found.stopped == "nothing to measure"
+    assert found.stopped is Stop.NOTHING
     assert table(document(found, "")) == "as neutral: Same"
 
 

@@ -31,7 +31,7 @@ class Painter:
     def __init__(self, image, settings=None, noise=0.01):
         self.image, self.settings, self.noise = image, settings or {}, noise
 
-    def render(self, replicate, samples, progress, cancelled):
+    def render(self, replicate, samples, progress, windows=None):
         rng = np.random.default_rng(replicate)
         image = self.image * (1.0 + self.noise * rng.standard_normal((*self.image.shape[:2], 1)))
         return Rendering(image, np.zeros(image.shape[:2], int), 0.01)

@@ -5,11 +5,13 @@ import json
 
 import numpy as np
 import pytest
-from etalon.lib.comparison import meter as module
+from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.comparison.pilot import PILOT
+from etalon.lib.comparison.run import Stop
 from etalon.lib.errors import EtalonError
-from etalon.lib.report.document import plain
+from etalon.lib.files.plain_data import make_plain
+from etalon.lib.progress import Progress
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
@@ -26,7 +28,7 @@ def run(truth=None, other=None, options=FIXED, sigma=0.05, scene=None, change=No
 def test_the_same_image_is_equivalent_and_sampling_ends_there():
     found = run()
     assert found.verdict.outcome is Outcome.EQUIVALENT
-    assert found.stopped == "decided"
+    assert found.stopped is Stop.DECIDED
     assert found.verdict.forecast is None
     assert 8 <= found.reference.film.moments.n < 40
     assert found.verdict.reasons == ()
@@ -48,7 +50,7 @@ def test_a_difference_is_found_where_it_is():
 def test_noise_beyond_the_budget_is_undecided_with_a_forecast():
     found = run(sigma=3.0)
     assert found.verdict.outcome is Outcome.UNDECIDED
-    assert found.stopped == "replicates"
+    assert found.stopped is Stop.REPLICATES
     assert found.reference.film.moments.n == found.candidate.film.moments.n == 40
     assert 1 < found.verdict.forecast.factor < np.inf
 
@@ -147,7 +149,7 @@ def test_of_parts_only_a_number_laid_down_before_makes_a_look_the_last(monkeypat
     assert candidate.windows[-1] is not None
     k = len(found.verdict.looks)
     assert found.verdict.looks[-1].share == pytest.approx(shares or 1 / (k * (k + 1)))
-    assert found.stopped == ("time" if limit["time"] else "replicates")
+    assert found.stopped is (Stop.TIME if limit["time"] else Stop.REPLICATES)
 
 
 def test_a_pixel_that_fails_in_a_part_is_excluded_there():
@@ -180,8 +182,8 @@ def clock(monkeypatch):
 def test_the_time_is_kept(clock, seconds):
     sides = [Painter(name, grey(), 20.0, clock=clock) for name in ("a", "b")]
     told = []
-    found = compare(blank(), *sides, {}, CompareOptions(time=seconds), told.append)
-    assert found.stopped == "time"
+    found = compare(blank(), *sides, {}, CompareOptions(time=seconds), Progress(told.append))
+    assert found.stopped is Stop.TIME
     assert found.seconds <= seconds
     assert found.seconds >= 0.8 * seconds
     assert told == sorted(told)
@@ -210,8 +212,8 @@ class Cancel:
 
 def test_cancelling_keeps_what_both_sides_finished():
     reference, candidate = Painter("a", grey(), 3.0), Painter("b", grey(), 3.0)
-    found = compare(blank(), reference, candidate, {}, FIXED, cancelled=Cancel(candidate, 5))
-    assert found.stopped == "cancelled"
+    found = compare(blank(), reference, candidate, {}, FIXED, Progress(is_cancelled=Cancel(candidate, 5)))
+    assert found.stopped is Stop.CANCELLED
     assert found.candidate.film.moments.n == 4
     assert found.reference.film.moments.n in (4, 5)
     assert found.verdict.outcome is Outcome.UNDECIDED
@@ -220,7 +222,7 @@ def test_cancelling_keeps_what_both_sides_finished():
 @pytest.mark.parametrize("options", [FIXED, CompareOptions(time=60.0)])
 def test_cancelled_at_once_there_is_nothing(options):
     with pytest.raises(EtalonError, match="Test: cancelled before both sides had an image"):
-        run(options=options, cancelled=lambda: True)
+        run(options=options, progress=Progress(is_cancelled=lambda: True))
 
 
 def test_a_renderers_own_error_comes_through():
@@ -259,7 +261,7 @@ def test_an_image_without_one_finite_pixel():
     found = run(change=lambda replicate, image: image * np.nan)
     assert found.verdict.outcome is Outcome.UNDECIDED
     assert np.isnan(found.verdict.difference).all()
-    json.dumps(plain(found.verdict.difference), allow_nan=False)
+    json.dumps(make_plain(found.verdict.difference), allow_nan=False)
 
 
 def test_negative_pixels_are_numbers():

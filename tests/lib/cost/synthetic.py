@@ -28,7 +28,7 @@ class Synthetic:
     name: str = "synthetic"
     settings: dict = field(default_factory=dict)
 
-    def render(self, replicate, samples, progress=None, cancelled=None):
+    def render(self, replicate, samples, progress=None, windows=None):
         rng = np.random.default_rng([self.seed, replicate, samples])
         noise = np.sqrt(self.variance / samples**self.rate) * rng.standard_normal(TRUTH.shape)
         seconds = (self.fixed + self.seconds * samples) * np.exp(self.jitter * rng.standard_normal())

@@ -3,12 +3,14 @@
 
 import numpy as np
 import pytest
+from etalon.lib.comparison.run import Stop
 from etalon.lib.cost.efficiency import ratio
 from etalon.lib.cost.estimates import of_geometric_mean, of_mean, of_positive_mean
 from etalon.lib.cost.measure import measure
 from etalon.lib.cost.ways import Bias
 from etalon.lib.cost.yardstick import Yardstick
 from etalon.lib.errors import Cancelled, EtalonError
+from etalon.lib.progress import Progress
 from etalon.tests.lib.cost.synthetic import HEIGHT, RELATIVE, TRUTH, WIDTH, Synthetic, way
 from scipy.stats import binom
 
@@ -99,7 +101,7 @@ def test_levels_grow_until_the_share_is_spent(seed):
     """Ways that are slow end at fewer samples; a way that never began says so."""
 
     class Slow(Synthetic):
-        def render(self, replicate, samples, progress=None, cancelled=None):
+        def render(self, replicate, samples, progress=None, windows=None):
             import time
 
             begin = time.monotonic()
@@ -131,12 +133,12 @@ def test_cancelling_keeps_finished_levels(seed):
         return cancelled
 
     ways = [truth(seed), way("other", seed=seed + 1)]
-    found = run(ways, cancelled=after(40))
-    assert found.stopped == "cancelled"
+    found = run(ways, progress=Progress(is_cancelled=after(40)))
+    assert found.stopped is Stop.CANCELLED
     assert [p.samples for p in found["other"].points] == [1]
     calls = 0
     with pytest.raises(Cancelled, match="nothing was written"):
-        run(ways, cancelled=after(5))
+        run(ways, progress=Progress(is_cancelled=after(5)))
 
 
 def test_one_pair_is_no_interval(seed):

@@ -100,7 +100,7 @@ def test_verification(measurement, seed):
     seen = []
 
     class Watched(Synthetic):
-        def render(self, replicate, samples, progress=None, cancelled=None):
+        def render(self, replicate, samples, progress=None, windows=None):
             seen.append((replicate, samples))
             return super().render(replicate, samples)
 

@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import SWITCHES, relevant
 from etalon.lib.departures.effects import Alternatives, alternatives
 from etalon.lib.report.words import sentences
@@ -104,7 +105,7 @@ class Cached:
     def __init__(self, name, renderer):
         self.name, self._renderer, self._done = name, renderer, {}
 
-    def render(self, replicate, samples, progress, cancelled, windows):
+    def render(self, replicate, samples, progress, windows=None):
         key = replicate, samples
         if key not in self._done:
             self._done[key] = self._renderer.render(replicate, samples)
@@ -212,7 +213,7 @@ def test_what_no_departure_explains_stays_different(seed):
     assert found.verdict.outcome is Outcome.DIFFERENT
     assert found.explanation.chosen == ()
     assert not any(found.explanation.causes)
-    assert found.stopped == "decided"  # all that could explain it is ruled out: no need to go on
+    assert found.stopped is Stop.DECIDED  # all that could explain it is ruled out: no need to go on
     assert "no known reason" in " ".join(sentences(found))
 
 

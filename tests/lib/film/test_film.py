@@ -94,8 +94,9 @@ def test_a_film_on_disk_has_its_errors_and_samples(tmp_path):
 
 
 def test_files_that_cannot_be_written_or_read_say_so(tmp_path):
-    with pytest.raises(EtalonError, match="cannot be written"):
-        write_exr(tmp_path / "none" / "a.exr", {"R": np.zeros((2, 2))})
+    (tmp_path / "file").touch()
+    with pytest.raises(EtalonError, match=r"cannot be written|not a folder"):
+        write_exr(tmp_path / "file" / "a.exr", {"R": np.zeros((2, 2))})
     with pytest.raises(EtalonError, match="cannot be read"):
         read_exr(tmp_path / "none.exr")
     (tmp_path / "text.exr").write_text("no image")

@@ -15,11 +15,12 @@ from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
+from etalon.lib.pages.formats import format_duration, format_percent
 from etalon.lib.report import write_report
 from etalon.lib.report.document import CHANGES, VERSION, document
 from etalon.lib.report.flip import flip
 from etalon.lib.report.read import read_verdict
-from etalon.lib.report.words import percent, seconds, sentences
+from etalon.lib.report.words import sentences
 from etalon.lib.report.write import averaged
 from etalon.tests.lib.renderers import Painter, blank, grey
 from jsonschema import Draft202012Validator
@@ -238,7 +239,7 @@ def test_a_verdict_is_read_back_and_an_older_one_told_apart(tmp_path):
     for broken, told in (
         ({"version": 1}, "is of version 1, .*compare again. Version 2: .*departures.* Version 3: .*plan"),
         ({"version": 2}, "is of version 2, .*compare again. Version 3: "),
-        ({"version": VERSION + 1}, "only version 4 is known here; update etalon"),
+        ({"version": VERSION + 1}, f"only version {VERSION} is known here; update etalon"),
         ({"version": None}, "is of version None"),
         ({"format": "shopping"}, "is no verdict of etalon's"),
     ):
@@ -268,7 +269,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
 
 def test_a_folder_that_is_a_file_is_named(tmp_path):
     (tmp_path / "out").write_text("a file")
-    with pytest.raises(EtalonError, match=r"out: cannot be written"):
+    with pytest.raises(EtalonError, match=r"out is a file, not a folder"):
         write_report(made(), PLAN, tmp_path / "out")
 
 
@@ -300,6 +301,29 @@ def test_a_smaller_image_is_recommended_where_a_large_one_takes_long(monkeypatch
     assert advice not in sentences(replace(found, round_seconds=1e-6))[-1]
 
 
+def test_a_blender_newer_than_the_newest_checked_is_reported_in_words_and_figures(tmp_path):
+    settings = {"version": "99.1.0", "build": "abc123, 2099-01-01"}
+    known = made(settings=settings)
+    newer = replace(known, blender=(99, 1))
+    (said,) = (s for s in sentences(newer) if "99.1" in s)
+    assert said.startswith("Blender 99.1 is newer than")
+    assert not any("newer" in s for s in sentences(known))
+    figures = document(newer, PLAN, "")["blender"]
+    assert figures["is_newer_than_checked"]
+    assert not document(known, PLAN, "")["blender"]["is_newer_than_checked"]
+    assert (figures["version"], figures["build"]) == ("99.1.0", "abc123, 2099-01-01")
+    page = _written(newer, tmp_path, "")
+    assert "Blender 99.1.0 (build abc123, 2099-01-01)" in page
+    assert said in page
+
+
 def test_numbers_in_words():
-    assert [percent(v) for v in (0.01234, -0.5, float("inf"))] == ["+1.23 %", "-50 %", "unbounded"]
-    assert [seconds(v) for v in (0.5, 42, 600, 7200, 3e5, 1e9)] == ["0.5 s", "42 s", "10 min", "2 h", "3 days", "years"]
+    assert [format_percent(v) for v in (0.01234, -0.5, float("inf"))] == ["+1.23 %", "-50 %", "unbounded"]
+    assert [format_duration(v) for v in (0.5, 42, 600, 7200, 3e5, 1e9)] == [
+        "0.5 s",
+        "42 s",
+        "10 min",
+        "2 h",
+        "3 days",
+        "years",
+    ]

@@ -43,5 +43,5 @@ def test_files(tmp_path):
 
 def test_a_place_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(EtalonError, match="cannot be written"):
+    with pytest.raises(EtalonError, match="is a file, not a folder"):
         atlas.write([HELD], tmp_path / "file")

@@ -5,11 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from etalon.lib.errors import Cancelled
 from etalon.lib.film.windows import Windows
+from etalon.lib.progress import Progress
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.materials import Diffuse, Glossy
 from etalon.lib.wavefront.options import Options
-from etalon.lib.wavefront.render import Cancelled, ReferenceRenderer, tiles
+from etalon.lib.wavefront.render import ReferenceRenderer, tiles
 from etalon.tests.chi2 import sidak
 from etalon.tests.replicates import assert_same, blocks, replicates
 from etalon.tests.scenes import Constant, color, diffuse, floor, icosphere, material, perspective, scene, transparent
@@ -132,7 +134,7 @@ def test_replicates_of_any_size_have_one_mean(veil, seed):
 @pytest.mark.parametrize("threads", [1, 3])
 def test_progress_grows_to_one(threads, seed):
     told = []
-    ReferenceRenderer(stage(), Options(seed=seed, threads=threads, tile_paths=50)).render(0, 16, told.append)
+    ReferenceRenderer(stage(), Options(seed=seed, threads=threads, tile_paths=50)).render(0, 16, Progress(told.append))
     assert len(told) > 3
     assert all(0.0 < a <= b for a, b in pairwise(told))
     assert told[-1] == 1.0
@@ -144,7 +146,7 @@ def test_cancel(threads, seed):
     renderer = ReferenceRenderer(stage(), Options(seed=seed, threads=threads, tile_paths=50))
     told = []
     with pytest.raises(Cancelled):
-        renderer.render(0, 64, told.append, lambda: len(told) >= 3)
+        renderer.render(0, 64, Progress(told.append, lambda: len(told) >= 3))
     assert len(told) <= 4
     assert told[-1] < 0.5
     assert np.isfinite(renderer.render(0, 1).radiance).all()

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from etalon.lib.errors import Cancelled
+from etalon.lib.progress import Progress
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.turns import INTERVAL
 from etalon.tests.scenes import diffuse, floor, perspective, scene
@@ -26,9 +27,9 @@ def test_the_interval_comes_back(stop):
     try:
         if stop:
             with pytest.raises(Cancelled):
-                ReferenceRenderer(ROOM).render(0, 1, cancelled=cancelled)
+                ReferenceRenderer(ROOM).render(0, 1, Progress(is_cancelled=cancelled))
         else:
-            ReferenceRenderer(ROOM).render(0, 1, cancelled=cancelled)
+            ReferenceRenderer(ROOM).render(0, 1, Progress(is_cancelled=cancelled))
         assert sys.getswitchinterval() == before
     finally:
         sys.setswitchinterval(own)

@@ -5,7 +5,7 @@ import errno
 
 import pytest
 from etalon.lib.errors import EtalonError
-from etalon.lib.files.results import file_beside, folder_beside
+from etalon.lib.files.atomic import replace_file, replace_files
 
 
 def test_files_move_in_when_the_block_ends_well(tmp_path):
@@ -13,7 +13,7 @@ def test_files_move_in_when_the_block_ends_well(tmp_path):
     out.mkdir(parents=True)
     (out / "mine.txt").write_text("stays")
     (out / "report.html").write_text("old")
-    with folder_beside(out) as beside:
+    with replace_files(out) as beside:
         (beside / "report.html").write_text("new")
         assert (out / "report.html").read_text() == "old"
     assert {p.name: p.read_text() for p in out.iterdir()} == {"mine.txt": "stays", "report.html": "new"}
@@ -21,7 +21,7 @@ def test_files_move_in_when_the_block_ends_well(tmp_path):
 
 def test_nothing_is_left_when_it_does_not(tmp_path):
     def write_half():
-        with folder_beside(tmp_path / "a" / "b") as beside:
+        with replace_files(tmp_path / "a" / "b") as beside:
             (beside / "half.exr").write_text("half")
             raise RuntimeError
 
@@ -31,7 +31,10 @@ def test_nothing_is_left_when_it_does_not(tmp_path):
 
 
 def test_a_full_disk_is_told_in_one_line(tmp_path):
-    with pytest.raises(EtalonError, match="No space left on device; make room"), folder_beside(tmp_path / "out"):
+    with (
+        pytest.raises(EtalonError, match=r"image.exr cannot be written \(No space left on device\); make room"),
+        replace_files(tmp_path / "out"),
+    ):
         raise OSError(errno.ENOSPC, "No space left on device", "image.exr")
     assert list(tmp_path.iterdir()) == []
 
@@ -39,14 +42,14 @@ def test_a_full_disk_is_told_in_one_line(tmp_path):
 def test_a_place_that_cannot_be_written_is_told_before_the_block_runs(tmp_path):
     (tmp_path / "file").touch()
     for target in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(EtalonError), folder_beside(target):
+        with pytest.raises(EtalonError), replace_files(target):
             pytest.fail("the block ran")
-    with pytest.raises(EtalonError, match="is a folder"), file_beside(tmp_path):
+    with pytest.raises(EtalonError, match="is a folder"), replace_file(tmp_path):
         pytest.fail("the block ran")
 
 
 def test_one_file(tmp_path):
-    with file_beside(tmp_path / "new" / "x.exr") as path:
+    with replace_file(tmp_path / "new" / "x.exr") as path:
         path.write_text("image")
     assert (tmp_path / "new" / "x.exr").read_text() == "image"
     assert len(list((tmp_path / "new").iterdir())) == 1

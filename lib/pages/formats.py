@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shares and durations as a person says them, the same on the terminal, in the panel and on pages."""
+
+from __future__ import annotations
+
+import math
+
+
+def format_percent(value: float, sign: bool = True) -> str:
+    """A share as a percentage with three significant digits; 'unbounded' where it is not finite.
+
+    >>> format_percent(0.0123), format_percent(0.01, sign=False), format_percent(float("inf"))
+    ('+1.23 %', '1 %', 'unbounded')
+    """
+    if not math.isfinite(value):
+        return "unbounded"
+    return f"{100 * value:+.3g} %" if sign else f"{100 * value:.6g} %"
+
+
+def format_duration(seconds: float) -> str:
+    """Seconds in the unit that a person would use.
+
+    >>> format_duration(5), format_duration(150), format_duration(2e9)
+    ('5 s', '2.5 min', 'years')
+    """
+    for limit, unit, size in ((100, "s", 1), (6000, "min", 60), (172800, "h", 3600)):
+        if seconds < limit:
+            return f"{seconds / size:.2g} {unit}" if seconds / size < 10 else f"{seconds / size:.0f} {unit}"
+    return f"{seconds / 86400:.0f} days" if seconds < 1e8 else "years"

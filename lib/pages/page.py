@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rendering of pages: every template extends base.html, and every name in it is escaped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from .formats import format_duration, format_percent
+
+HERE = Path(__file__).parent
+
+
+def render_page(
+    template: Path, values: Mapping[str, Any], filters: Mapping[str, Callable[..., Any]] | None = None
+) -> str:
+    """The page that `template` makes of `values`, as text.
+
+    Names in a .blend are untrusted, so whatever is not marked as safe is escaped. A name that the template uses and
+    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent` and `duration`.
+    """
+    environment = Environment(
+        loader=FileSystemLoader([template.parent, HERE]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update({"percent": format_percent, "duration": format_duration, **(filters or {})})
+    return environment.get_template(template.name).render(values)

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a piece of work is, and whether its user wants it to end: one object goes all the way down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .errors import Cancelled
+
+
+def _report_nothing(fraction: float) -> None:
+    pass
+
+
+def _never() -> bool:
+    return False
+
+
+class Progress:
+    """Told how far the work is; asked whether it is to end.
+
+    `report` takes the share that is done, 0 to 1; `is_cancelled` says whether the user wants the work to end. Both may be called
+    from any thread.
+
+    >>> told = []
+    >>> Progress(told.append).within(0.5, 1.0).report(0.5)
+    >>> told
+    [0.75]
+    """
+
+    def __init__(
+        self, report: Callable[[float], None] = _report_nothing, is_cancelled: Callable[[], bool] = _never
+    ) -> None:
+        self.report = report
+        self._is_cancelled = is_cancelled
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether the user wants the work to end."""
+        return self._is_cancelled()
+
+    def check(self) -> None:
+        """Raise Cancelled if the work is to end."""
+        if self._is_cancelled():
+            raise Cancelled("cancelled before the image was finished; nothing of it is kept")
+
+    def within(self, first: float, last: float) -> Progress:
+        """The progress of a part of the work that takes the share from `first` to `last` of the whole."""
+        return Progress(lambda fraction: self.report(first + (last - first) * fraction), self._is_cancelled)
+
+    @property
+    def silent(self) -> Progress:
+        """The same question, and nobody who is told how far the work is."""
+        return Progress(is_cancelled=self._is_cancelled)
+
+
+NO_PROGRESS = Progress()
+"""Nobody is told, and nothing ends early."""
