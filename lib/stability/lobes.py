@@ -18,7 +18,7 @@ _ALPHAS = ("alpha_x", "alpha_y")
 
 
 def _opposite(rng: np.random.Generator, count: int) -> np.ndarray:
-    """wi and wo, (6, n): a third of them graze the surface from opposite sides, to within 1e-10 of each other's horizon."""
+    """Wi and wo, (6, n): a third of them graze the surface from opposite sides, to within 1e-10 of each other's horizon."""
     pair = np.concatenate([domain.directions(rng, count), domain.directions(rng, count)])
     low = 10.0 ** rng.uniform(-10.0, 0.0, (2, count))
     phi = rng.uniform(0.0, 2.0 * np.pi, count)

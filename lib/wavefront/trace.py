@@ -10,6 +10,7 @@ import numpy as np
 from ..effects.transport import ROULETTE_AFTER
 from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
+from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, step_dimension
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .camera_rays import camera_rays
@@ -22,11 +23,6 @@ from .raycaster import Hits
 from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
 from .visibility import transmittance
-
-# Dimensions of the sampler: two for the camera, then DIMENSIONS_PER_STEP for each step along the path.
-PIXEL, LENS, FIRST_STEP = 0, 1, 2
-BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
-DIMENSIONS_PER_STEP = 4
 
 
 class Tracer:
@@ -151,7 +147,7 @@ class Tracer:
             if self._is_last(step):
                 return paths.take(np.empty(0, np.intp))
             return self._shade(paths, points, offset, groups, step)
-        uniform, _ = self._pair(FIRST_STEP + DIMENSIONS_PER_STEP * step + FATE, paths)
+        uniform, _ = self._pair(step_dimension(step, FATE), paths)
         parted = split(self._kernel, paths, points, distance, offset, groups, uniform)
         self._clock.lap("pass through")
         if parted.index.size == 0:
@@ -167,16 +163,15 @@ class Tracer:
         goes_on = kernel.samples_lobes and (kernel.last_rays or self._transparent or step < kernel.most_bounces)
         if not goes_on and not kernel.samples_lights:
             return paths.take(np.empty(0, np.intp))
-        dimension = FIRST_STEP + DIMENSIONS_PER_STEP * step
         # A single lobe and a single light leave nothing to pick; a zero serves as well then.
         pick = choice = np.zeros(paths.size)
         if kernel.has_choices:
-            pick, choice = self._pair(dimension + CHOICES, paths)
+            pick, choice = self._pair(step_dimension(step, CHOICES), paths)
         light = None
         if kernel.samples_lights:
-            light = choose_light(kernel, points.position, choice, *self._pair(dimension + LIGHT, paths))
+            light = choose_light(kernel, points.position, choice, *self._pair(step_dimension(step, LIGHT), paths))
         self._clock.lap("lights")
-        uniforms = (pick, *self._pair(dimension + BSDF, paths)) if goes_on else None
+        uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
         shaded = shade_all(kernel, points, groups, light, uniforms)
         self._clock.lap("shade")
         origins = _Origins(points, offset, kernel.one_sided)
@@ -184,7 +179,7 @@ class Tracer:
             self._add_direct(paths, origins, light.sample, shaded.direct)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
-        fate = self._pair(dimension + FATE, paths)[1] if kernel.roulette and step >= ROULETTE_AFTER else None
+        fate = self._pair(step_dimension(step, FATE), paths)[1] if kernel.roulette and step >= ROULETTE_AFTER else None
         return self._advance(paths, origins, shaded, fate)
 
     def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, direct: np.ndarray) -> None:

@@ -23,6 +23,7 @@ from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.tuning import tune_process
 from etalon.tests.neutral import NEUTRAL, TOGETHER
 from etalon.tests.scenes import diffuse, floor, glossy, icosphere, perspective, scene
 from scipy.stats import binom
@@ -112,4 +113,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    tune_process()
     main()
