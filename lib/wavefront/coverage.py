@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from ..effects.names import Effect
 from ..sampling.sobol import SobolSampler
 from ..sampling.streams import COVERAGE, LENS, PIXEL
 from ..surfaces.surface import SurfacePoints
@@ -62,7 +63,7 @@ def _first_hits(
     pixel, sample = np.repeat(np.arange(index.size), stop - start), np.tile(np.arange(start, stop), index.size)
     view = sampler.tile(index)
     dx, dy = view.pair(PIXEL, pixel, sample)
-    lens = view.pair(LENS, pixel, sample) if kernel.plan.needs("depth of field") else None
+    lens = view.pair(LENS, pixel, sample) if kernel.plan.needs(Effect.DEPTH_OF_FIELD) else None
     rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
     if rays.index is not None:
         pixel = pixel[rays.index]

@@ -17,7 +17,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from etalon.lib.effects.catalogue import EFFECTS
+from etalon.lib.effects.names import Effect
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.scene import Scene
@@ -82,14 +82,14 @@ def _pair(planned: Scene, forced: Scene, effects: tuple[str, ...], arguments: ar
 
 
 def _everything(one: Scene) -> Scene:
-    for effect in EFFECTS:
-        one = NEUTRAL[effect.name](one)
+    for effect in Effect:
+        one = NEUTRAL[effect](one)
     return replace(one, name="everything")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("effects", nargs="*", default=[effect.name for effect in EFFECTS])
+    parser.add_argument("effects", nargs="*", default=list(Effect))
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--samples", type=int, default=16)
