@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Sequence
 
 from ...lib.errors import EtalonError, Refused
+from ...lib.wavefront.tuning import tune_process
 from .arguments import BAD_INPUT, EXIT_CODES, Parser, add_commands
 
 INTERNAL_ERROR = 70
@@ -57,6 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     with ended_by_interrupt():
         from . import commands
+    tune_process()
     try:
         return commands.COMMANDS[arguments.command](arguments)
     except Refused as refused:

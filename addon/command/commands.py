@@ -19,6 +19,7 @@ from ...lib.film.exr import write_film
 from ...lib.film.film import Film
 from ...lib.progress import Progress
 from ...lib.report.words import sentences, unexplained
+from ...lib.sampling.streams import COUNTED
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
 from ...lib.wavefront.options import Options
@@ -72,7 +73,7 @@ def render(arguments: Namespace) -> int:
         for replicate in range(count):
             part = progress.within(replicate / count, (replicate + 1) / count)
             try:
-                film.add(renderer.render(replicate, arguments.samples, part))
+                film.add(renderer.render(COUNTED.number(replicate), arguments.samples, part))
             except Cancelled:
                 break
         if not film.moments.n:

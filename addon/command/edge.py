@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...lib.film.rendering import Rendering
+from ...lib.sampling.streams import COUNTED
 from ...lib.stability.case import Case
 from ...lib.wavefront.options import Options
 from ...lib.wavefront.render import ReferenceRenderer
@@ -27,8 +28,8 @@ def edge_cases() -> Iterator[Case]:
             case.build()
             scene = bpy.context.scene
             options = Options(threads=2)
-            reference = ReferenceRenderer(export(scene), options).render(0, case.samples)
-            cycles = CyclesRenderer(scene, threads=options.threads).render(0, case.samples)
+            reference = ReferenceRenderer(export(scene), options).render(COUNTED.number(0), case.samples)
+            cycles = CyclesRenderer(scene, threads=options.threads).render(COUNTED.number(0), case.samples)
         worst, where = _error(case, reference)
         theirs, _ = _error(case, cycles)
         lost = [int(np.count_nonzero(rendering.nonfinite)) for rendering in (reference, cycles)]

@@ -18,6 +18,7 @@ from ...lib.film.exr import read_exr
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
 from ...lib.progress import NO_PROGRESS, Progress
+from ...lib.sampling.streams import CYCLES_REPLICATES
 from ..command.console import quiet
 from ..export.camera import full_frame, rendered_region
 from .neutral import SEQUENCE, Changes, neutral
@@ -28,8 +29,6 @@ __all__ = ["CyclesRenderer", "neutral"]
 CHUNK = SEQUENCE // 2
 # Camera samples in one call, a few seconds: in between the renderer tells its progress and can be cancelled.
 CALL = 1 << 23
-# Seeds are numbered replicate first, then chunk: distinct for 2^21 replicates of 2^10 chunks.
-REPLICATES = 1 << 21
 
 
 class CyclesRenderer:
@@ -148,7 +147,9 @@ class CyclesRenderer:
         part = min(_power_of_two(samples), CHUNK)
         changes = Changes()
         try:
-            changes.set(self.scene.cycles, "seed", (_hash(self.seed) + replicate + chunk * REPLICATES) % (1 << 31))
+            changes.set(
+                self.scene.cycles, "seed", (_hash(self.seed) + replicate + chunk * CYCLES_REPLICATES) % (1 << 31)
+            )
             changes.set(self.scene.cycles, "sample_offset", CHUNK + (replicate * part) % CHUNK + within)
             # Blender before 4.4 has no subset: there, `samples` counts those after the offset.
             length = "sample_subset_length" if hasattr(self.scene.cycles, "sample_subset_length") else "samples"

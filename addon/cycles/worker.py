@@ -38,6 +38,7 @@ def _serve(request: dict[str, Any], package: str) -> None:
     names = ("errors", "progress", "scene.archive", "film.windows", "wavefront.options")
     errors, progress, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
     console = importlib.import_module(f"{package}.addon.command.console")
+    importlib.import_module(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")

@@ -19,6 +19,7 @@ from ..film.regions import Regions, image_regions
 from ..film.rendering import Rendering
 from ..pages.formats import format_duration
 from ..progress import NO_PROGRESS, Progress
+from ..sampling.streams import COUNTED, FIRST_CALLS
 from ..verdict.allocation import Cost, fit_cost
 from ..verdict.claims import FLOOR_SHARE
 from .findings import Audit, Series, judge
@@ -31,8 +32,6 @@ MOST_SAMPLES = 4096
 # Blocks that are aimed at: many small ones find a small place, few large ones are decided soon.
 BLOCKS = 64
 GRAIN = 16
-# Replicates of the first calls are numbered from here, so that they are independent of all others.
-FIRST = 1 << 20
 FIRST_SAMPLES = (1, 8)
 
 
@@ -105,7 +104,7 @@ class _Rounds:
         renderers = [self._neutral, *(renderer for _, renderer in self._candidates)]
         got: list[Rendering | None] = [None] * len(renderers)
         for index in _turns(self._count, len(renderers)):
-            rendering, _ = self._run.render(renderers[index], self._count, self._samples)
+            rendering, _ = self._run.render(renderers[index], COUNTED.number(self._count), self._samples)
             # Cycles' own precision: a round holds an image of every setting.
             got[index] = replace(rendering, radiance=rendering.radiance.astype(np.float32))
         plain = got[0]
@@ -157,9 +156,9 @@ class _Rounds:
 def _first_calls(run: TimedRun, renderers: list[Renderer]) -> tuple[Cost, tuple[int, int]]:
     """The first call of every renderer, which also sets things up; the cost of a round, and the image's height and width."""
     few, more = FIRST_SAMPLES
-    rendering, _ = run.render(renderers[0], FIRST, few)
-    calls = [run.render(renderer, FIRST + 1, few)[1] for renderer in renderers]
-    _, longer = run.render(renderers[0], FIRST + 1, more)
+    rendering, _ = run.render(renderers[0], FIRST_CALLS.number(0), few)
+    calls = [run.render(renderer, FIRST_CALLS.number(1), few)[1] for renderer in renderers]
+    _, longer = run.render(renderers[0], FIRST_CALLS.number(1), more)
     one = fit_cost([few, more], [calls[0], longer])
     fixed = max(sum(calls) - len(calls) * few * one.per_sample, 0.0)
     return Cost(fixed, len(calls) * one.per_sample), rendering.radiance.shape[:2]

@@ -5,13 +5,34 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..microfacets.directions import FLOOR
 from ..sampling.tables import LARGEST_UNIFORM
 from ..sampling.warps import circle
 from ..vectors import dot
 from .fresnels import part_of
 
 _LEAST_ALPHA = 1e-4
-_LEAST_COS = 1e-30
+
+
+def exponent(alpha: np.ndarray) -> np.ndarray:
+    """The exponent n = 2 / alpha^2 - 2 that Blender takes for `alpha`, which is clipped to [1e-4, 1]."""
+    return 2.0 / np.clip(alpha, _LEAST_ALPHA, 1.0) ** 2 - 2.0
+
+
+def sample_half_vector(nx: np.ndarray, ny: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
+    """Half vector, (3, n), with a density proportional to (h.n)^e, e = (nx hx^2 + ny hy^2) / (1 - hz^2).
+
+    Ashikhmin and Shirley 2000, eq. 6 to 9: tan(phi) = sqrt((nx + 1) / (ny + 1)) tan(2 pi u1), cos(theta) = (1 - u2)^(1 / (e + 1)).
+    `nx` and `ny` not negative, () or (n,); `u1` and `u2` (n,) in [0, 1].
+    """
+    c, s = circle(u1)
+    c = c * np.sqrt(ny + 1.0)
+    s = s * np.sqrt(nx + 1.0)
+    length2 = c * c + s * s
+    e = (nx * c * c + ny * s * s) / length2
+    log_cos = np.log1p(-np.minimum(u2, LARGEST_UNIFORM)) / (e + 1.0)
+    sine = np.sqrt(-np.expm1(2.0 * log_cos) / length2)
+    return np.stack([c * sine, s * sine, np.exp(log_cos)])
 
 
 class AshikhminShirley:
@@ -25,43 +46,42 @@ class AshikhminShirley:
 
     def __init__(self, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray) -> None:
         self._wo, self._alpha = wo, (alpha_x, alpha_y)
-        self._nx, self._ny = (2.0 / np.clip(a, _LEAST_ALPHA, 1.0) ** 2 - 2.0 for a in (alpha_x, alpha_y))
+        self._nx, self._ny = exponent(alpha_x), exponent(alpha_y)
         self._above = wo[2] > 0.0
 
-    def _lobe(self, wi: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value f |cos| and density for wi = reflection of wo about m."""
+    def _lobe(self, wi: np.ndarray, m: np.ndarray, cos_om: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Value f |cos| and density for wi = reflection of wo about m, whose cosine with both is `cos_om`."""
         wo = self._wo
         x2, y2 = m[0] * m[0], m[1] * m[1]
         sine2 = x2 + y2
         e = np.where(sine2 > 0.0, (self._nx * x2 + self._ny * y2) / np.maximum(sine2, 1e-300), 0.0)
-        # (h.n)^e by log1p of the sine: digits of a cosine near 1 do not suffice where e is large.
-        pdf = np.exp(0.5 * e * np.log1p(-np.minimum(sine2, 1.0 - 1e-16)))
+        # log(h.n) by the smaller of sine and cosine: a cosine near 1 has too few digits where e is large.
+        log_cos = 0.5 * np.log1p(-np.minimum(sine2, 0.5))
+        low = np.flatnonzero(sine2 > 0.5)
+        log_cos[low] = np.log(np.maximum(m[2][low], FLOOR))
+        pdf = np.exp(e * log_cos)
         pdf *= np.sqrt((self._nx + 1.0) * (self._ny + 1.0)) / (8.0 * np.pi)
-        pdf /= np.maximum(dot(m, wo), _LEAST_COS)
+        pdf /= np.maximum(cos_om, FLOOR)
         lit = (wi[2] > 0.0) & self._above & (m[2] > 0.0)
         pdf = np.where(lit, pdf, 0.0)
-        return pdf * np.maximum(wi[2], 0.0) / np.maximum(np.maximum(wi[2], wo[2]), _LEAST_COS), pdf
+        return pdf * np.maximum(wi[2], 0.0) / np.maximum(np.maximum(wi[2], wo[2]), FLOOR), pdf
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value f |cos| and density, (n,)."""
+        """Value f |cos| and density, (n,).
+
+        h.o is half the length of wi + wo: as a scalar product it keeps no digits where the two are all but opposite.
+        """
         m = wi + self._wo
         length = np.sqrt(dot(m, m))
         m /= np.where(length > 0.0, length, 1.0)
-        return self._lobe(wi, m)
+        return self._lobe(wi, m, 0.5 * length)
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Direction, weight, density."""
-        c, s = circle(u1)
-        c = c * np.sqrt(self._ny + 1.0)  # tan(phi) is stretched by sqrt((nx + 1) / (ny + 1))
-        s = s * np.sqrt(self._nx + 1.0)
-        length2 = c * c + s * s
-        exponent = (self._nx * c * c + self._ny * s * s) / length2 + 1.0
-        log_cos = np.log1p(-np.minimum(u2, LARGEST_UNIFORM)) / exponent
-        sine = np.sqrt(-np.expm1(2.0 * log_cos) / length2)
-        m = np.stack([c * sine, s * sine, np.exp(log_cos)])
+        m = sample_half_vector(self._nx, self._ny, u1, u2)
         cos_om = dot(self._wo, m)
         wi = m * (2.0 * cos_om) - self._wo
-        value, pdf = self._lobe(wi, m)
+        value, pdf = self._lobe(wi, m, cos_om)
         good = cos_om > 0.0
         return wi, np.where(good & (pdf > 0.0), value / np.where(pdf > 0.0, pdf, 1.0), 0.0), np.where(good, pdf, 0.0)
 

@@ -114,9 +114,8 @@ class TintedDielectric(_PerPoint):
 
     def __call__(self, cos: np.ndarray) -> np.ndarray:
         """Reflectance, (3, n)."""
-        plain = reflectance_at_normal(self.eta)
-        s = (fresnel.dielectric(cos, self.eta) - plain) / np.maximum(1.0 - plain, 1e-12)
-        return self.f0 + (1.0 - self.f0) * np.clip(s, 0.0, 1.0)
+        rise = fresnel.rise_to_grazing(cos, self.eta)
+        return self.f0 + (1.0 - self.f0) * np.clip(rise, 0.0, 1.0)
 
     @property
     def average(self) -> np.ndarray:

@@ -7,14 +7,22 @@ import numpy as np
 
 from ..sampling.warps import cosine_hemisphere
 
+# E of light from the horizon less E of light along the normal, over B: pi/2 - 2/3; and 1 - Eavg over B, from eq. 15.
+_RANGE = np.pi / 2.0 - 2.0 / 3.0
+_MEAN_LOST = 1.2 - np.pi / 6.0
 
-def _albedo_term(cos: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Single-scattering directional albedo E(c) = pi A + B G(c); Portsmouth et al. 2024, eq. 12 and 13."""
-    cos = np.clip(cos, 1e-9, 1.0)
-    sin = np.sqrt(np.maximum(1.0 - cos * cos, 0.0))
-    theta = np.arctan2(sin, cos)
-    g = sin * (theta - 2.0 / 3.0 - sin * cos) + (2.0 / 3.0) * (sin / cos) * (1.0 - sin * sin * sin)
-    return np.pi * a + b * g
+
+def lost_share(cos: np.ndarray) -> np.ndarray:
+    """What single scattering loses, (1 - E(c)) / B = (pi/2 - 2/3) - G(c), (n,); Portsmouth et al. 2024, eq. 12 and 13.
+
+    `cos` (n,), clipped to [0, 1]. E = pi A + B G and 1 - pi A = (pi/2 - 2/3) B, so that nothing is left of 1. With s the sine and
+    t = pi/2 - theta, the printed G = s (theta - 2/3 - s c) + (2/3) (s / c) (1 - s^3) has 1 - s^3 = c^2 (1 + s + s^2) / (1 + s),
+    which keeps its digits at grazing directions.
+    """
+    c = np.clip(cos, 0.0, 1.0)
+    s = np.sqrt((1.0 - c) * (1.0 + c))
+    t = np.arctan2(c, s)
+    return _RANGE * c * c / (1.0 + s) + s * (t + c * (s - (2.0 / 3.0) * (1.0 + s + s * s) / (1.0 + s)))
 
 
 class OrenNayar:
@@ -28,23 +36,21 @@ class OrenNayar:
 
     def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int = 2) -> None:
         self._wo, self._roughness, self._color, self._first = wo, np.asarray(roughness, np.float64), color, first
-        self._a = 1.0 / (np.pi + self._roughness * (np.pi / 2.0 - 2.0 / 3.0))
+        self._a = 1.0 / (np.pi + self._roughness * _RANGE)
         self._b = self._roughness * self._a
-        average = np.pi * self._a + self._b * (2.0 * np.pi - 5.6) / 3.0
-        self._average = average
-        lost = 1.0 - average
-        self._multiple = color**first * average / (np.pi * np.maximum(lost, 1e-300) * (1.0 - color * lost))
-        self._lost_o = 1.0 - _albedo_term(wo[2], self._a, self._b)
+        lost = self._b * _MEAN_LOST
+        # (1 - E(wi)) (1 - E(wo)) / (1 - Eavg), where B comes out once.
+        self._multiple = color**first * (1.0 - lost) * self._b / (np.pi * _MEAN_LOST * (1.0 - color * lost))
+        self._lost_o = lost_share(wo[2])
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value (3, n) and density (n,)."""
         wo = self._wo
         nl = np.maximum(wi[2], 0.0)
-        t = wi[0] * wo[0] + wi[1] * wo[1] + wi[2] * wo[2] - wi[2] * wo[2]
+        t = wi[0] * wo[0] + wi[1] * wo[1]
         t = np.where(t > 0.0, t / np.maximum(np.maximum(nl, wo[2]), 1e-300), t)
         single = self._a + self._b * t
-        lost_i = 1.0 - _albedo_term(nl, self._a, self._b)
-        value = nl * (self._color * single + self._multiple * (self._lost_o * lost_i))
+        value = nl * (self._color * single + self._multiple * (self._lost_o * lost_share(nl)))
         return value, nl * (1.0 / np.pi)
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

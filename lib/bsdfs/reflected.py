@@ -24,12 +24,12 @@ class Reflected:
         return 0.05 + 0.95 * reflectance
 
     def _factor(self, wi: np.ndarray) -> np.ndarray:
-        """The reflectance at the half vector, whose cosine is sqrt((1 + wi.wo) / 2)."""
-        cos = dot(wi, self._wo)
-        cos += 1.0
-        cos *= 0.5
-        np.clip(cos, 0.0, 1.0, out=cos)
-        return self._reflectance(np.sqrt(cos, out=cos))
+        """The reflectance at the half vector, whose cosine is half the length of wi + wo.
+
+        By 1 + wi.wo it would lose its digits between opposite grazing directions.
+        """
+        twice = wi + self._wo
+        return self._reflectance(np.minimum(0.5 * np.sqrt(dot(twice, twice)), 1.0))
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Value (n,) or (3, n) and density (n,)."""

@@ -18,6 +18,7 @@ from ..film.film import nonfinite_pixels
 from ..film.regions import Coverage, Regions, image_regions
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
+from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
 from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
 from ..verdict.outcome import Outcome
@@ -147,7 +148,9 @@ class _Loop:
         """Add one replicate to each side; a cancelled one is not kept."""
         for side, renderer in zip(self._sides, self._renderers, strict=True):
             try:
-                rendering = self._meter.render_counted(renderer, side.replicates, side.film.samples, self._windows)
+                rendering = self._meter.render_counted(
+                    renderer, COUNTED.number(side.replicates), side.film.samples, self._windows
+                )
             except Cancelled:
                 break
             self._excluded = self._excluded | nonfinite_pixels(rendering, self._regions.shape)

@@ -6,12 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..film.regions import RegionMoments, image_regions
+from ..sampling.streams import FIRST_CALLS
 from ..verdict.allocation import Cost, allocate, fit_cost, relative_noise
 from .run import TimedRun
 from .sides import Renderer
 
-# Replicates of the pilot are numbered from here, so that the verdict's own start at 0 whatever the pilot needed.
-PILOT = 1 << 20
 # What the pilot may take of the time, for each side, and where it ends.
 PILOT_SHARE = 0.02
 PILOT_SAMPLES = 64
@@ -27,14 +26,14 @@ def _measure(renderer: Renderer, share: float, run: TimedRun) -> tuple[Cost, flo
     """Cost and relative noise of one side, in about `share` seconds beyond the first call, which also sets things up."""
     samples, seconds, begin = [1], [], None
     while True:
-        rendering, spent = run.render(renderer, PILOT + len(seconds), samples[-1])
+        rendering, spent = run.render(renderer, FIRST_CALLS.number(len(seconds)), samples[-1])
         begin = begin or run.elapsed
         seconds.append(spent)
         enough = run.elapsed - begin + 16 * seconds[-1] > share or samples[-1] >= PILOT_SAMPLES
         if enough and len(samples) > 1:  # one timing cannot tell what a call costs from what a sample costs
             break
         samples.append(8 * samples[-1])
-    again, _ = run.render(renderer, PILOT + len(seconds), samples[-1])
+    again, _ = run.render(renderer, FIRST_CALLS.number(len(seconds)), samples[-1])
     grid = image_regions(*rendering.radiance.shape[:2], {})
     means = [RegionMoments(grid).means(np.nan_to_num(r.radiance)) for r in (rendering, again)]
     return fit_cost(samples, seconds), relative_noise(*means, samples[-1])

@@ -16,6 +16,7 @@ from ..errors import Cancelled, EtalonError
 from ..film.film import finite_or_nan
 from ..film.rendering import Rendering
 from ..progress import NO_PROGRESS, Progress
+from ..sampling.streams import COUNTED, FIRST_CALLS, TRUTH
 from .ways import Way
 from .yardstick import Score, Yardstick
 
@@ -26,8 +27,6 @@ TRUTH_SHARE = 0.3
 FIRST_SHARE = 0.35
 LEVEL_FACTOR = 4
 MOST_SAMPLES = 4096
-# Replicates of the truth and of the first calls are numbered from here, so that they are independent of all others.
-TRUTH, FIRST = 1 << 19, 1 << 20
 
 
 @dataclass(frozen=True)
@@ -171,7 +170,7 @@ def _first_calls(run: TimedRun, measured: list[Measured], first: tuple[str, ...]
             m.missing = str(error)
             continue
         built = time.monotonic() - start
-        _, wall = run.render(renderer, FIRST, 1)
+        _, wall = run.render(renderer, FIRST_CALLS.number(0), 1)
         m.settings = dict(renderer.settings)
         m.setup = m.way.opening + built + wall
         entries.append(_Entry(m, renderer))
@@ -182,13 +181,13 @@ def _first_calls(run: TimedRun, measured: list[Measured], first: tuple[str, ...]
 def _truth(run: TimedRun, leader: _Entry, pairs: int, seconds: float) -> tuple[Truth, Yardstick]:
     """Two long renders a pair, of as many samples as `seconds` allow."""
     begin = run.elapsed
-    _, again = run.render(leader.renderer, FIRST + 1, LEVEL_FACTOR)
+    _, again = run.render(leader.renderer, FIRST_CALLS.number(1), LEVEL_FACTOR)
     per_sample = max(again / LEVEL_FACTOR, 1e-9)
     samples = max(seconds / (2 * pairs * per_sample), LEVEL_FACTOR)
     samples = min(2 ** int(math.log2(samples)), MOST_SAMPLES)
     images = []
     for k in range(2 * pairs):
-        rendering, _ = run.render(leader.renderer, TRUTH + k, samples)
+        rendering, _ = run.render(leader.renderer, TRUTH.number(k), samples)
         images.append(finite_or_nan(rendering, rendering.nonfinite.shape))
     yardstick = Yardstick(images)
     way, excluded = leader.measured.way.label, int(yardstick.excluded.sum())
@@ -253,7 +252,7 @@ def _pair(
 ) -> None:
     images = []
     for k in range(2):
-        rendering, wall = run.render(entry.renderer, replicate + k, samples)
+        rendering, wall = run.render(entry.renderer, COUNTED.number(replicate + k), samples)
         images.append(finite_or_nan(rendering, yardstick.excluded.shape))
         entry.measured.nonfinite += int(rendering.nonfinite.sum())
         level.add(rendering, wall)

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 
 from ..film.film import finite_or_nan
 from ..progress import NO_PROGRESS, Progress
+from ..sampling.streams import VERIFICATION
 from .forecast import Forecast, forecast, found_floor
 from .measure import Measurement
 from .ways import Bias
-
-# Its replicates are numbered from here.
-VERIFY = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -64,12 +62,12 @@ def verify(
     key, told = found
     measured = measurement[key]
     renderer = measured.way.make()
-    renderer.render(VERIFY - 1, 1, progress.silent)
+    renderer.render(VERIFICATION.number(0), 1, progress.silent)
     samples = int(told.samples.median)
     images, seconds, walls = [], [], []
     for k in range(2):
         start = time.monotonic()
-        rendering = renderer.render(VERIFY + k, samples, progress.within(k / 2, (k + 1) / 2))
+        rendering = renderer.render(VERIFICATION.number(1 + k), samples, progress.within(k / 2, (k + 1) / 2))
         walls.append(time.monotonic() - start)
         seconds.append(rendering.seconds)
         images.append(finite_or_nan(rendering, measurement.yardstick.excluded.shape))

@@ -10,7 +10,7 @@ from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Exp
 from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
 from ..scene.scene import Scene
-from ..textures.fold import fold, is_constant, walk
+from ..textures.fold import fold_scene, is_constant, walk
 from .scene import NARROW
 
 SEEN = ("4.5", "5.2")
@@ -21,7 +21,7 @@ class Departure:
     """One departure.
 
     `statement` says what Cycles does and what the book has; `source` is the file in Cycles' tree, `versions` the Blender releases it
-    was seen in. `relevant` asks a scene whether it can change anything. `neutralised` names the setting by which Étalon's
+    was seen in. `relevant` asks a folded scene whether it can change anything. `neutralised` names the setting by which Étalon's
     neutral state removes it from Cycles; such a departure has no switch in the reference.
     """
 
@@ -36,7 +36,8 @@ class Departure:
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
     """The departures with a switch that can change the image of `scene` where the reference has this form of masking."""
     same = {"correlated": "correlated masking", "separable": "separable masking"}.get(masking)
-    return tuple(d for d in DEPARTURES if not d.neutralised and d.name != same and d.relevant(scene))
+    folded = fold_scene(scene)
+    return tuple(d for d in DEPARTURES if not d.neutralised and d.name != same and d.relevant(folded))
 
 
 def _closures(scene: Scene) -> Iterator[Closure]:
@@ -46,17 +47,17 @@ def _closures(scene: Scene) -> Iterator[Closure]:
 
 
 def _nodes(scene: Scene) -> Iterator[Expression]:
-    """Every node of every socket, constant parts worked out."""
+    """Every node of every socket of a folded scene."""
     sockets = [scene.world.radiance]
     for material in scene.materials:
         for lobe in material.lobes:
             sockets += [lobe.weight, *(v for v in vars(lobe.closure).values() if isinstance(v, Expression))]
     for socket in sockets:
-        yield from walk(fold(socket))
+        yield from walk(socket)
 
 
 def _is_rough(closure: Closure) -> bool:
-    socket = fold(closure.roughness)
+    socket = closure.roughness
     return not (is_constant(socket) and float(socket.value) == 0.0)
 
 
@@ -71,9 +72,7 @@ def _reflects_by(*distributions: str) -> Callable[[Scene], bool]:
 def _rough_glass(scene: Scene) -> bool:
     """Whether light is sampled through rough glass; that of a constant world is not."""
     sampled = (
-        scene.lights
-        or not is_constant(fold(scene.world.radiance))
-        or any(isinstance(c, Emission) for c in _closures(scene))
+        scene.lights or not is_constant(scene.world.radiance) or any(isinstance(c, Emission) for c in _closures(scene))
     )
     return bool(sampled) and any(isinstance(c, Glass | Refraction) and _is_rough(c) for c in _closures(scene))
 

@@ -13,11 +13,10 @@ from ..errors import Cancelled
 from ..film.film import finite_or_nan
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
+from ..sampling.streams import DEPARTURES
 from ..wavefront.render import ReferenceRenderer
 from .catalogue import Departure, relevant
 
-# Pairs are numbered from here, apart from every other replicate.
-FIRST = 1 << 21
 # What the effects of single departures may take of the time that is set aside; the rest is left to sets of them.
 SINGLES_SHARE = 0.4
 
@@ -104,7 +103,7 @@ class PairedEffects:
         if names not in self._renderers:
             self._renderers[names] = self._among.renderer(names)
         try:
-            rendering = self._render(self._renderers[names], FIRST + pair, self.samples)
+            rendering = self._render(self._renderers[names], DEPARTURES.number(pair), self.samples)
         except Cancelled:
             return None
         return self._regions.means(finite_or_nan(rendering, self._regions.regions.shape))

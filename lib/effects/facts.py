@@ -23,19 +23,13 @@ from ..scene.materials import (
     Transparent,
 )
 from ..scene.scene import Scene
-from ..textures.fold import Folder, fold
+from ..textures.fold import fold_scene
 from .geometry import Answer, meets_again
 
 
 def is_zero(expression: Expression) -> bool:
     """Whether a folded expression is the constant zero."""
     return isinstance(expression, Constant) and not np.any(expression.value)
-
-
-def folded(lobe: Lobe, fold: Folder) -> Lobe:
-    """The lobe with the constant parts of its sockets worked out."""
-    sockets = {k: fold(v) for k, v in vars(lobe.closure).items() if isinstance(v, Expression)}
-    return Lobe(type(lobe.closure)(**{**vars(lobe.closure), **sockets}), fold(lobe.weight))
 
 
 def adds_nothing(lobe: Lobe) -> bool:
@@ -47,9 +41,8 @@ def adds_nothing(lobe: Lobe) -> bool:
 
 
 def adding_lobes(material: Material) -> tuple[Lobe, ...]:
-    """The lobes of a material that add something, folded; nodes that several sockets share stay shared."""
-    fold = Folder()
-    return tuple(lobe for lobe in (folded(lobe, fold) for lobe in material.lobes) if not adds_nothing(lobe))
+    """The lobes of a folded material that add something."""
+    return tuple(lobe for lobe in material.lobes if not adds_nothing(lobe))
 
 
 def scatters(closure: Closure) -> bool:
@@ -67,22 +60,22 @@ def is_smooth(closure: Closure) -> bool:
 
 
 class Facts:
-    """The facts of one scene."""
+    """The facts of one scene, whose constants are folded here."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+        self.scene = fold_scene(scene)
 
     @cached_property
     def materials(self) -> tuple[Material, ...]:
-        """The materials that faces have, with the folded lobes that add something."""
+        """The materials that faces have, with the lobes that add something."""
         count = np.bincount(self.scene.mesh.material_index, minlength=len(self.scene.materials))
         used = (self.scene.materials[k] for k in np.flatnonzero(count))
         return tuple(replace(material, lobes=adding_lobes(material)) for material in used)
 
-    @cached_property
+    @property
     def world(self) -> Expression:
         """The world's radiance, folded."""
-        return fold(self.scene.world.radiance)
+        return self.scene.world.radiance
 
     @cached_property
     def world_varies(self) -> bool:

@@ -4,19 +4,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 from ..errors import EtalonError
 from ..scene.scene import Scene
 from .catalogue import EFFECTS
 from .facts import Facts
+from .names import Effect
 
 
 @dataclass(frozen=True)
 class Decision:
     """Whether one effect is needed, and the fact that says so."""
 
-    effect: str
+    effect: Effect
     needed: bool
     fact: str
 
@@ -28,14 +30,17 @@ class Plan:
     decisions: tuple[Decision, ...]
     prunes: ClassVar[bool] = True
 
-    def needs(self, effect: str) -> bool:
-        """Whether the effect of that name is needed."""
-        for decision in self.decisions:
-            if decision.effect == effect:
-                return decision.needed
-        raise EtalonError(f"no effect is called '{effect}'; see lib/effects/catalogue.py")
+    @cached_property
+    def _answers(self) -> dict[str, bool]:
+        return {decision.effect: decision.needed for decision in self.decisions}
 
-    def forcing(self, *effects: str) -> Forced:
+    def needs(self, effect: Effect) -> bool:
+        """Whether the effect is needed; raises EtalonError where the plan holds no decision about it."""
+        if effect not in self._answers:
+            raise EtalonError(f"no effect is called '{effect}'; see lib/effects/names.py")
+        return self._answers[effect]
+
+    def forcing(self, *effects: Effect) -> Forced:
         """The same plan with the named effects run although the scene does not call for them; all where none is named."""
         for effect in effects:
             self.needs(effect)
@@ -55,6 +60,6 @@ class Forced(Plan):
 
 
 def make_plan(scene: Scene) -> Plan:
-    """Ask every effect of the catalogue whether this scene calls for it."""
+    """Ask every effect of the catalogue whether this scene calls for it; constants are folded once for all of them."""
     facts = Facts(scene)
-    return Plan(tuple(Decision(effect.name, *effect.called_for(facts)) for effect in EFFECTS))
+    return Plan(tuple(Decision(entry.effect, *entry.is_needed(facts)) for entry in EFFECTS))

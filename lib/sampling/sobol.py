@@ -17,6 +17,8 @@ import threading
 import numpy as np
 from scipy.stats import qmc
 
+from .streams import PIXEL_KEYS, RANDOM_NUMBERS
+
 SETS = 32
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _LOWER = np.uint64(0xFFFFFFFF)
@@ -107,7 +109,7 @@ class SobolTile:
     def __init__(self, sampler: SobolSampler, pixels: np.ndarray) -> None:
         self._sampler = sampler
         with np.errstate(over="ignore"):
-            self._pixel_keys = hash64(pixels * _GOLDEN + stream_key(sampler._seed, sampler._replicate, -2))
+            self._pixel_keys = hash64(pixels * _GOLDEN + stream_key(sampler._seed, sampler._replicate, PIXEL_KEYS))
 
     def pair(self, dimension: int, pixel: np.ndarray, sample: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Two uniforms in (0, 1) for each path, float64 (n,); `pixel` and `sample` are (n,) intp."""
@@ -135,7 +137,7 @@ class RandomSampler:
 
     def __init__(self, seed: int, replicate: int, samples: int) -> None:
         self.samples = samples
-        self._key = int(stream_key(seed, replicate, -1))
+        self._key = int(stream_key(seed, replicate, RANDOM_NUMBERS))
 
     def tile(self, pixels: np.ndarray) -> RandomTile:
         """The sampler's view of some pixels; their first index seeds the tile."""

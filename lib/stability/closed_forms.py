@@ -62,7 +62,7 @@ def _lambdas(rng: np.random.Generator, count: int) -> np.ndarray:
     return 10.0 ** rng.uniform(-20.0, 14.0, (2, count))
 
 
-def _dielectrics(rng: np.random.Generator, count: int) -> np.ndarray:
+def dielectrics(rng: np.random.Generator, count: int) -> np.ndarray:
     """Cosines and indices, some of them next to the critical angle."""
     cosine, eta = domain.cosines(rng, count), domain.indices(rng, count)
     critical = np.sqrt(np.maximum((1.0 - eta) * (1.0 + eta), 0.0)) * (
@@ -250,7 +250,7 @@ def closed_forms() -> list[Function]:
         _entry("GGX lobe", (*three[:6], *_ALPHAS), _lobes, _glossy(ggx), "ggx_glossy", True),
         _entry("Beckmann lobe", (*three[:6], *_ALPHAS), _lobes, _glossy(beckmann), "beckmann_glossy", True),
         _entry(
-            "Fresnel, dielectric", ("cos", "eta"), _dielectrics, lambda a: fresnel.dielectric(*a), "dielectric", True
+            "Fresnel, dielectric", ("cos", "eta"), dielectrics, lambda a: fresnel.dielectric(*a), "dielectric", True
         ),
         _entry("Fresnel, conductor", ("cos", "eta", "k"), _metals, lambda a: fresnel.conductor(*a), "conductor", True),
         _entry("Fresnel, Schlick", ("cos", "f0"), _f0, lambda a: fresnel.schlick(*a), "schlick", cycles="schlick"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials made ready for shading: sockets folded, lobes sorted by what they do, evaluated at surface points."""
+"""Materials made ready for shading: lobes sorted by what they do, evaluated at surface points."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .surface import SurfacePoints
 
 
 class PreparedMaterial:
-    """One material, ready to be asked at points. With `prunes` its sockets are folded, and lobes that add nothing left out."""
+    """One material, ready to be asked at points. With `prunes` lobes that add nothing are left out."""
 
     def __init__(self, material: Material, images: ImageSet, options: Options, prunes: bool) -> None:
         self.name, self.unknown = material.name, bool(material.unknown)

@@ -9,6 +9,8 @@ from dataclasses import fields, replace
 import numpy as np
 
 from ..scene import expressions as ex
+from ..scene.materials import Lobe, Material
+from ..scene.scene import Scene
 from .converters import CONVERTERS
 from .evaluate import evaluate
 from .images import ImageSet
@@ -84,6 +86,25 @@ class Folder:
 def fold(expression: ex.Expression) -> ex.Expression:
     """`expression` with constant parts computed and neutral nodes gone."""
     return Folder()(expression)
+
+
+def fold_scene(scene: Scene) -> Scene:
+    """`scene` with all sockets of its materials and its world folded; lights, meshes and images stay the same objects.
+
+    Nodes that several sockets of a material share stay shared.
+    """
+    world = replace(scene.world, radiance=fold(scene.world.radiance))
+    return replace(scene, materials=tuple(_folded(material) for material in scene.materials), world=world)
+
+
+def _folded(material: Material) -> Material:
+    fold_shared = Folder()
+
+    def folded(lobe: Lobe) -> Lobe:
+        sockets = {k: fold_shared(v) for k, v in vars(lobe.closure).items() if isinstance(v, ex.Expression)}
+        return Lobe(replace(lobe.closure, **sockets), fold_shared(lobe.weight))
+
+    return replace(material, lobes=tuple(folded(lobe) for lobe in material.lobes))
 
 
 def _simplify(node: ex.Expression) -> ex.Expression:

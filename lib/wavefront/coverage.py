@@ -6,7 +6,9 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from ..effects.names import Effect
 from ..sampling.sobol import SobolSampler
+from ..sampling.streams import COVERAGE, LENS, PIXEL
 from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
 from .kernel import Kernel
@@ -28,7 +30,7 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
     all is left out.
     """
     camera, mesh = kernel.scene.camera, kernel.scene.mesh
-    sampler = SobolSampler(kernel.options.seed, -1, samples)
+    sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)
     materials = [material.name or "(no material)" for material in kernel.scene.materials]
     edges = np.cos(np.radians(BANDS[:-1]))
     found: dict[str, list[np.ndarray]] = {"material": [], "facing": [], "object": []}
@@ -60,8 +62,8 @@ def _first_hits(
     row, column = np.divmod(index, camera.width)
     pixel, sample = np.repeat(np.arange(index.size), stop - start), np.tile(np.arange(start, stop), index.size)
     view = sampler.tile(index)
-    dx, dy = view.pair(0, pixel, sample)
-    lens = view.pair(1, pixel, sample) if kernel.plan.needs("depth of field") else None
+    dx, dy = view.pair(PIXEL, pixel, sample)
+    lens = view.pair(LENS, pixel, sample) if kernel.plan.needs(Effect.DEPTH_OF_FIELD) else None
     rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
     if rays.index is not None:
         pixel = pixel[rays.index]

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..effects.names import Effect
 from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .kernel import Kernel
+from .light_choice import LightSampling
 from .paths import Paths
 from .raycaster import Hits
 from .sums import PixelSums
@@ -17,14 +19,15 @@ from .sums import PixelSums
 class Emitters:
     """Collects emission along rays into pixel sums."""
 
-    def __init__(self, kernel: Kernel, sums: PixelSums) -> None:
-        self._kernel, self._sums = kernel, sums
+    def __init__(self, kernel: Kernel, sampling: LightSampling, sums: PixelSums) -> None:
+        self._kernel, self._sampling, self._sums = kernel, sampling, sums
+        self._asks_world = kernel.plan.needs(Effect.ENVIRONMENT_WORLD)
 
     def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
         """The heuristic's weight for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
-        if self._kernel.weighs:
+        if self._sampling.weighs:
             return cutoff_power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
-        if not self._kernel.samples_lights or self._kernel.options.direct == "bsdf":
+        if not self._sampling.runs or self._sampling.by_lobes:
             return np.ones_like(pdf)
         return np.where(np.isinf(pdf), 1.0, 0.0)  # only deltas and the camera see what light sampling covers
 
@@ -64,7 +67,7 @@ class Emitters:
     def sky(self, paths: Paths, escaped: np.ndarray) -> None:
         """The world, for the rays at `escaped` that left the scene."""
         kernel = self._kernel
-        if escaped.size == 0 or (kernel.sky is None and not kernel.asks_world):
+        if escaped.size == 0 or (kernel.sky is None and not self._asks_world):
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
         if kernel.sky is not None:  # no light sampling competes for a constant sky

@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..sampling.streams import REACH
 from ..scene.expressions import BLACK
 from ..scene.materials import Emission, Lobe, Material
 from ..scene.world import World
 from .render import ReferenceRenderer
 
 SAMPLES = 64
-# The number of a replicate that no comparison asks for.
-REPLICATE = (1 << 20) - 1
 
 
 def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
@@ -29,7 +28,7 @@ def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
         world=World(BLACK, (1, 1)),
     )
     options = replace(reference.options, russian_roulette=False)
-    rendering = ReferenceRenderer(lamps, options, like=reference.kernel).render(REPLICATE, samples)
+    rendering = ReferenceRenderer(lamps, options, like=reference.kernel).render(REACH.number(0), samples)
     return rendering.radiance.any(axis=2)  # what is not finite counts, too
 
 

@@ -16,12 +16,11 @@ from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
-from .heap import give_back, settle_heap
 from .kernel import Kernel
 from .options import Options
 from .sums import PixelSums, StageClock
 from .trace import Tracer
-from .turns import short_turns
+from .tuning import give_back_memory
 
 # Below this many paths the interpreter's share of a tile outweighs what a second thread saves.
 SMALLEST_TILE = 4096
@@ -61,7 +60,6 @@ class ReferenceRenderer:
         self.scene, self.options = scene, options
         self.plan = make_plan(scene) if plan is None else plan
         self.kernel = Kernel(scene, self.plan, options, like)
-        settle_heap()
 
     def under(self, options: Options) -> ReferenceRenderer:
         """The same scene under other options; the acceleration structure is shared."""
@@ -100,7 +98,7 @@ class ReferenceRenderer:
         def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
             return tile, *self._run(index[tile.first : tile.last], tile, sampler)
 
-        with short_turns(), ThreadPoolExecutor(self.options.threads) as pool:
+        with ThreadPoolExecutor(self.options.threads) as pool:
             pending: set[Future] = set()
             queue = iter(work)
             try:
@@ -129,7 +127,7 @@ class ReferenceRenderer:
                 for future in pending:
                     future.cancel()
         if windows is None:
-            give_back()
+            give_back_memory()
         radiance /= samples
         seconds = perf_counter() - begin
         return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown)

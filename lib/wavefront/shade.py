@@ -12,7 +12,7 @@ from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot, orthonormal_basis, to_local, to_world
 from .kernel import Kernel
-from .light_choice import LightChoice
+from .light_choice import LightChoice, LightSampling
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class Shaded:
 
 def shade_all(
     kernel: Kernel,
+    sampling: LightSampling,
     points: SurfacePoints,
     groups: list[tuple[int, int, int]],
     light: LightChoice | None,
@@ -43,7 +44,7 @@ def shade_all(
     size = points.size
     frame = orthonormal_basis(points.n)
     if len(groups) == 1 and kernel.materials[groups[0][0]].scatters:
-        return _shade(kernel, groups[0][0], points, frame, light, uniforms)
+        return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
     direct = None if light is None else made((3, size))
     onward = None if uniforms is None else (made((3, size)), made((3, size)), made(size))
@@ -52,7 +53,7 @@ def shade_all(
             here = frame[0][:, a:b], frame[1][:, a:b]
             part = None if light is None else light.part(a, b)
             picks = None if uniforms is None else tuple(u[a:b] for u in uniforms)
-            shaded = _shade(kernel, material, points.part(a, b), here, part, picks)
+            shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks)
             if direct is not None:
                 direct[:, a:b] = shaded.direct
             if onward is not None:
@@ -63,6 +64,7 @@ def shade_all(
 
 def _shade(
     kernel: Kernel,
+    sampling: LightSampling,
     material: int,
     points: SurfacePoints,
     frame: tuple[np.ndarray, np.ndarray],
@@ -74,7 +76,7 @@ def _shade(
     mixture = kernel.materials[material].mixture(points, wo, *frame)
     direct = None
     if light is not None:
-        direct = np.zeros_like(wo) if mixture.all_delta else _direct(kernel, points, frame, mixture, light)
+        direct = np.zeros_like(wo) if mixture.all_delta else _direct(kernel, sampling, points, frame, mixture, light)
     if uniforms is None:
         return Shaded(direct)
     local, weight, pdf = mixture.sample(*uniforms)
@@ -85,21 +87,26 @@ def _shade(
 
 
 def _direct(
-    kernel: Kernel, points: SurfacePoints, frame: tuple[np.ndarray, np.ndarray], mixture: Mixture, light: LightChoice
+    kernel: Kernel,
+    sampling: LightSampling,
+    points: SurfacePoints,
+    frame: tuple[np.ndarray, np.ndarray],
+    mixture: Mixture,
+    light: LightChoice,
 ) -> np.ndarray:
     """One light's contribution by light sampling, weighed against BSDF sampling; (3, n)."""
     sample = light.sample
     toward = to_local(sample.wi, *frame, points.n)
     value, pdf = mixture.evaluate(toward)
     density = sample.pdf * light.probability
-    if kernel.weighs:
+    if sampling.weighs:
         factor = cutoff_power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
         factor /= density
-    elif kernel.options.direct == "bsdf":
+    elif sampling.by_lobes:
         factor = np.where(light.delta, 1.0 / density, 0.0)
     else:
         factor = 1.0 / density
-    if not kernel.tables.all_flat and not kernel.lit_from_below:
+    if not kernel.tables.all_flat and not sampling.below_faces:
         factor *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value = value * factor
     value *= sample.radiance

@@ -7,6 +7,8 @@ from time import perf_counter
 
 import numpy as np
 
+from ..effects.names import Stage
+
 
 class PixelSums:
     """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away.
@@ -45,7 +47,7 @@ class StageClock:
         self._last = perf_counter()
         self.seconds: dict[str, float] = {}
 
-    def lap(self, stage: str) -> None:
+    def lap(self, stage: Stage) -> None:
         """Charge the time since the last lap to `stage`."""
         now = perf_counter()
         self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self._last

@@ -7,15 +7,18 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..effects.names import Stage
 from ..effects.transport import ROULETTE_AFTER
 from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
+from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, step_dimension
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .camera_rays import camera_rays
 from .emitters import Emitters
+from .flow import Flow
 from .kernel import Kernel
-from .light_choice import choose_light
+from .light_choice import LightSampling, choose_light
 from .pass_through import Groups, split
 from .paths import Paths
 from .raycaster import Hits
@@ -23,19 +26,14 @@ from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
 from .visibility import transmittance
 
-# Dimensions of the sampler: two for the camera, then DIMENSIONS_PER_STEP for each step along the path.
-PIXEL, LENS, FIRST_STEP = 0, 1, 2
-BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
-DIMENSIONS_PER_STEP = 4
-
 
 class Tracer:
     """Traces the samples of one tile."""
 
     def __init__(self, kernel: Kernel, uniforms: SobolTile | RandomTile, sums: PixelSums, clock: StageClock) -> None:
         self._kernel, self._uniforms, self._sums, self._clock = kernel, uniforms, sums, clock
-        self._emitters = Emitters(kernel, sums)
-        self._transparent = kernel.plan.needs("transparent surfaces")
+        self._flow, self._sampling = Flow.of(kernel), LightSampling.of(kernel)
+        self._emitters = Emitters(kernel, self._sampling, sums)
         self.rays = 0
 
     def trace(self, column: np.ndarray, row: np.ndarray, pixel: np.ndarray, sample: np.ndarray) -> None:
@@ -46,30 +44,30 @@ class Tracer:
             hits = self._hits(paths, reach, step)
             self._emitters.lights_met(paths, hits)
             self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
-            self._clock.lap("emission")
+            self._clock.lap(Stage.EMISSION)
             paths = self._scatter(paths, hits, step)
             reach = None
             step += 1
 
     def _is_last(self, step: int) -> bool:
         """Whether no path scatters at this step."""
-        return step > self._kernel.most_bounces and not self._transparent
+        return step > self._flow.most_bounces and not self._flow.transparent
 
     def _hits(self, paths: Paths, reach: np.ndarray | None, step: int) -> Hits:
         """What the rays meet, as far as it is not known beforehand and matters."""
         kernel = self._kernel
-        if step and not kernel.second_hits:
+        if step and not self._flow.second_hits:
             return _no_hits(np.zeros(paths.size, bool))
-        if self._is_last(step) and not kernel.last_hits:
+        if self._is_last(step) and not self._flow.last_hits:
             hits = _no_hits(kernel.caster.occluded(paths.origin, paths.direction, np.full(paths.size, np.inf)))
         elif step == 0:
             hits = kernel.camera_caster.closest(paths.origin, paths.direction, reach)
         else:
             hits = kernel.caster.closest(paths.origin, paths.direction)
-            if kernel.hides and self._transparent:
+            if self._flow.hides and self._flow.transparent:
                 self._replace_camera_hits(paths, hits)
         self.rays += paths.size
-        self._clock.lap("intersect")
+        self._clock.lap(Stage.INTERSECT)
         return hits
 
     def _replace_camera_hits(self, paths: Paths, hits: Hits) -> None:
@@ -89,7 +87,7 @@ class Tracer:
     ) -> tuple[Paths, np.ndarray]:
         camera = self._kernel.scene.camera
         dx, dy = self._uniforms.pair(PIXEL, pixel, sample)
-        lens = self._uniforms.pair(LENS, pixel, sample) if self._kernel.plan.needs("depth of field") else None
+        lens = self._uniforms.pair(LENS, pixel, sample) if self._flow.has_lens else None
         x = np.take(column, pixel) + dx
         y = np.take(camera.height - 1.0 - row, pixel) + dy
         rays = camera_rays(camera, x, y, lens)
@@ -99,15 +97,15 @@ class Tracer:
         paths = Paths(
             pixel, sample, rays.origin, rays.direction, np.ones((3, count)), np.full(count, np.inf), at_camera=True
         )
-        if self._transparent:
+        if self._flow.transparent:
             paths.scatter_origin, paths.travelled = rays.origin, np.zeros(count)
             paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
-        self._clock.lap("camera")
+        self._clock.lap(Stage.CAMERA)
         return paths, rays.reach
 
     def _scatter(self, paths: Paths, hits: Hits, step: int) -> Paths:
         """All that happens at the hits; the paths that go on from them."""
-        if self._is_last(step) and not self._kernel.emission:
+        if self._is_last(step) and not self._flow.emission:
             return paths.take(np.empty(0, np.intp))
         order, groups = self._by_material(hits)
         if order.size == 0:
@@ -117,18 +115,18 @@ class Tracer:
         placed, ng, offset = self._kernel.caster.on_plane(triangle, paths.origin + paths.direction * distance)
         u, v = (np.take(x, order).astype(np.float64) for x in (hits.u, hits.v))
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
-        self._clock.lap("surface")
+        self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:
                 self._sums.add_unknown(paths.pixel[start:stop])
             elif self._kernel.materials[material].emits:
                 self._emitters.faces(paths, points.part(start, stop), distance[start:stop], start, stop, material)
-        self._clock.lap("emission")
+        self._clock.lap(Stage.EMISSION)
         return self._next(paths, points, distance, offset, groups, step)
 
     def _by_material(self, hits: Hits) -> tuple[np.ndarray, Groups]:
         """Indices of the hits, sorted by material, and each material's (index, start, stop) in that order."""
-        if not self._kernel.several_materials:
+        if not self._flow.several_materials:
             order = np.flatnonzero(hits.triangle >= 0)
             return order, [(int(self._kernel.material_of[0]), 0, order.size)] if order.size else []
         material = np.take(self._kernel.material_of, hits.triangle)  # of a miss, the last entry: -1
@@ -147,13 +145,13 @@ class Tracer:
         step: int,
     ) -> Paths:
         """Pass through or scatter at the hits; the paths that go on."""
-        if not self._transparent:
+        if not self._flow.transparent:
             if self._is_last(step):
                 return paths.take(np.empty(0, np.intp))
             return self._shade(paths, points, offset, groups, step)
-        uniform, _ = self._pair(FIRST_STEP + DIMENSIONS_PER_STEP * step + FATE, paths)
-        parted = split(self._kernel, paths, points, distance, offset, groups, uniform)
-        self._clock.lap("pass through")
+        uniform, _ = self._pair(step_dimension(step, FATE), paths)
+        parted = split(self._kernel, paths, points, distance, offset, groups, uniform, self._flow.most_bounces)
+        self._clock.lap(Stage.PASS_THROUGH)
         if parted.index.size == 0:
             return parted.passing
         scattering = paths.take(parted.index)
@@ -164,27 +162,32 @@ class Tracer:
     def _shade(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int) -> Paths:
         """Light sampling and BSDF sampling at all hits; the scattered paths."""
         kernel = self._kernel
-        goes_on = kernel.samples_lobes and (kernel.last_rays or self._transparent or step < kernel.most_bounces)
-        if not goes_on and not kernel.samples_lights:
+        goes_on = self._flow.samples_lobes and (
+            self._flow.last_rays or self._flow.transparent or step < self._flow.most_bounces
+        )
+        if not goes_on and not self._sampling.runs:
             return paths.take(np.empty(0, np.intp))
-        dimension = FIRST_STEP + DIMENSIONS_PER_STEP * step
         # A single lobe and a single light leave nothing to pick; a zero serves as well then.
         pick = choice = np.zeros(paths.size)
-        if kernel.has_choices:
-            pick, choice = self._pair(dimension + CHOICES, paths)
+        if self._flow.has_choices:
+            pick, choice = self._pair(step_dimension(step, CHOICES), paths)
         light = None
-        if kernel.samples_lights:
-            light = choose_light(kernel, points.position, choice, *self._pair(dimension + LIGHT, paths))
-        self._clock.lap("lights")
-        uniforms = (pick, *self._pair(dimension + BSDF, paths)) if goes_on else None
-        shaded = shade_all(kernel, points, groups, light, uniforms)
-        self._clock.lap("shade")
+        if self._sampling.runs:
+            light = choose_light(
+                kernel, self._sampling.selects, points.position, choice, *self._pair(step_dimension(step, LIGHT), paths)
+            )
+        self._clock.lap(Stage.LIGHTS)
+        uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
+        shaded = shade_all(kernel, self._sampling, points, groups, light, uniforms)
+        self._clock.lap(Stage.SHADE)
         origins = _Origins(points, offset, kernel.one_sided)
         if light is not None:
             self._add_direct(paths, origins, light.sample, shaded.direct)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
-        fate = self._pair(dimension + FATE, paths)[1] if kernel.roulette and step >= ROULETTE_AFTER else None
+        fate = (
+            self._pair(step_dimension(step, FATE), paths)[1] if self._flow.roulette and step >= ROULETTE_AFTER else None
+        )
         return self._advance(paths, origins, shaded, fate)
 
     def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, direct: np.ndarray) -> None:
@@ -193,31 +196,33 @@ class Tracer:
         index = np.flatnonzero(direct.any(axis=0))
         if index.size == 0:
             return
-        if not self._kernel.asks_visibility:
+        if not self._flow.asks_visibility:
             self._sums.add(paths.pixel[index], np.take(direct, index, axis=1))
-            self._clock.lap("film")
+            self._clock.lap(Stage.FILM)
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
-        through, unknown = transmittance(self._kernel, origin, direction, sample.distance[index])
+        through, unknown = transmittance(
+            self._kernel, self._flow.transparent, origin, direction, sample.distance[index]
+        )
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
         self.rays += index.size
-        self._clock.lap("shadow rays")
+        self._clock.lap(Stage.SHADOW_RAYS)
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
         index = index[lit]
         arriving = np.take(direct, index, axis=1)
-        if self._transparent:
+        if self._flow.transparent:
             arriving *= np.take(through, lit, axis=1)
         self._sums.add(paths.pixel[index], arriving)
-        self._clock.lap("film")
+        self._clock.lap(Stage.FILM)
 
     def _advance(self, paths: Paths, origins: _Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
         """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
         throughput = shaded.weight * paths.throughput
         going = throughput.any(axis=0)
-        if self._transparent and not self._kernel.last_rays:
-            going &= paths.scatterings < self._kernel.most_bounces
+        if self._flow.transparent and not self._flow.last_rays:
+            going &= paths.scatterings < self._flow.most_bounces
         if fate is not None:
             survival = _survival(throughput)
             going &= ~(fate >= survival)  # what is not finite goes on, to be counted
@@ -233,11 +238,11 @@ class Tracer:
             throughput,
             shaded.pdf[index],
         )
-        if self._transparent:
+        if self._flow.transparent:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
             following.scatterings = paths.scatterings[index] + 1
-        self._clock.lap("advance")
+        self._clock.lap(Stage.ADVANCE)
         return following
 
 

@@ -10,15 +10,15 @@ from .kernel import Kernel
 
 
 def transmittance(
-    kernel: Kernel, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+    kernel: Kernel, transparent: bool, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """What part of the light arrives over distance `reach`, (1, n) or (3, n), and which rays a material that is not known ends, (k,).
 
-    Opaque scenes need one occlusion query. Where materials are transparent the ray goes on through them, at most
+    Opaque scenes need one occlusion query. Where materials are `transparent` the ray goes on through them, at most
     `transparent_max_bounces` times, as in Cycles.
     """
     unknown = np.empty(0, np.intp)
-    if not kernel.plan.needs("transparent surfaces"):
+    if not transparent:
         return (~kernel.caster.occluded(origin, direction, reach))[None].astype(np.float64), unknown
     through = np.ones_like(direction)
     active = np.arange(direction.shape[1])

@@ -32,6 +32,7 @@ from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.tuning import tune_process
 
 SCENES = ("glossy_spheres", "veach_plates", "cornell_glossy")
 MITSUBA = (("scalar_rgb", "independent"), ("llvm_ad_rgb", "independent"), ("llvm_ad_rgb", "multijitter"))
@@ -164,4 +165,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    tune_process()
     main()

@@ -24,6 +24,7 @@ from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.tuning import tune_process
 from etalon.reference_scenes import building
 
 SIDE, SAMPLES, FIRST, NULL, MOST = 32, 32, 8, 27, 300
@@ -111,4 +112,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    tune_process()
     main()

@@ -17,12 +17,13 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from etalon.lib.effects.catalogue import EFFECTS
+from etalon.lib.effects.names import Effect
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.tuning import tune_process
 from etalon.tests.neutral import NEUTRAL, TOGETHER
 from etalon.tests.scenes import diffuse, floor, glossy, icosphere, perspective, scene
 from scipy.stats import binom
@@ -81,14 +82,14 @@ def _pair(planned: Scene, forced: Scene, effects: tuple[str, ...], arguments: ar
 
 
 def _everything(one: Scene) -> Scene:
-    for effect in EFFECTS:
-        one = NEUTRAL[effect.name](one)
+    for effect in Effect:
+        one = NEUTRAL[effect](one)
     return replace(one, name="everything")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("effects", nargs="*", default=[effect.name for effect in EFFECTS])
+    parser.add_argument("effects", nargs="*", default=list(Effect))
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--samples", type=int, default=16)
@@ -112,4 +113,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    tune_process()
     main()

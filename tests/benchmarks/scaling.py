@@ -26,6 +26,7 @@ from etalon.lib.scene import archive
 from etalon.lib.scene.scene import Scene
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.tuning import tune_process
 
 SAMPLES = (16, 64, 256)
 SIZES = (0.5, 1.0, 2.0)
@@ -116,4 +117,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    tune_process()
     main()

@@ -18,6 +18,7 @@ from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.tuning import tune_process
 
 SCENES = ("glossy_spheres", "veach_plates", "cornell_glossy")
 
@@ -66,4 +67,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    tune_process()
     main()

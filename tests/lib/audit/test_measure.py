@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from etalon.lib.audit.document import document, table
-from etalon.lib.audit.measure import FIRST, audit
+from etalon.lib.audit.measure import audit
 from etalon.lib.audit.setting import Setting
 from etalon.lib.comparison import run as run_module
 from etalon.lib.comparison.compare import CompareOptions
@@ -14,6 +14,7 @@ from etalon.lib.comparison.run import Stop
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.rendering import Rendering
 from etalon.lib.progress import Progress
+from etalon.lib.sampling.streams import FIRST_CALLS
 from etalon.lib.verdict.outcome import Outcome
 
 SHAPE = (40, 48)
@@ -174,8 +175,12 @@ def test_no_side_has_a_place_of_its_own_in_a_round(clock, seed):
 def test_every_round_is_its_own_and_shared(clock, seed):
     neutral, other = Painter(clock, seed), Painter(clock, seed)
     found = audit("Test", neutral, [(setting("other"), other)], CompareOptions(time=30.0), 64)
-    rounds = [replicate for replicate, _ in neutral.asked if replicate < FIRST]
-    assert rounds == list(range(found.rounds)) == [replicate for replicate, _ in other.asked if replicate < FIRST]
+    rounds = [replicate for replicate, _ in neutral.asked if replicate < FIRST_CALLS.first]
+    assert (
+        rounds
+        == list(range(found.rounds))
+        == [replicate for replicate, _ in other.asked if replicate < FIRST_CALLS.first]
+    )
     assert found.samples <= 64
     assert found.samples & (found.samples - 1) == 0
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.comparison.pilot import PILOT
 from etalon.lib.comparison.run import Stop
 from etalon.lib.errors import EtalonError
 from etalon.lib.files.plain_data import make_plain
 from etalon.lib.progress import Progress
+from etalon.lib.sampling.streams import FIRST_CALLS
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
@@ -189,8 +189,8 @@ def test_the_time_is_kept(clock, seconds):
     assert told == sorted(told)
     assert 0.5 < told[-1] <= 1.0
     # The pilot's images are not the verdict's.
-    assert all(replicate < PILOT for replicate, _ in sides[0].asked[-10:])
-    assert sides[0].asked[0][0] == PILOT
+    assert all(replicate < FIRST_CALLS.first for replicate, _ in sides[0].asked[-10:])
+    assert sides[0].asked[0][0] == FIRST_CALLS.first
     assert 0 < found.pilot_seconds < 0.2 * seconds
 
 

@@ -10,9 +10,10 @@ from etalon.lib.cost.document import Extras
 from etalon.lib.cost.estimates import Estimate
 from etalon.lib.cost.measure import measure
 from etalon.lib.cost.models import Form, measure_forms
-from etalon.lib.cost.verify import VERIFY, cheapest, verify
+from etalon.lib.cost.verify import cheapest, verify
 from etalon.lib.cost.ways import Bias, Way, reference_ways
 from etalon.lib.cost.write import digits, interval, table, took, write_cost
+from etalon.lib.sampling.streams import VERIFICATION
 from etalon.lib.scene.lights import SphereLight
 from etalon.tests.lib.cost.synthetic import RELATIVE, Synthetic, way
 from etalon.tests.scenes import floor, glossy, orthographic, scene
@@ -107,7 +108,7 @@ def test_verification(measurement, seed):
     fresh = measurement["mis"]
     fresh.way = Way("mis", "mis", "sampling", lambda: Watched(seed + 9), Bias.NONE)
     came = verify(measurement, 0.1)
-    assert seen[-2:] == [(VERIFY, came.samples), (VERIFY + 1, came.samples)]
+    assert seen[-2:] == [(VERIFICATION.number(1), came.samples), (VERIFICATION.number(1) + 1, came.samples)]
     assert came.samples == told.samples.median
     assert came.error == pytest.approx(np.sqrt(RELATIVE / came.samples), rel=0.1)
     # 1 / N = 0.1^2 takes 100 ms.

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from etalon.lib.effects.catalogue import EFFECTS
+from etalon.lib.effects.names import Effect
 from etalon.lib.effects.plan import Decision, Plan, make_plan
 from etalon.lib.film.moments import Moments
 from etalon.lib.scene.world import World
@@ -31,7 +31,7 @@ from etalon.tests.effect_cases import (
 from etalon.tests.neutral import NEUTRAL, TOGETHER
 from etalon.tests.scenes import color, glossy, icosphere, scene
 
-NAMES = [effect.name for effect in EFFECTS]
+NAMES = list(Effect)
 # Forced on, these bring another way of finding the same light: the mean stays, the noise does not.
 OTHER_ESTIMATORS = ("environment table", "mesh lights")
 SAME_SAMPLES = [name for name in NAMES if name not in OTHER_ESTIMATORS]
@@ -144,7 +144,9 @@ ASKED = asked_by_the_integrator()
 
 def test_every_transport_effect_is_asked_for():
     """What the plan says about light's way decides what runs; lobes, textures and light objects run where there are any."""
-    switched = {effect.name for effect in EFFECTS if effect.group in ("camera", "transport")}
+    effects = list(Effect)
+    transport = effects[effects.index(Effect.LIGHT_SAMPLING) :]
+    switched = {Effect.DEPTH_OF_FIELD, Effect.HIDDEN_OBJECTS, *transport}
     assert switched <= set(ASKED)
 
 

@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The plan runs what a scene calls for: each effect with its cause, and without it."""
 
+import ast
+import re
 from dataclasses import replace
+from pathlib import Path
 
+import etalon
 import pytest
 from etalon.lib.effects.catalogue import EFFECTS
+from etalon.lib.effects.names import Effect, Stage
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene.expressions import ZERO, Math, ValueToColor
@@ -16,7 +21,7 @@ from etalon.tests.effect_cases import CAMERA, CASES, CROWDED, HALF, PLAIN, POINT
 from etalon.tests.scenes import color, cube, diffuse, floor, material, scene
 
 
-@pytest.mark.parametrize("effect", [effect.name for effect in EFFECTS])
+@pytest.mark.parametrize("effect", [entry.effect for entry in EFFECTS])
 def test_cause_and_effect(effect):
     assert effect in CASES, f"the effect '{effect}' has no scenes here that call for it and that do not"
     for the_scene in CASES[effect][0]:
@@ -25,7 +30,7 @@ def test_cause_and_effect(effect):
         assert not make_plan(the_scene).needs(effect)
 
 
-@pytest.mark.parametrize("effect", [effect.name for effect in EFFECTS])
+@pytest.mark.parametrize("effect", [entry.effect for entry in EFFECTS])
 def test_every_decision_gives_its_reason(effect):
     """One line each, whether needed or not, and another one when the answer is another."""
     facts = {True: set(), False: set()}
@@ -39,10 +44,32 @@ def test_every_decision_gives_its_reason(effect):
     assert not facts[True] & facts[False]
 
 
-def test_names_are_unique_and_known():
-    names = [effect.name for effect in EFFECTS]
-    assert len(set(names)) == len(names)
-    assert all(effect.group and effect.stage and effect.neutral for effect in EFFECTS)
+def test_every_name_has_one_row():
+    """In the order of the names, so that a plan reads like them."""
+    assert [entry.effect for entry in EFFECTS] == list(Effect)
+
+
+def bare_names(source):
+    """Lines that ask a plan for an effect by a string, not by its name in the enum."""
+    calls = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call))
+    asked = (node for node in calls if getattr(node.func, "attr", "") in ("needs", "forcing", "lap"))
+    return [node.lineno for node in asked if any(isinstance(argument, ast.Constant) for argument in node.args)]
+
+
+def test_effects_and_stages_are_asked_for_by_their_names():
+    assert bare_names('plan.needs("emission")') == [1]
+    root = Path(etalon.__file__).parent
+    files = [path for room in ("lib", "addon") for path in sorted((root / room).rglob("*.py"))]
+    assert not {path.name: lines for path in files if (lines := bare_names(path.read_text(encoding="utf-8")))}
+
+
+def test_every_stage_of_an_effect_has_a_clock():
+    """Stages are charged by the loop, and nothing else is; a stage that no lap names would show no time."""
+    source = (Path(etalon.__file__).parent / "lib" / "wavefront" / "trace.py").read_text(encoding="utf-8")
+    assert {stage.name for stage in Stage} == set(re.findall(r"lap\(Stage\.([A-Z_]+)\)", source))
+
+
+def test_an_effect_that_is_none_is_refused():
     with pytest.raises(EtalonError, match="no effect is called 'caustics'"):
         make_plan(PLAIN).needs("caustics")
 

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every use of random numbers that an image depends on, in one place: its replicates, its dimensions, its keys.
+
+A pair of uniforms is named by (seed, replicate, dimension); `stream_key` in sobol.py makes one key of the three. Two uses are
+independent if they share no replicate, or no dimension within one. Whoever needs a new use gives it a range here.
+Generators that no image sees are seeded where they stand: the bootstrap of a forecast, the timings of model forms, the places of
+the stability atlas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..errors import EtalonError
+
+
+@dataclass(frozen=True)
+class Stream:
+    """A range of replicate numbers: `count` of them from `first` on, for one `use`."""
+
+    use: str
+    first: int
+    count: int
+
+    def number(self, k: int) -> int:
+        """The replicate number of the stream's `k`-th image, k from 0; raises EtalonError beyond its range."""
+        if not 0 <= k < self.count:
+            raise EtalonError(
+                f"{self.use}: there are {self.count} replicates, and number {k} is asked for; "
+                "give fewer replicates of more samples"
+            )
+        return self.first + k
+
+
+COVERAGE = Stream("what camera rays meet", -1, 1)
+COUNTED = Stream(
+    "replicates that a film, a comparison, an audit or a level of a cost measurement counts", 0, (1 << 18) - 1
+)
+VERIFICATION = Stream(
+    "the renders that put a cost forecast to the test, a first call before them", (1 << 18) - 1, 1 << 18
+)
+TRUTH = Stream("the long render that cost measurements compare with", 1 << 19, (1 << 19) - 1)
+REACH = Stream("pixels that unsupported materials can affect", (1 << 20) - 1, 1)
+FIRST_CALLS = Stream("pilots and first calls: timed, counted nowhere", 1 << 20, 1 << 20)
+DEPARTURES = Stream("pairs of images with and without departures, of the reference alone", 1 << 21, 1 << 21)
+
+STREAMS = (COVERAGE, COUNTED, VERIFICATION, TRUTH, REACH, FIRST_CALLS, DEPARTURES)
+
+# Cycles has one seed for an image: numbered replicate first, then chunk of the image's samples. No stream that Cycles renders reaches
+# beyond this many replicates.
+CYCLES_REPLICATES = 1 << 21
+
+# Dimensions of a path: a pair of uniforms each. Two for the camera, then four for each step along the path.
+PIXEL, LENS, FIRST_STEP = 0, 1, 2
+BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
+DIMENSIONS_PER_STEP = 4
+
+# Keys beside the dimensions: how pixels pick and shift point sets, and the generator of plain random numbers.
+PIXEL_KEYS, RANDOM_NUMBERS = -2, -1
+
+
+def step_dimension(step: int, decision: int) -> int:
+    """The dimension of a `decision` (BSDF, LIGHT, CHOICES or FATE) at a step of the path, counted from 0."""
+    return FIRST_STEP + DIMENSIONS_PER_STEP * step + decision

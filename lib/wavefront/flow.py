@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which steps of the loop run for a scene: the flags of its stages, as the plan decides them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..effects.names import Effect
+from .kernel import LIGHT_BELOW, Kernel
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The loop of one kernel.
+
+    has_lens: camera rays start on a lens. hides: some objects hide from camera rays. several_materials: hits are sorted by material.
+    transparent: light passes faces straight. second_hits, last_hits: what rays meet after the first face, and at their end, matters.
+    emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
+    has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
+    the first one. roulette: weak paths end at random.
+    """
+
+    has_lens: bool
+    hides: bool
+    several_materials: bool
+    transparent: bool
+    second_hits: bool
+    last_hits: bool
+    emission: bool
+    samples_lobes: bool
+    last_rays: bool
+    has_choices: bool
+    asks_visibility: bool
+    most_bounces: int
+    roulette: bool
+
+    @staticmethod
+    def of(kernel: Kernel) -> Flow:
+        """What the kernel's plan and options call for."""
+        needs, options = kernel.plan.needs, kernel.options
+        return Flow(
+            has_lens=needs(Effect.DEPTH_OF_FIELD),
+            hides=needs(Effect.HIDDEN_OBJECTS),
+            several_materials=needs(Effect.SEVERAL_MATERIALS),
+            transparent=needs(Effect.TRANSPARENT_SURFACES),
+            second_hits=needs(Effect.SECOND_HITS),
+            last_hits=needs(Effect.LAST_HITS),
+            emission=needs(Effect.EMISSION),
+            samples_lobes=needs(Effect.SCATTERED_RAYS),
+            last_rays=needs(Effect.LAST_RAYS),
+            has_choices=needs(Effect.LIGHT_SELECTION) or needs(Effect.SEVERAL_LOBES),
+            asks_visibility=needs(Effect.SHADOW_RAYS) or LIGHT_BELOW in options.departures,
+            most_bounces=kernel.scene.transport.max_bounces if needs(Effect.INDIRECT_LIGHT) else 0,
+            roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
+        )
