@@ -15,7 +15,7 @@ from ...lib.wavefront.render import ReferenceRenderer
 from ...reference_scenes.edge import CASES, EdgeCase
 from ..cycles.renderer import CyclesRenderer
 from ..job import export
-from .console import quiet
+from ..quiet import quiet
 
 FAMILY = "scene at the edge"
 

@@ -17,8 +17,8 @@ from ...lib.errors import EtalonError
 from ...lib.film.exr import read_exr
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
-from ..command.console import quiet
 from ..export.camera import full_frame, rendered_region
+from ..quiet import quiet
 from .neutral import SEQUENCE, Changes, neutral
 
 __all__ = ["CyclesRenderer", "neutral"]

@@ -11,7 +11,6 @@ from datetime import UTC, datetime
 import numpy as np
 import scipy
 
-from ... import __version__
 from ..departures.effects import Alternatives
 from ..errors import EtalonError
 from ..film.film import nonfinite_pixels
@@ -21,6 +20,7 @@ from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest, next_look
 from ..verdict.verdict import Verdict, conclude
+from ..version import VERSION
 from .focus import focus
 from .meter import Meter
 from .options import CompareOptions
@@ -173,7 +173,7 @@ def _both(samples: int | tuple[int, int] | None) -> tuple[int, int] | None:
 def versions() -> dict[str, str]:
     """What a report says about the software it was made with."""
     return {
-        "etalon": __version__,
+        "etalon": VERSION,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,

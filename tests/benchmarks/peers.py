@@ -23,10 +23,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
-from etalon.addon.command.console import quiet
 from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
+from etalon.addon.quiet import quiet
 from etalon.lib.comparison.compare import Renderer
 from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene
