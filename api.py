@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from .addon.command.exported import read_scene
 from .lib.comparison.compare import Comparison
@@ -62,14 +63,12 @@ def compare(
     """
     chosen = settings or Settings()
     target = _target(scene)
-    _open(target)
-    import bpy
-
+    _, opened = _open(target)
     from .addon import job
     from .addon.command.opening import as_opened
 
     repeat = repeating_command("compare", as_opened(target), chosen)
-    return job.compare_here(bpy.context.scene, chosen, chosen.out, repeat, progress, cancelled)
+    return job.compare_here(opened, chosen, chosen.out, repeat, progress, cancelled)
 
 
 def render(
@@ -128,14 +127,12 @@ def cost(
     """
     chosen = options or CostOptions()
     target = _target(scene)
-    name = _open(target)
-    import bpy
-
+    name, opened = _open(target)
     from .addon.command.opening import as_opened
     from .addon.cost import measure_cost
 
     repeat = repeating_command("cost", as_opened(target), chosen)
-    return measure_cost(name, bpy.context.scene, chosen, chosen.out, repeat, cancelled=cancelled)
+    return measure_cost(name, opened, chosen, chosen.out, repeat, cancelled=cancelled)
 
 
 def _target(scene: str | Path | Target | None) -> Target:
@@ -144,12 +141,13 @@ def _target(scene: str | Path | Target | None) -> Target:
     return Target(None if scene is None else str(scene))
 
 
-def _open(target: Target) -> str:
-    """Open the scene in Blender and return its name."""
+def _open(target: Target) -> tuple[str, Any]:
+    """Open the scene in Blender; return its name, and the scene itself, a bpy.types.Scene."""
     from .addon.blender import load_blender
 
-    load_blender()
+    bpy = load_blender()
     from .addon.command.opening import open_target, refuse_archive
 
     refuse_archive(target)
-    return open_target(target.scene, target.frame, target.camera, target.assignments)
+    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    return name, bpy.context.scene

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+import importlib
+from typing import Any
+
 from ..lib.errors import EtalonError
 
 LIBRARIES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
 
 
-def load_blender() -> None:
-    """Import bpy; raises EtalonError, which says what to install, where it or a system library is missing."""
+def load_blender() -> Any:
+    """Import bpy and return it; raises EtalonError, which says what to install, where it or a system library is missing."""
     try:
-        import bpy  # noqa: F401
+        return importlib.import_module("bpy")
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise

@@ -166,21 +166,27 @@ class Whole(Unit):
 
 
 @dataclass(frozen=True)
-class WholeOrPair(Whole):
-    """A whole number, or in a script a pair of them: one for the reference, one for Cycles."""
+class WholeOrPair(Unit):
+    """A whole number of at least `least`, or in a script a pair of them: one for the reference, one for Cycles."""
+
+    metavar: str = "N"
+    least: int | None = None
+
+    def read(self, text: str) -> int:
+        """The whole number that `text` says."""
+        return Whole(least=self.least).read(text)
 
     def check(self, value: Any) -> int | tuple[int, int]:
         """A whole number or a pair."""
+        whole = Whole(least=self.least)
         if not isinstance(value, (tuple, list)):
-            return super().check(value)
+            return whole.check(value)
         if len(value) != 2:
             raise ValueError(f"{value!r} is not a pair; give one number, or one for each side")
-        for one in value:
-            try:
-                super().check(one)
-            except ValueError as error:
-                raise ValueError(f"{tuple(value)}: {error}") from None
-        return value[0], value[1]
+        try:
+            return whole.check(value[0]), whole.check(value[1])
+        except ValueError as error:
+            raise ValueError(f"{tuple(value)}: {error}") from None
 
     def plain(self, value: int | tuple[int, int]) -> int | list[int]:
         """A number, or a list of two."""
