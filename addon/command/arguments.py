@@ -62,11 +62,9 @@ def _add(group: argparse._ActionsContainer, declared: Option) -> None:
 
 def add_settings(parser: argparse.ArgumentParser, kind: type[Declared]) -> None:
     """Add every option of a settings class, under the title of the class that declares it."""
-    options = [(kind.title_of(declared.name), declared) for declared in kind.options()]
-    # The options of a base class come first; in a help text those of the command itself do.
-    for title in reversed(dict.fromkeys(title for title, _ in options)):
+    for title, options in kind.groups().items():
         group = parser.add_argument_group(title) if title else parser
-        for declared in (declared for of, declared in options if of == title):
+        for declared in options:
             _add(group, declared)
 
 

@@ -26,6 +26,7 @@ from ..exit_codes import ExitCode
 from ..files.results import folder_beside
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
+from ..settings.common import Target
 from ..settings.words import read_table
 from ..verdict.outcome import Outcome
 from .process import end, etalon_command, start
@@ -120,7 +121,7 @@ def _options(path: Path, table: dict[str, Any]) -> tuple[str, ...]:
             f"{path}: [options] cannot set 'out'; each comparison gets a folder below the plan's own 'out'"
         )
     try:
-        return read_table(Settings, table)
+        return read_table((Target, Settings), table)
     except EtalonError as error:
         raise EtalonError(f"{path}: [options]: {error}") from None
 

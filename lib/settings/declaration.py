@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Self, TypeVar, cast
 
-from ..errors import EtalonError, unknown
+from ..errors import EtalonError
 from .units import Unit, UnknownName
 
 _KEY = "etalon option"
@@ -136,18 +136,13 @@ class Declared:
         )
 
     @classmethod
-    def title_of(cls, name: str) -> str:
-        """The title, for help texts, of the class that declared the option `name` first; '' where it has none."""
-        owner = next(c for c in reversed(cls.__mro__) if name in vars(c).get("__annotations__", {}))
-        return vars(owner).get("TITLE", "")
-
-    @classmethod
-    def option(cls, flag: str) -> Option:
-        """The option of that flag; raises EtalonError that suggests a near one."""
-        found = {declared.flag: declared for declared in cls.options()}
-        if flag not in found:
-            raise EtalonError(unknown("option", flag, tuple(found)))
-        return found[flag]
+    def groups(cls) -> dict[str, list[Option]]:
+        """The options by the title of the class that declares them, as help texts show them: this class first, its bases after it."""
+        found: dict[str, list[Option]] = {}
+        for declared in cls.options():
+            owner = next(c for c in reversed(cls.__mro__) if declared.name in vars(c).get("__annotations__", {}))
+            found.setdefault(vars(owner).get("TITLE", ""), []).append(declared)
+        return dict(reversed(found.items()))
 
     def part(self, kind: type[D]) -> D:
         """The same values as an object of `kind`, a class whose options are all among these."""

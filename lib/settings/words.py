@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..errors import EtalonError, unknown
 from .declaration import Declared, Option
 from .units import Flag, Pair
 
@@ -17,7 +18,7 @@ def write_words(declared: Option, value: Any) -> list[str]:
     if declared.positional:
         return [unit.write(value)]
     if isinstance(unit, Flag):
-        return [flag if value else f"--no-{declared.flag}"]
+        return [flag] if value else [f"--no-{declared.flag}"] if declared.default else []
     if isinstance(unit, Pair):
         return [flag, *value]
     if unit.repeats:
@@ -42,14 +43,21 @@ def repeating_command(command: str, *settings: Declared) -> str:
     return shlex.join(["etalon", command, *words])
 
 
-def read_table(kind: type[Declared], table: Mapping[str, Any]) -> tuple[str, ...]:
+def read_table(kinds: tuple[type[Declared], ...], table: Mapping[str, Any]) -> tuple[str, ...]:
     """The words for a table of options by their long names, such as [options] of a batch.
 
-    Values may be numbers or the same texts as on the command line ("2m", "1%"). Raises EtalonError for an option that `kind` does
-    not have, and for a value that it does not take.
+    Values may be numbers, or the same texts as on the command line ("2m", "1%"). Raises EtalonError for an option that `kinds` do not
+    have, and for a value that it does not take.
+
+    >>> from etalon.lib.settings.common import Run
+    >>> read_table((Run,), {"seed": 3, "threads": "2"})
+    ('--seed=3', '--threads=2')
     """
+    known = {declared.flag: declared for kind in kinds for declared in kind.options() if not declared.positional}
     words: list[str] = []
     for flag, value in table.items():
-        declared = kind.option(flag)
-        words += write_words(declared, declared.check(value))
+        if flag not in known:
+            raise EtalonError(unknown("option", flag, tuple(known)))
+        several = known[flag].unit.repeats and isinstance(value, str)
+        words += write_words(known[flag], known[flag].check([value] if several else value))
     return tuple(words)
