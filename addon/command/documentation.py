@@ -52,9 +52,8 @@ def _table(kinds: tuple[type[Declared], ...]) -> list[str]:
 
 
 def _section(command: Command) -> list[str]:
-    return ["", f"## etalon {command.name}", "", f"{command.help[0].upper()}{command.help[1:]}.", ""] + _table(
-        command.settings
-    )
+    sentence = f"{command.help[0].upper()}{command.help[1:]}."
+    return ["", f"## etalon {command.name}", "", sentence, "", *_table(command.settings)]
 
 
 def document() -> str:
