@@ -14,17 +14,17 @@ from typing import Any
 
 from .addon.command.exported import read_scene
 from .lib.comparison.compare import Comparison
-from .lib.comparison.options import Settings
-from .lib.cost.options import CostOptions
 from .lib.cost.result import Cost
 from .lib.effects.plan import Plan, make_plan
 from .lib.errors import EtalonError as EtalonError
 from .lib.errors import Refused as Refused
 from .lib.film.film import Film
 from .lib.settings.common import Target
+from .lib.settings.comparison import Settings
+from .lib.settings.cost import CostOptions
+from .lib.settings.reference import RenderOptions
 from .lib.settings.words import repeating_command
 from .lib.verdict.outcome import Outcome as Outcome
-from .lib.wavefront.options import RenderOptions
 from .lib.wavefront.replicates import render_film
 
 Progress = Callable[[float], None]

@@ -13,7 +13,6 @@ import bpy
 from ..lib.cost.document import BASELINE, TARGETS, Extras, document
 from ..lib.cost.measure import PAIRS, TRUTH_SHARE, Measurement, measure
 from ..lib.cost.models import measure_forms
-from ..lib.cost.options import CostOptions
 from ..lib.cost.result import Cost
 from ..lib.cost.verify import Verification, verify
 from ..lib.cost.ways import BEST, Way, reference_ways
@@ -21,6 +20,7 @@ from ..lib.cost.write import write_cost
 from ..lib.effects.plan import make_plan
 from ..lib.errors import Cancelled, EtalonError, unknown
 from ..lib.files.results import folder_beside
+from ..lib.settings.cost import CostOptions
 from .cycles.renderer import neutral
 from .cycles.settings import cycles_ways, traded
 from .job import export

@@ -14,7 +14,6 @@ from pathlib import Path
 import bpy
 
 from ..lib.comparison.compare import Comparison, Renderer, compare
-from ..lib.comparison.options import CompareOptions, Settings
 from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.results import folder_beside
@@ -22,9 +21,10 @@ from ..lib.report import write_report
 from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
 from ..lib.settings.common import Target
+from ..lib.settings.comparison import CompareOptions, Settings
+from ..lib.settings.reference import Options
 from ..lib.settings.words import repeating_command
 from ..lib.wavefront.coverage import coverage
-from ..lib.wavefront.options import Options
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
 from .cycles.renderer import CyclesRenderer, neutral

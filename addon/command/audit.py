@@ -11,12 +11,12 @@ import bpy
 
 from ...lib.audit.document import table
 from ...lib.audit.measure import audit
-from ...lib.audit.options import AuditOptions
 from ...lib.audit.setting import FACTORY, FILE, Setting
 from ...lib.audit.write import write_audit
-from ...lib.comparison.options import CompareOptions
 from ...lib.files.results import folder_beside
+from ...lib.settings.audit import AuditOptions
 from ...lib.settings.common import Target
+from ...lib.settings.comparison import CompareOptions
 from ...lib.settings.words import repeating_command
 from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from ..cycles.renderer import neutral

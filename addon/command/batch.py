@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ...lib.batch.run import read_plan, run_plan
-from .options import BatchOptions
+from ...lib.settings.commands import BatchOptions
 
 
 def run(settings: BatchOptions) -> int:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import bpy
 
-from ...lib.comparison.options import Settings
 from ...lib.report.words import sentences, unexplained
 from ...lib.settings.common import Target
+from ...lib.settings.comparison import Settings
 from ...lib.settings.words import repeating_command
 from .. import job
 from ..quiet import quiet

@@ -9,10 +9,10 @@ from contextlib import AbstractContextManager
 from dataclasses import asdict
 from pathlib import Path
 
-from ...lib.cost.options import CostOptions
 from ...lib.cost.verify import Verification
 from ...lib.cost.write import table, took
 from ...lib.settings.common import Target
+from ...lib.settings.cost import CostOptions
 from ...lib.settings.words import repeating_command
 from ..blender import load_blender
 from .console import bar, ended_by_interrupt, interruptible

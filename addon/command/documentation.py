@@ -12,8 +12,8 @@ from .table import COMMANDS, Command
 INTRODUCTION = """\
 # Options
 
-This file is made from the declarations in the files called `options.py` and in `lib/settings/common.py`:
-`python -m etalon.addon.command.documentation > docs/options.md`. A test compares the two.
+This file is made from the declarations in `lib/settings/`: `python -m etalon.addon.command.documentation > docs/options.md`.
+A test compares the two.
 
 Times may be written as `90`, `90s`, `2m` or `1h30m`, shares as `0.01` or `1%`. In the `[options]` of a batch the same names are
 used without the dashes: numbers, texts as on the command line, `true` and `false`, and lists for options that may be repeated.

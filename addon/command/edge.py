@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 
 from ...lib.film.rendering import Rendering
+from ...lib.settings.reference import Options
 from ...lib.stability.case import Case
-from ...lib.wavefront.options import Options
 from ...lib.wavefront.render import ReferenceRenderer
 from ...reference_scenes.edge import CASES, EdgeCase
 from ..cycles.renderer import CyclesRenderer

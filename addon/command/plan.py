@@ -9,9 +9,9 @@ from dataclasses import asdict
 from ...lib.effects.plan import Plan, make_plan
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
+from ...lib.settings.commands import PlanOutput
 from ...lib.settings.common import Target
 from .exported import read_scene
-from .options import PlanOutput
 
 
 def run(target: Target, settings: PlanOutput) -> int:

@@ -7,7 +7,7 @@ from ...lib.errors import EtalonError
 from ...lib.files.results import file_beside
 from ...lib.film.exr import write_film
 from ...lib.settings.common import Target
-from ...lib.wavefront.options import RenderOptions, RenderOutput
+from ...lib.settings.reference import RenderOptions, RenderOutput
 from ...lib.wavefront.replicates import render_film
 from .console import bar, interruptible
 from .exported import read_scene

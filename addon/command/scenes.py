@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ...lib.settings.commands import ScenesOptions
 from ...reference_scenes import SCENES, save
 from ..quiet import quiet
-from .options import ScenesOptions
 
 
 def run(settings: ScenesOptions) -> int:

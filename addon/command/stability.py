@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...lib.exit_codes import ExitCode
+from ...lib.settings.commands import StabilityOptions
 from ...lib.stability import atlas
 from ...lib.stability.case import Case
 from ..blender import load_blender
 from .console import ended_by_interrupt
-from .options import StabilityOptions
 
 
 def run(settings: StabilityOptions) -> int:

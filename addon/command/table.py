@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...lib.audit.options import AuditOptions
-from ...lib.comparison.options import Settings
-from ...lib.cost.options import CostOptions
 from ...lib.exit_codes import ExitCode
+from ...lib.settings.audit import AuditOptions
+from ...lib.settings.commands import BatchOptions, PlanOutput, ScenesOptions, StabilityOptions
 from ...lib.settings.common import Target
+from ...lib.settings.comparison import Settings
+from ...lib.settings.cost import CostOptions
 from ...lib.settings.declaration import Declared
-from ...lib.wavefront.options import RenderOutput
-from .options import BatchOptions, PlanOutput, ScenesOptions, StabilityOptions
+from ...lib.settings.reference import RenderOutput
 
 
 def _codes(*codes: tuple[ExitCode, str]) -> str:

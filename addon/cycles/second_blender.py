@@ -13,12 +13,12 @@ import bpy
 import numpy as np
 
 from ...lib.batch.process import end, send, start
-from ...lib.comparison.options import Settings
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Windows
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
+from ...lib.settings.comparison import Settings
 from .worker import MARK
 
 _WORKER = Path(__file__).with_name("worker.py")

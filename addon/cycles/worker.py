@@ -35,7 +35,7 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
-    names = ("errors", "scene.archive", "film.windows", "comparison.options")
+    names = ("errors", "scene.archive", "film.windows", "settings.comparison")
     errors, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
     quiet = importlib.import_module(f"{package}.addon.quiet")
     folder = Path(request["folder"])

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ...lib.comparison.options import Settings
+from ...lib.settings.comparison import Settings
 from ...lib.settings.declaration import Option
 from ...lib.settings.units import Choice, FilePath, Flag, Seconds, Share, Unit, Whole
 

@@ -20,13 +20,13 @@ from typing import Any
 
 from tqdm import tqdm
 
-from ..comparison.options import Settings
 from ..errors import EtalonError, unknown
 from ..exit_codes import ExitCode
 from ..files.results import folder_beside
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
 from ..settings.common import Target
+from ..settings.comparison import Settings
 from ..settings.words import read_table
 from ..verdict.outcome import Outcome
 from .process import end, etalon_command, start

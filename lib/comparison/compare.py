@@ -16,6 +16,7 @@ from ..errors import EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import Coverage, Regions, image_regions
 from ..scene.scene import Scene
+from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest, next_look
@@ -23,7 +24,6 @@ from ..verdict.verdict import Verdict, conclude
 from ..version import VERSION
 from .focus import focus
 from .meter import Meter
-from .options import CompareOptions
 from .pilot import pilot
 from .search import Search
 from .sides import Renderer, Side

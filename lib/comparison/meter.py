@@ -10,7 +10,7 @@ from collections.abc import Callable
 from ..errors import EtalonError
 from ..film.rendering import Rendering
 from ..film.windows import Windows
-from .options import CompareOptions
+from ..settings.comparison import CompareOptions
 from .sides import Renderer
 
 

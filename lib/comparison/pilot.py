@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..film.regions import RegionMoments, image_regions
+from ..settings.comparison import CompareOptions
 from ..verdict.allocation import Cost, allocate, fit_cost, relative_noise
 from .meter import Meter
-from .options import CompareOptions
 from .sides import Renderer
 
 # Replicates of the pilot are numbered from here, so that the verdict's own start at 0 whatever the pilot needed.

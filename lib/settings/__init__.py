@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How an option is declared, once, so that everything else about it can be made from the declaration.
+"""Every option, declared once, and what is made from the declarations.
 
-units.py says how each kind of value is read, checked and written; declaration.py declares options as the fields of a frozen class;
-common.py holds the options that several commands share; words.py turns settings into command-line words and back.
-The options themselves are declared beside what they are for, in the files called options.py.
+The options: reference.py (the reference integrator), comparison.py (the verdict, and all of a comparison), cost.py, audit.py,
+commands.py (other commands), common.py (what several share: scene, seed, threads).
+The mechanism: units.py says how each kind of value is read, checked and written; declaration.py declares options as fields of a frozen
+class; words.py turns settings into command-line words. To add an option, declare it here, and use it where it belongs.
 """

@@ -16,9 +16,9 @@ from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
+from ..settings.reference import Options
 from .heap import give_back, settle_heap
 from .kernel import Kernel
-from .options import Options
 from .sums import PixelSums, StageClock
 from .trace import Tracer
 from .turns import short_turns

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ..errors import Cancelled
 from ..film.film import Film
 from ..scene.scene import Scene
-from .options import Options, RenderOptions
+from ..settings.reference import Options, RenderOptions
 from .render import ReferenceRenderer
 
 

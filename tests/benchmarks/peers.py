@@ -30,7 +30,7 @@ from etalon.addon.quiet import quiet
 from etalon.lib.comparison.compare import Renderer
 from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 
 SCENES = ("glossy_spheres", "veach_plates", "cornell_glossy")

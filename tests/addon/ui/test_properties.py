@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import pytest
 from etalon.addon.ui import properties
-from etalon.lib.comparison.options import Settings
+from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.declaration import Declared, Panel, option
 from etalon.lib.settings.units import Choice, FilePath, Seconds, Share, Whole
 

@@ -10,13 +10,13 @@ import pytest
 from etalon.addon.command import cli
 from etalon.addon.command.arguments import read_arguments
 from etalon.addon.command.table import COMMANDS
-from etalon.lib.comparison.options import CompareOptions, Settings
 from etalon.lib.errors import EtalonError
 from etalon.lib.settings.common import Target
+from etalon.lib.settings.comparison import CompareOptions, Settings
 from etalon.lib.settings.declaration import Declared, option
+from etalon.lib.settings.reference import Options
 from etalon.lib.settings.units import Share
 from etalon.lib.settings.words import read_table, repeating_command
-from etalon.lib.wavefront.options import Options
 
 FULL = Settings(
     tolerance="2.5%",

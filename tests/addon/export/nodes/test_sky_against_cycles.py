@@ -3,7 +3,7 @@
 
 import bpy
 from etalon.addon.job import compare_here
-from etalon.lib.comparison.options import Settings
+from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad
 from etalon.tests.addon.export.nodes.test_sky import world_of

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from ..settings.common import Run
-from ..settings.declaration import option, required
-from ..settings.units import Choice, FilePath, Flag, Names, Whole
+from .common import Run
+from .declaration import option, required
+from .units import Choice, FilePath, Flag, Names, Whole
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
 DIRECT = ("mis", "lights", "bsdf")

@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..comparison.options import CompareOptions
-from ..settings.common import Run
-from ..settings.declaration import again, option
-from ..settings.units import FilePath, Flag
+from .common import Run
+from .comparison import CompareOptions
+from .declaration import again, option
+from .units import FilePath, Flag
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..errors import EtalonError
-from ..settings.common import Seeded
-from ..settings.declaration import Panel, option
-from ..settings.units import FilePath, Flag, Seconds, Share, Whole, WholeOrPair
-from ..wavefront.options import Options
+from .common import Seeded
+from .declaration import Panel, option
+from .reference import Options
+from .units import FilePath, Flag, Seconds, Share, Whole, WholeOrPair
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options that belong to the command line alone: those of `plan`, `scenes`, `batch` and `stability`."""
+"""The options of `etalon plan`, `scenes`, `batch` and `stability`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...lib.settings.declaration import Declared, option, required
-from ...lib.settings.units import FilePath, Flag, Pair, Whole
+from .declaration import Declared, option, required
+from .units import FilePath, Flag, Pair, Whole
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import EtalonError
-from ..settings.common import Run
-from ..settings.declaration import option
-from ..settings.units import FilePath, Flag, Keys, Seconds, Share
+from .common import Run
+from .declaration import option
+from .units import FilePath, Flag, Keys, Seconds, Share
 
 
 @dataclass(frozen=True, kw_only=True)
