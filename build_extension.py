@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 STAGE = ROOT / "build" / "extension"
 PACKAGED = ("addon", "lib", "reference_scenes")
-FILES = ("__init__.py", "LICENSE", "blender_manifest.toml")
+FILES = ("__init__.py", "api.py", "public_name.py", "py.typed", "LICENSE", "blender_manifest.toml")
 
 # Brought by Blender (4.2's and Debian 13's NumPy are the oldest with that Python): wheels must fit it, not replace it.
 NUMPY = {"3.11": "1.24.3", "3.13": "2.2.4"}

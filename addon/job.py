@@ -3,17 +3,17 @@
 
 from __future__ import annotations
 
-import shlex
 import tempfile
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import bpy
 
-from ..lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
+from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.run import Stop
 from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
@@ -22,8 +22,11 @@ from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
+from ..lib.settings.common import Target
+from ..lib.settings.comparison import CompareOptions, Settings
+from ..lib.settings.reference import Options
+from ..lib.settings.words import repeating_command
 from ..lib.wavefront.coverage import coverage
-from ..lib.wavefront.options import Options
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
 from .cycles.renderer import CyclesRenderer, neutral
@@ -37,20 +40,8 @@ TRY_SHARE, TRY_LEAST = 0.05, 4.0
 MINIMAL = "unexplained.blend"
 
 
-@dataclass(frozen=True)
-class Choices:
-    """All that a user chooses about a comparison: the verdict's options and the reference's.
-
-    `partial`: materials that are not simulated are no refusal; what shows them is left out.
-    """
-
-    verdict: CompareOptions
-    reference: Options
-    partial: bool = False
-
-
 def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
-    """The scene as it is set up for rendering, `partial` as in Choices; raises Refused or EtalonError.
+    """The scene as it is set up for rendering, `partial` as in Settings; raises Refused or EtalonError.
 
     Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
     """
@@ -60,51 +51,51 @@ def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
 def judge(
     scene: Scene,
     candidate: Renderer,
-    choices: Choices,
-    folder: Path,
+    settings: Settings,
+    folder: Path | None,
     repeat: str,
     progress: Progress,
 ) -> Comparison:
-    """Render the reference beside `candidate`, compare the two, and leave the report in `folder`.
+    """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
 
     `repeat` is the command that does the same again; the report shows it.
     """
-    with replace_files(folder) as beside:
-        reference = ReferenceRenderer(scene, choices.reference)
+    with nullcontext() if folder is None else replace_files(folder) as beside:
+        reference = ReferenceRenderer(scene, settings.part(Options))
         comparison = compare(
             scene,
             reference,
             candidate,
             coverage(reference.kernel),
-            choices.verdict,
+            settings.part(CompareOptions),
             progress,
             alternatives(reference),
             reached(reference) if reference.kernel.has_unknown else None,
         )
-        write_report(comparison, reference.plan, beside, repeat)
+        if beside is not None:
+            write_report(comparison, reference.plan, beside, repeat)
     return comparison
 
 
 def compare_here(
     scene: bpy.types.Scene,
-    choices: Choices,
-    folder: Path,
+    settings: Settings,
+    folder: Path | None = None,
     repeat: str = "",
     progress: Progress = NO_PROGRESS,
 ) -> Comparison:
-    """Compare with Cycles in this very process; its settings come back when it is done.
+    """Compare with Cycles in this very process; the scene's own settings come back when it is done.
 
-    The report goes to `folder`, and with it, where something differs and nothing explains it, a small scene that shows it.
-    `repeat` is the command that the report shows; `progress` is told the share that is done and asked whether to end.
+    The report goes to `folder`, if there is one, and with it, where something differs and no departure explains it, a small scene that
+    shows it. `repeat` is the command that the report shows; `progress` is told the share that is done, and asked whether to end.
     Raises Refused or EtalonError.
     """
-    exported = export(scene, choices.partial)
-    with neutral(scene, threads=choices.reference.threads):
-        candidate = CyclesRenderer(scene, seed=choices.verdict.seed, threads=choices.reference.threads)
-        comparison = judge(exported, candidate, choices, folder, repeat, progress)
-        if comparison.stopped is Stop.CANCELLED:
-            return comparison
-        show_unexplained(comparison, folder, partial(show, scene, choices))
+    exported = export(scene, settings.partial)
+    with neutral(scene, threads=settings.threads):
+        candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
+        comparison = judge(exported, candidate, settings, folder, repeat, progress)
+        if folder is not None and comparison.stopped is not Stop.CANCELLED:
+            show_unexplained(comparison, folder, partial(show, scene, settings))
         return comparison
 
 
@@ -120,33 +111,25 @@ def show_unexplained(
 
 
 def show(
-    scene: bpy.types.Scene, choices: Choices, box: tuple[int, int, int, int], names: list[str], path: Path
+    scene: bpy.types.Scene, settings: Settings, box: tuple[int, int, int, int], names: list[str], path: Path
 ) -> None:
-    """Write the smallest part of `scene` in which short comparisons by `choices` find a difference for no known reason."""
-    write_minimal(scene, box, names, partial(_shows, choices), path)
+    """Write the smallest part of `scene` in which short comparisons find a difference that no departure explains."""
+    write_minimal(scene, box, names, partial(_shows, settings), path)
 
 
-def _shows(choices: Choices, part: bpy.types.Scene) -> bool:
+def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
     """Whether a short comparison finds that a part of the scene differs, for no reason that is known."""
-    verdict = choices.verdict
+    verdict = settings.part(CompareOptions)
     if verdict.time is not None:
         verdict = replace(verdict, time=max(TRY_SHARE * verdict.time, TRY_LEAST))
     try:
-        reference = ReferenceRenderer(export(part, choices.partial), choices.reference)
-        candidate = CyclesRenderer(part, seed=verdict.seed, threads=choices.reference.threads)
+        reference = ReferenceRenderer(export(part, settings.partial), settings.part(Options))
+        candidate = CyclesRenderer(part, seed=settings.seed, threads=settings.threads)
         among = alternatives(reference)
         found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, among=among)
     except EtalonError:
         return False
     return bool(unexplained(found))
-
-
-def repeat(blend: str, choices: Choices) -> str:
-    """The command line that compares as the panel does."""
-    verdict = choices.verdict
-    words = ["etalon", "compare", blend or "FILE.blend", f"--tolerance={verdict.tolerance:g}"]
-    words += [f"--confidence={verdict.confidence:g}", f"--time={verdict.time:g}"]
-    return shlex.join([*words, "--partial"] if choices.partial else words)
 
 
 class BackgroundJob:
@@ -156,21 +139,19 @@ class BackgroundJob:
     `errors` is there, or neither if it was cancelled before there was anything to compare.
     """
 
-    def __init__(self, scene: bpy.types.Scene, choices: Choices, folder: Path) -> None:
+    def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path) -> None:
         self.folder = folder
         self.fraction = 0.0
         self.message = "Exporting"
         self.comparison: Comparison | None = None
         self.errors: tuple[str, ...] = ()
-        self._choices = choices
+        self._settings = settings
         self._cancel = threading.Event()
         self._temporary = tempfile.TemporaryDirectory(prefix="etalon-", ignore_cleanup_errors=True)
-        self._repeat = repeat(bpy.data.filepath, choices)
+        self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
         copy = Path(self._temporary.name) / "scene.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
-        self._blender = SecondBlender(
-            copy, scene.name, choices.verdict.seed, choices.reference.threads, choices.partial
-        )
+        self._blender = SecondBlender(copy, scene.name, settings)
         self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
         self._thread.start()
 
@@ -196,18 +177,14 @@ class BackgroundJob:
             self.comparison = judge(
                 scene,
                 self._blender,
-                self._choices,
+                self._settings,
                 self.folder,
                 self._repeat,
                 Progress(self._report, self._cancel.is_set),
             )
             if self.comparison.stopped is not Stop.CANCELLED:
                 self.message = "Looking for the cause"
-                show_unexplained(
-                    self.comparison,
-                    self.folder,
-                    partial(self._blender.show, self._choices.verdict, self._choices.reference.threads),
-                )
+                show_unexplained(self.comparison, self.folder, self._blender.show)
         except Refused as refused:
             self.errors = tuple(str(refusal) for refusal in refused.refusals)
         except EtalonError as error:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -40,3 +42,13 @@ class Refused(EtalonError):
     def __init__(self, refusals: tuple[Refusal, ...] | list[Refusal]) -> None:
         self.refusals = tuple(refusals)
         super().__init__("; ".join(str(r) for r in self.refusals))
+
+
+def unknown(what: str, name: str, known: Sequence[str]) -> str:
+    """The text of an error about a name that is not among the `known` ones: a near one, or all of them.
+
+    >>> unknown("strategy", "mss", ("mis", "lights"))
+    "unknown strategy 'mss'; did you mean 'mis'?"
+    """
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"unknown {what} '{name}'; " + (f"did you mean '{near[0]}'?" if near else f"choose from {', '.join(known)}")

@@ -8,7 +8,7 @@ standard error is small enough for the test to mean something: `precision` is as
 
 import numpy as np
 from etalon.lib.scene.scene import Scene
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.chi2 import sidak
 from scipy import stats

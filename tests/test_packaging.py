@@ -42,7 +42,7 @@ def test_every_data_file_is_packed_by_pip():
         for path in (ROOT / top).rglob("*")
         if path.is_file() and path.suffix not in {".py", ".pyc"}
     }
-    assert packed == present
+    assert packed == present | {ROOT / "py.typed"}
 
 
 def test_the_manifest_says_what_the_package_says():

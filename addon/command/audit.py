@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from argparse import Namespace
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -13,15 +13,18 @@ from ...lib.audit.document import table
 from ...lib.audit.measure import audit
 from ...lib.audit.setting import FACTORY, FILE, Setting
 from ...lib.audit.write import write_audit
-from ...lib.comparison.compare import CompareOptions
-from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_files
 from ...lib.progress import Progress
+from ...lib.settings.audit import AuditOptions
+from ...lib.settings.common import Target
+from ...lib.settings.comparison import CompareOptions
+from ...lib.settings.words import repeating_command
 from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
-from .console import bar, interruptible, quiet
-from .opening import open_target
+from ..quiet import quiet
+from .console import bar, interruptible
+from .opening import as_opened, open_target, refuse_archive
 
 # What `neutral` leaves alone, for it only adds noise or needs volumes, and an audit asks about.
 NEUTRAL_BESIDES = {
@@ -38,6 +41,16 @@ class Asked:
     values: list[tuple[Setting, list[Assignment]]] = field(default_factory=list)
     same: list[Setting] = field(default_factory=list)
     missing: list[Setting] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the terminal shows of an audit; `figures` is the dictionary that is written to audit.json."""
+
+    rounds: int
+    samples: int
+    stopped: str
+    figures: dict[str, Any]
 
 
 def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
@@ -75,26 +88,26 @@ def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
     return asked
 
 
-def run(arguments: Namespace) -> int:
+def run(target: Target, asked_for: AuditOptions) -> int:
     """Open the scene, measure, print the table, leave the report; the user's settings come back."""
-    if arguments.scene is not None and arguments.scene.endswith(".npz"):
-        raise EtalonError(f"{arguments.scene}: Cycles cannot render a saved scene; give the .blend")
-    options = CompareOptions(
-        tolerance=arguments.tolerance,
-        confidence=arguments.confidence,
-        time=arguments.time,
-        samples=arguments.samples,
-        replicates=arguments.replicates,
-        seed=arguments.seed,
-    )
-    name = open_target(arguments.scene, arguments.frame, arguments.camera, arguments.assignments)
-    folder = arguments.out or Path("etalon-out") / name
+    refuse_archive(target)
+    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    folder = asked_for.out or Path("etalon-out") / name
+    found = measure_open_scene(name, asked_for, folder, repeating_command("audit", as_opened(target), asked_for))
+    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
+    print(table(found.figures))
+    print(f"report: {folder / 'audit.html'}")
+    return 0
+
+
+def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat: str) -> Found:
+    """Measure the settings of the scene that is open, and write the report to `folder`; it shows the command `repeat`."""
     scene = bpy.context.scene
-    asked, stays, samples = settings(scene, arguments.all), kept(scene), scene.cycles.samples
-    threads = arguments.threads
+    asked, stays, samples = settings(scene, asked_for.all), kept(scene), scene.cycles.samples
+    threads = asked_for.threads
 
     def made(assignments: list[Assignment]) -> CyclesWith:
-        return CyclesWith(scene, {}, seed=options.seed, threads=threads, others=assignments)
+        return CyclesWith(scene, {}, seed=asked_for.seed, threads=threads, others=assignments)
 
     with (
         replace_files(folder) as beside,
@@ -108,14 +121,10 @@ def run(arguments: Namespace) -> int:
             name,
             made(stays),
             [(setting, made(stays + values)) for setting, values in asked.values],
-            options,
+            asked_for.part(CompareOptions),
             samples,
             tuple(asked.same),
             tuple(asked.missing),
             Progress(report, interrupted),
         )
-        figures = write_audit(found, beside, arguments.repeat)
-    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped.value}")
-    print(table(figures))
-    print(f"report: {folder / 'audit.html'}")
-    return 0
+        return Found(found.rounds, found.samples, found.stopped.value, write_audit(found, beside, repeat))

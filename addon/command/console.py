@@ -1,40 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The terminal: Blender's own chatter kept out of it, one progress bar with the time left, Ctrl-C as a wish to end."""
+"""The terminal: a progress bar that shows the time left, and Ctrl-C as a request to finish early."""
 
 from __future__ import annotations
 
-import ctypes
-import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 
 from tqdm import tqdm
 
 _BAR = "{desc} {percentage:3.0f} %|{bar}| {elapsed} spent, {remaining} left"
-
-
-def _flush_c_stdout() -> None:
-    """Write out what C code has left in its buffer: Blender prints through C's stdout, not through Python's."""
-    library = ctypes.cdll.ucrtbase if sys.platform == "win32" else ctypes.CDLL(None)
-    library.fflush(None)
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Send what anybody writes to standard output to nowhere; Blender reports every step of a render there."""
-    sys.stdout.flush()
-    _flush_c_stdout()
-    kept = os.dup(1)
-    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
-        os.dup2(nowhere.fileno(), 1)
-        try:
-            yield
-        finally:
-            _flush_c_stdout()
-            os.dup2(kept, 1)
-            os.close(kept)
 
 
 @contextmanager
@@ -54,6 +31,9 @@ def bar(description: str) -> Iterator[Callable[[float], None]]:
 @contextmanager
 def ended_by_interrupt() -> Iterator[None]:
     """Let Ctrl-C end the process at once and without a word, where an exception would leave Blender half initialised."""
+    if threading.current_thread() is not threading.main_thread():  # which alone receives signals
+        yield
+        return
     before = signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         yield

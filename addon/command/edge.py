@@ -10,13 +10,13 @@ import numpy as np
 
 from ...lib.film.rendering import Rendering
 from ...lib.sampling.streams import COUNTED
+from ...lib.settings.reference import Options
 from ...lib.stability.case import Case
-from ...lib.wavefront.options import Options
 from ...lib.wavefront.render import ReferenceRenderer
 from ...reference_scenes.edge import CASES, EdgeCase
 from ..cycles.renderer import CyclesRenderer
 from ..job import export
-from .console import quiet
+from ..quiet import quiet
 
 FAMILY = "scene at the edge"
 

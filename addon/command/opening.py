@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 
-from ...lib.errors import EtalonError
+from ...lib.errors import EtalonError, unknown
+from ...lib.settings.common import Target
 from ...reference_scenes import SCENES, build
+from ..quiet import quiet
 from .assignments import assign
-from .console import quiet
 
 # A .blend starts with its own magic, or with that of the gzip or Zstandard stream around it.
 _MAGIC = (b"BLENDER", b"\x1f\x8b", b"\x28\xb5\x2f\xfd")
@@ -33,9 +34,8 @@ def open_target(
         elif target.endswith(".blend"):
             open_blend(Path(target))
         else:
-            near = difflib.get_close_matches(target, SCENES, n=1)
-            hint = f"did you mean {near[0]}?" if near else "`etalon scenes` lists the scenes; a file ends in .blend"
-            raise EtalonError(f"{target}: no reference scene of that name; {hint}")
+            message = unknown("reference scene", target, tuple(SCENES))
+            raise EtalonError(message if message.endswith("?") else f"{message}; the name of a file ends in .blend")
     scene = bpy.context.scene
     if frame is not None:
         scene.frame_set(frame)
@@ -46,6 +46,17 @@ def open_target(
     if scene.camera is None:
         raise EtalonError(f"{scene.name}: the scene has no camera; add one in Blender and make it the active camera")
     return Path(target).stem if target else (Path(bpy.data.filepath).stem or scene.name)
+
+
+def as_opened(target: Target) -> Target:
+    """`target` with the path of the open file where it names no scene, for the command that a report shows."""
+    return replace(target, scene=target.scene or bpy.data.filepath or None)
+
+
+def refuse_archive(target: Target) -> None:
+    """Raise EtalonError for a scene saved as .npz, which Cycles cannot render."""
+    if target.is_archive:
+        raise EtalonError(f"{target.scene}: Cycles cannot render a saved scene; give the .blend, or use etalon render")
 
 
 def open_blend(path: Path) -> None:

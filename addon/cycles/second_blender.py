@@ -6,7 +6,6 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +13,13 @@ import bpy
 import numpy as np
 
 from ...lib.batch.process import end, send, start
-from ...lib.comparison.compare import CompareOptions
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Windows
 from ...lib.progress import NO_PROGRESS, Progress
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
+from ...lib.settings.comparison import Settings
 from .worker import MARK
 
 _WORKER = Path(__file__).with_name("worker.py")
@@ -29,11 +28,11 @@ _WORKER = Path(__file__).with_name("worker.py")
 class SecondBlender:
     """Cycles' side of a comparison, as a renderer; nothing but its construction needs the main thread."""
 
-    def __init__(self, copy: Path, scene: str, seed: int, threads: int, partial: bool = False) -> None:
+    def __init__(self, copy: Path, scene: str, settings: Settings) -> None:
         self.name = "Cycles"
         self.settings: dict[str, Any] = {}
         self._log = copy.with_name("second_blender.log")
-        request = {"scene": scene, "seed": seed, "threads": threads, "partial": partial, "folder": str(copy.parent)}
+        request = {"scene": scene, "settings": settings.to_json(), "folder": str(copy.parent)}
         # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
         blender = [bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
         with self._log.open("w", encoding="utf-8") as log:
@@ -82,12 +81,9 @@ class SecondBlender:
         with np.load(reply.pop("images")) as images:
             return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], windows=windows, **reply)
 
-    def show(
-        self, verdict: CompareOptions, threads: int, box: tuple[int, int, int, int], names: list[str], path: Path
-    ) -> None:
-        """Have a small scene written that shows what nothing explains; raises EtalonError where that fails."""
-        choices = {"verdict": asdict(verdict), "threads": threads}
-        self._send({"show": {"box": box, "names": names, "path": str(path.resolve()), **choices}})
+    def show(self, box: tuple[int, int, int, int], names: list[str], path: Path) -> None:
+        """Have a small scene written that shows a difference without a known cause; raises EtalonError where that fails."""
+        self._send({"show": {"box": box, "names": names, "path": str(path.resolve())}})
         reply = next(self._replies())
         if "error" in reply:
             raise EtalonError(reply["error"])

@@ -35,28 +35,30 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
-    names = ("errors", "progress", "scene.archive", "film.windows", "wavefront.options")
+    names = ("errors", "progress", "scene.archive", "film.windows", "settings.comparison")
     errors, progress, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
-    console = importlib.import_module(f"{package}.addon.command.console")
+    quiet = importlib.import_module(f"{package}.addon.quiet")
     importlib.import_module(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]
+    settings = options.Settings.from_json(request["settings"])
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
 
     def say(**answer: Any) -> None:
         answers.write(f"{MARK}{json.dumps(answer)}\n")
         answers.flush()
 
-    with console.quiet(), contextlib.ExitStack() as stack:
+    with quiet.quiet(), contextlib.ExitStack() as stack:
         try:
-            archive.save(job.export(scene, request["partial"]), folder / "scene.npz")
-            stack.enter_context(cycles.neutral(scene, threads=request["threads"]))
-            renderer = cycles.CyclesRenderer(scene, seed=request["seed"], threads=request["threads"])
+            archive.save(job.export(scene, settings.partial), folder / "scene.npz")
+            stack.enter_context(cycles.neutral(scene, threads=settings.threads))
+            renderer = cycles.CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
             say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
             for line in sys.stdin:
                 wanted = json.loads(line)
                 if "show" in wanted:
-                    _show(job, options, scene, request["partial"], **wanted["show"])
+                    shown = wanted["show"]
+                    job.show(scene, settings, tuple(shown["box"]), shown["names"], Path(shown["path"]))
                     say(shown=True)
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
@@ -75,14 +77,6 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(refusals=[vars(refusal) for refusal in refused.refusals])
         except errors.EtalonError as error:
             say(error=str(error))
-
-
-def _show(
-    job: Any, options: Any, scene: Any, partial: bool, verdict: dict, threads: int, box: list, names: list, path: str
-) -> None:
-    """Write a small scene that shows what nothing explains."""
-    choices = job.Choices(job.CompareOptions(**verdict), options.Options(threads=threads), partial)
-    job.show(scene, choices, tuple(box), names, Path(path))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +10,11 @@ from pathlib import Path
 import bpy
 import bpy.utils.previews
 
-from ...lib.comparison.compare import CompareOptions, Comparison
+from ...lib.comparison.compare import Comparison
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_files
-from ...lib.wavefront.options import Options
 from .. import job
+from .properties import read_settings
 
 TICK = 0.1  # seconds between two looks at the job
 
@@ -69,15 +68,6 @@ def output_folder(scene: bpy.types.Scene) -> Path:
     return Path(bpy.path.abspath(chosen))
 
 
-def chosen(scene: bpy.types.Scene) -> job.Choices:
-    """The panel's settings; one core is left to the window."""
-    settings = scene.etalon
-    verdict = CompareOptions(
-        tolerance=settings.tolerance / 100, confidence=settings.confidence / 100, time=settings.time
-    )
-    return job.Choices(verdict, Options(threads=max(1, (os.cpu_count() or 2) - 1)), settings.partial)
-
-
 def redraw(context: bpy.types.Context) -> None:
     """Draw again wherever the panel may be shown."""
     for window in context.window_manager.windows:
@@ -106,7 +96,7 @@ class CompareWithCycles(bpy.types.Operator):
             folder = output_folder(scene)
             with replace_files(folder):  # says at once when the folder cannot be written
                 pass
-            session.begin(job.BackgroundJob(scene, chosen(scene), folder))
+            session.begin(job.BackgroundJob(scene, read_settings(scene), folder))
         except EtalonError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

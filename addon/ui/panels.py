@@ -11,6 +11,7 @@ import bpy
 from ...lib.blender_versions import describe_unchecked
 from ...lib.report.words import sentences
 from .operators import ICONS, CancelComparison, CompareWithCycles, OpenReport, session
+from .properties import SHOWN
 
 _PIXELS_PER_CHARACTER = 7.5
 
@@ -27,8 +28,8 @@ class _Panel:
         layout.use_property_decorate = False
         column = layout.column()
         column.enabled = session.running is None
-        for name in ("tolerance", "confidence", "time", "partial", "out"):
-            column.prop(settings, name)
+        for declared in SHOWN:
+            column.prop(settings, declared.name)
         if session.running is None:
             row = layout.row()
             row.scale_y = 1.6

@@ -1,46 +1,86 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel lets a user choose, kept with the scene."""
+"""The options that the panel shows, kept with the scene; made from the declarations of `Settings`."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
 
 import bpy
+
+from ...lib.settings.comparison import Settings
+from ...lib.settings.declaration import Option
+from ...lib.settings.units import Choice, FilePath, Flag, Seconds, Share, Unit, Whole
+
+SHOWN = tuple(declared for declared in Settings.options() if declared.panel is not None)
+
+# What the panel multiplies a value by to show it: shares are shown in per cent.
+_PERCENT = 100.0
+
+
+def _share(declared: Option, common: dict[str, Any]) -> Any:
+    limits = {name: _PERCENT * value for name, value in _limits(declared).items()}
+    common["default"] *= _PERCENT
+    return bpy.props.FloatProperty(**common, **limits, subtype="PERCENTAGE", precision=2)
+
+
+def _seconds(declared: Option, common: dict[str, Any]) -> Any:
+    return bpy.props.FloatProperty(**common, **_limits(declared), subtype="TIME_ABSOLUTE")
+
+
+def _flag(declared: Option, common: dict[str, Any]) -> Any:
+    return bpy.props.BoolProperty(**common)
+
+
+def _path(declared: Option, common: dict[str, Any]) -> Any:
+    return bpy.props.StringProperty(**common, subtype="DIR_PATH")
+
+
+def _whole(declared: Option, common: dict[str, Any]) -> Any:
+    return bpy.props.IntProperty(**common, **_limits(declared))
+
+
+def _choice(declared: Option, common: dict[str, Any]) -> Any:
+    names = declared.unit.names
+    return bpy.props.EnumProperty(**common, items=[(name, name.replace("_", " ").capitalize(), "") for name in names])
+
+
+_MAKERS = {Share: _share, Seconds: _seconds, Flag: _flag, FilePath: _path, Whole: _whole, Choice: _choice}
+
+
+def _limits(declared: Option) -> dict[str, float]:
+    """The limits of a number, by Blender's names."""
+    panel = declared.panel
+    found = {"min": panel.low, "max": panel.high, "soft_max": panel.soft_high}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def make_property(declared: Option) -> Any:
+    """Blender's property for one option: its label, tooltip, default and limits."""
+    panel = declared.panel
+    help = declared.help[0].upper() + declared.help[1:]
+    common = {
+        "name": panel.label,
+        "description": f"{help}; {panel.help}" if panel.help else help,
+        "default": declared.default if panel.default is None else panel.default,
+    }
+    return _MAKERS[type(declared.unit)](declared, common)
+
+
+def _value(unit: Unit, shown: Any) -> Any:
+    """A property's value in the option's unit; Blender keeps single precision, of which six digits are what was typed."""
+    if isinstance(shown, float):
+        shown = float(f"{shown:.6g}")
+    return shown / _PERCENT if isinstance(unit, Share) else shown
 
 
 class EtalonSettings(bpy.types.PropertyGroup):
     """The settings of one comparison."""
 
-    tolerance: bpy.props.FloatProperty(
-        name="Tolerance",
-        description="Relative difference that still counts as equal",
-        subtype="PERCENTAGE",
-        default=1.0,
-        min=0.01,
-        max=50.0,
-        precision=2,
-    )
-    confidence: bpy.props.FloatProperty(
-        name="Confidence",
-        description="Confidence of the whole verdict, all regions together",
-        subtype="PERCENTAGE",
-        default=99.0,
-        min=50.0,
-        max=99.99,
-        precision=2,
-    )
-    time: bpy.props.FloatProperty(
-        name="Time",
-        description="Budget in seconds; the comparison ends sooner where everything is decided sooner",
-        subtype="TIME_ABSOLUTE",
-        default=120.0,
-        min=5.0,
-        soft_max=3600.0,
-    )
-    partial: bpy.props.BoolProperty(
-        name="Partial",
-        description="With materials that are not simulated, compare the pixels that their light does not reach",
-        default=False,
-    )
-    out: bpy.props.StringProperty(
-        name="Output",
-        description="Folder for the report and the images; // is the folder of this file",
-        subtype="DIR_PATH",
-        default="//etalon-out",
-    )
+    __annotations__ = {declared.name: make_property(declared) for declared in SHOWN}
+
+
+def read_settings(scene: bpy.types.Scene) -> Settings:
+    """The panel's settings of `scene`; one processor is left to the window. Where results go is up to the caller."""
+    chosen = {d.name: _value(d.unit, getattr(scene.etalon, d.name)) for d in SHOWN if not isinstance(d.unit, FilePath)}
+    return Settings(**chosen, threads=max(1, (os.cpu_count() or 2) - 1))

@@ -20,14 +20,21 @@ from typing import Any
 
 from tqdm import tqdm
 
-from ..errors import EtalonError
+from ..errors import EtalonError, unknown
+from ..exit_codes import ExitCode
 from ..files.atomic import replace_files
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
+from ..settings.common import Target
+from ..settings.comparison import Settings
+from ..settings.words import read_table
+from ..verdict.outcome import Outcome
 from .process import end, etalon_command, start
 
-VERDICTS = {0: "EQUIVALENT", 1: "DIFFERENT", 3: "UNDECIDED", 4: "EXPLAINED"}
-_SEVERITY = {0: 0, 4: 1, 3: 2, 1: 3}
+VERDICTS = {outcome.exit_code: outcome.value for outcome in Outcome}
+# From the best to the worst: a batch ends with the exit code of its worst comparison.
+_SEVERITY = (ExitCode.EQUIVALENT, ExitCode.EXPLAINED, ExitCode.UNDECIDED, ExitCode.DIFFERENT)
+ENTRIES = ("out", "scenes", "options", "vary")
 _JOURNAL = """
 create table if not exists units (
     key text primary key, scene text, assignments text, status text, exit_code integer, seconds real, message text, folder text
@@ -87,8 +94,8 @@ def read_plan(path: Path) -> BatchPlan:
         raise EtalonError(f"{path}: cannot be read ({error.strerror}); check the path") from error
     except ValueError as error:
         raise EtalonError(f"{path}: is not TOML ({error}); see `etalon batch --help`") from error
-    for name in data.keys() - {"out", "scenes", "options", "vary"}:
-        raise EtalonError(f"{path}: unknown entry '{name}'; see `etalon batch --help`")
+    for name in data.keys() - set(ENTRIES):
+        raise EtalonError(f"{path}: {unknown('entry', name, ENTRIES)}")
     scenes = data.get("scenes")
     if not isinstance(scenes, list) or not scenes or not all(isinstance(s, str) for s in scenes):
         raise EtalonError(f"{path}: 'scenes' must be a list of names or .blend files")
@@ -102,9 +109,21 @@ def read_plan(path: Path) -> BatchPlan:
         out=folder / data.get("out", path.stem),
         scenes=tuple(scenes),
         folder=folder,
-        options=tuple(f"--{name}={value}" for name, value in options.items()),
+        options=_options(path, options),
         variations=tuple(_variation(path, entry) for entry in vary),
     )
+
+
+def _options(path: Path, table: dict[str, Any]) -> tuple[str, ...]:
+    """The table [options] as words for `etalon compare`; --out is the batch's own."""
+    if "out" in table:
+        raise EtalonError(
+            f"{path}: [options] cannot set 'out'; each comparison gets a folder below the plan's own 'out'"
+        )
+    try:
+        return read_table((Target, Settings), table)
+    except EtalonError as error:
+        raise EtalonError(f"{path}: [options]: {error}") from None
 
 
 def _variation(path: Path, entry: Any) -> Variation:
@@ -123,16 +142,16 @@ def _variation(path: Path, entry: Any) -> Variation:
 
 def _key(unit: Unit, options: tuple[str, ...]) -> str:
     """What a unit's result depends on: its command line, the package's version, and the file as it is now."""
-    from ... import __version__
+    from ..version import VERSION
 
     stamp = ""
     if unit.target.endswith(".blend") and Path(unit.target).is_file():
         status = Path(unit.target).stat()
         stamp = f"{status.st_mtime_ns} {status.st_size}"
-    return hashlib.sha256(json.dumps([__version__, stamp, *unit.arguments(), *options]).encode()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps([VERSION, stamp, *unit.arguments(), *options]).encode()).hexdigest()[:16]
 
 
-def run(plan: BatchPlan) -> int:
+def run_plan(plan: BatchPlan) -> int:
     """Run what the plan asks for and its journal lacks; return the exit code of the batch."""
     keyed = {_key(unit, plan.options): unit for unit in plan.units()}
     with replace_files(plan.out):  # says at once when the folder cannot be written
@@ -144,8 +163,8 @@ def run(plan: BatchPlan) -> int:
             recorded = [_row(journal, key) for key in keyed]
             _write_tables(plan, list(zip(keyed.values(), recorded, strict=True)))
     if any(row is None or row["status"] != "finished" for row in recorded):
-        return 2
-    return max((row["exit_code"] for row in recorded), key=_SEVERITY.__getitem__)
+        return ExitCode.BAD_INPUT
+    return max((ExitCode(row["exit_code"]) for row in recorded), key=_SEVERITY.index)
 
 
 def _open_journal(path: Path) -> sqlite3.Connection:
@@ -189,7 +208,7 @@ def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: sqlite3.Conne
             code, words = _run_unit([*unit.arguments(), *plan.options, f"--out={plan.out / folder}"])
             # A crash may end with any code; what counts as a verdict has been written as one.
             judged = code in VERDICTS and (plan.out / folder / "verdict.json").is_file()
-            status = "finished" if judged else "refused" if code == 2 else "failed"
+            status = "finished" if judged else "refused" if code == ExitCode.BAD_INPUT else "failed"
             assignments = json.dumps({v.name: value for v, value in unit.assignments})
             journal.execute(
                 "insert or replace into units values (?, ?, ?, ?, ?, ?, ?, ?)",

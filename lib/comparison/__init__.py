@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lib/compare.py is put together from.
 
-options.py what the user asks, meter.py time and limits, pilot.py samples per replicate, sides.py one renderer's part,
+meter.py time and limits, pilot.py samples per replicate, sides.py one renderer's part,
 focus.py where sampling goes on, search.py attribution beside it.
 """

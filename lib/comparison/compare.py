@@ -10,7 +10,6 @@ from datetime import UTC, datetime
 import numpy as np
 import scipy
 
-from ... import __version__
 from ..blender_versions import Release
 from ..departures.effects import Alternatives
 from ..errors import Cancelled, EtalonError
@@ -20,13 +19,14 @@ from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
+from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest, next_look
 from ..verdict.verdict import Verdict, conclude
+from ..version import VERSION
 from .focus import focus
 from .meter import Meter
-from .options import CompareOptions
 from .pilot import choose_samples
 from .run import Stop
 from .search import Search
@@ -235,7 +235,7 @@ def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:
 def versions() -> dict[str, str]:
     """What a report says about the software it was made with."""
     return {
-        "etalon": __version__,
+        "etalon": VERSION,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,

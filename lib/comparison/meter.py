@@ -8,7 +8,7 @@ import math
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import Progress
-from .options import CompareOptions
+from ..settings.comparison import CompareOptions
 from .run import Stop, TimedRun
 from .sides import Renderer
 

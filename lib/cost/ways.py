@@ -10,7 +10,7 @@ from time import perf_counter
 
 from ..comparison.compare import Renderer
 from ..scene.scene import Scene
-from ..wavefront.options import Options
+from ..settings.reference import Options
 from ..wavefront.render import ReferenceRenderer
 
 

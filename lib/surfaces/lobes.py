@@ -26,9 +26,9 @@ from ..microfacets.cycles_tables import average_glass_albedo_cycles, glass_albed
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
+from ..settings.reference import Options
 from ..textures.evaluate import Evaluator
 from ..vectors import dot, orthonormal_basis, to_local
-from ..wavefront.options import Options
 from .surface import SurfacePoints
 
 # Below this product of the alphas a lobe is a mirror, as in Cycles (bsdf_microfacet.h); D(0) would exceed 1.6e9.

@@ -9,9 +9,9 @@ from ..bsdfs.mixture import Mixture
 from ..effects.facts import adding_lobes
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import Closure, Emission, Glass, Material, Refraction, Translucent, Transparent
+from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
-from ..wavefront.options import Options
 from .lobes import Site, build
 from .surface import SurfacePoints
 

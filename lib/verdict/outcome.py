@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from enum import Enum
 
+from ..exit_codes import ExitCode
+
 
 class Outcome(Enum):
     """What is claimed of a region or an image.
@@ -18,6 +20,6 @@ class Outcome(Enum):
     EXPLAINED = "EXPLAINED"
 
     @property
-    def exit_code(self) -> int:
-        """0 EQUIVALENT, 1 DIFFERENT, 3 UNDECIDED, 4 EXPLAINED; 2 is left to errors."""
-        return {Outcome.EQUIVALENT: 0, Outcome.DIFFERENT: 1, Outcome.UNDECIDED: 3, Outcome.EXPLAINED: 4}[self]
+    def exit_code(self) -> ExitCode:
+        """The exit code of a comparison that ends so."""
+        return ExitCode[self.name]

@@ -16,6 +16,7 @@ from ..lights.light import LightSampler
 from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
 from ..scene.scene import Scene
+from ..settings.reference import Options
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
@@ -24,7 +25,6 @@ from ..textures.images import ImageSet
 from .camera_caster import CameraCaster
 from .direction import Directions
 from .emissive import EmissiveMesh
-from .options import Options
 from .raycaster import Raycaster
 
 LIGHT_BELOW = "light below the face"

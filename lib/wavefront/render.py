@@ -16,8 +16,8 @@ from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
+from ..settings.reference import Options
 from .kernel import Kernel
-from .options import Options
 from .sums import PixelSums, StageClock
 from .trace import Tracer
 from .tuning import give_back_memory

@@ -23,14 +23,14 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
-from etalon.addon.command.console import quiet
 from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
+from etalon.addon.quiet import quiet
 from etalon.lib.comparison.compare import Renderer
 from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
 

@@ -20,9 +20,9 @@ from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
 from etalon.lib.comparison.compare import CompareOptions, Comparison, Renderer, compare
 from etalon.lib.comparison.run import Stop
+from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.coverage import coverage
-from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
 from etalon.reference_scenes import building

@@ -21,7 +21,7 @@ from etalon.lib.effects.names import Effect
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.scene import Scene
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
 from etalon.tests.neutral import NEUTRAL, TOGETHER

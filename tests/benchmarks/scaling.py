@@ -24,7 +24,7 @@ from etalon.addon.command.opening import open_target
 from etalon.addon.job import export
 from etalon.lib.scene import archive
 from etalon.lib.scene.scene import Scene
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
 

@@ -16,7 +16,7 @@ import statistics
 from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.job import export
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
 

@@ -6,7 +6,7 @@ import sys
 import time
 
 import bpy
-from bl_ext.user_default.etalon.addon.operators import session
+from bl_ext.user_default.etalon.addon.ui.operators import session
 
 # No other button has this colour, so that the test finds the panel's on a picture of the screen, as a user's eye does.
 BUTTON = (1.0, 0.0, 1.0, 1.0)

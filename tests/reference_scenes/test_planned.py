@@ -8,7 +8,7 @@ import pytest
 from etalon.addon.command.opening import open_target
 from etalon.addon.job import export
 from etalon.lib.effects.plan import make_plan
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.reference_scenes import SCENES
 

@@ -37,7 +37,9 @@ def run(capfd, *words):
     return code, out, [line for line in err.replace("\r", "\n").splitlines() if line.strip() and "%|" not in line]
 
 
-@pytest.mark.parametrize("words", [[], ["compare"], ["render"], ["scenes"], ["plan"], ["batch"], ["audit"]])
+@pytest.mark.parametrize(
+    "words", [[], ["compare"], ["render"], ["scenes"], ["plan"], ["batch"], ["audit"], ["cost"], ["stability"]]
+)
 def test_help_needs_no_blender(words):
     script = (
         "import sys; from etalon.addon.command.cli import main; code = main(sys.argv[1:])\n"
@@ -85,8 +87,8 @@ def test_percent_and_share_mean_the_same():
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["compare", "glossy_sphere"], "did you mean glossy_spheres?"),
-        (["compare", "no_such_thing"], "no reference scene of that name"),
+        (["compare", "glossy_sphere"], "did you mean 'glossy_spheres'?"),
+        (["compare", "no_such_thing"], "unknown reference scene 'no_such_thing'"),
         (["compare", "nowhere.blend"], "nowhere.blend: no such file"),
         (["compare", "text.blend"], "text.blend: is not a Blender file"),
         (["compare", "damaged.blend"], "damaged.blend: Blender cannot load it"),

@@ -7,10 +7,10 @@ import bpy
 import numpy as np
 import pytest
 from etalon.addon.command import cli
-from etalon.addon.command.console import quiet
 from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.cycles.settings import CyclesWith, cycles_ways, traded
+from etalon.addon.quiet import quiet
 
 SMALL = ("--set", "scene.render.resolution_percentage=10", "--threads", "1")
 
@@ -27,8 +27,8 @@ def run(capfd, *words):
     [
         (("scene.npz",), "give the .blend"),
         (("glossy_spheres", "--verify"), "--target"),
-        (("glossy_spheres", *SMALL, "--ways", "mis,cycels"), "did you mean cycles?"),
-        (("glossy_spheres", "--target", "0"), "between 0 and 1"),
+        (("glossy_spheres", *SMALL, "--ways", "mis,cycels"), "did you mean 'cycles'?"),
+        (("glossy_spheres", "--target", "0"), "more than 0 and less than 1"),
     ],
 )
 def test_bad_input_is_one_line(words, told, capfd, tmp_path):

@@ -8,14 +8,13 @@ import bpy
 import numpy as np
 import pytest
 from etalon.addon import job
-from etalon.addon.command.console import quiet
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.cycles.second_blender import SecondBlender
-from etalon.lib.comparison.compare import CompareOptions
+from etalon.addon.quiet import quiet
 from etalon.lib.departures.effects import Alternatives
 from etalon.lib.film.windows import Windows
+from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
-from etalon.lib.wavefront.options import Options
 from etalon.reference_scenes import building
 
 PROGRAM = """#!{python}
@@ -53,7 +52,7 @@ def floor():
 def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path):
     scene = floor()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
-    second = SecondBlender(tmp_path / "copy.blend", scene.name, seed=3, threads=1)
+    second = SecondBlender(tmp_path / "copy.blend", scene.name, Settings(seed=3, threads=1))
     try:
         assert second.export().name == "floor"
         here = CyclesRenderer(scene, seed=3, threads=1)
@@ -68,9 +67,9 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
 def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch):
     monkeypatch.setattr(job, "alternatives", lambda reference: Alternatives((), lambda names: reference))
     scene = floor()
-    choices = job.Choices(CompareOptions(0.01, time=60, samples=8, replicates=8), Options(threads=1))
+    settings = Settings(tolerance=0.01, time=60, samples=8, replicates=8, threads=1)
     with quiet():
-        running = job.BackgroundJob(scene, choices, tmp_path / "out")
+        running = job.BackgroundJob(scene, settings, tmp_path / "out")
         running.wait()
     assert running.errors == ()
     assert running.comparison.verdict.outcome is Outcome.DIFFERENT
@@ -84,10 +83,8 @@ def test_materials_that_are_not_simulated_come_over_as_unknown(program, tmp_path
     out = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
     tree.links.new(tree.nodes.new("ShaderNodeSubsurfaceScattering").outputs[0], out.inputs["Surface"])
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
-    second = SecondBlender(tmp_path / "copy.blend", scene.name, seed=3, threads=1, partial=True)
+    second = SecondBlender(tmp_path / "copy.blend", scene.name, Settings(seed=3, threads=1, partial=True))
     try:
         assert "Subsurface" in second.export().materials[0].unknown
     finally:
         second.close()
-    choices = job.Choices(CompareOptions(), Options(), partial=True)
-    assert job.repeat("a.blend", choices).endswith(" --partial")

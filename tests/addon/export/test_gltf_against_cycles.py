@@ -7,7 +7,7 @@ import pytest
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import export
 from etalon.lib.scene.materials import Diffuse, Metallic, Specular
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.nodes.node_cells import node
 from mathutils import Vector

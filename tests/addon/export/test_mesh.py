@@ -12,7 +12,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.scene.coincident import coincident_faces
 from etalon.lib.scene.mesh import Object
 from etalon.lib.scene.placements import Placements
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Euler, Matrix
 

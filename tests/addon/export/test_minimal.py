@@ -7,13 +7,12 @@ import bpy
 import numpy as np
 import pytest
 from etalon.addon import job
-from etalon.addon.command.console import quiet
 from etalon.addon.export import minimal
-from etalon.lib.comparison.compare import CompareOptions
+from etalon.addon.quiet import quiet
 from etalon.lib.departures.effects import Alternatives
 from etalon.lib.report.words import unexplained
+from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
-from etalon.lib.wavefront.options import Options
 from etalon.reference_scenes import building
 
 CORNERS = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
@@ -45,9 +44,9 @@ def state(scene):
 
 def test_one_object_and_one_light_are_left(two_floors, tmp_path):
     before = state(two_floors)
-    choices = job.Choices(CompareOptions(0.01, time=None, samples=8, replicates=8), Options())
+    settings = Settings(tolerance=0.01, time=None, samples=8, replicates=8, threads=2)
     with quiet():
-        comparison = job.compare_here(two_floors, choices, tmp_path)
+        comparison = job.compare_here(two_floors, settings, tmp_path)
     assert comparison.verdict.outcome is Outcome.DIFFERENT
     assert state(two_floors) == before
     box = minimal.where(comparison)
@@ -57,7 +56,7 @@ def test_one_object_and_one_light_are_left(two_floors, tmp_path):
     assert sorted(item.type for item in left.objects) == ["CAMERA", "LIGHT", "MESH"]
     assert "rough" in left.objects
     with quiet():
-        again = job.compare_here(left, choices, tmp_path / "again")
+        again = job.compare_here(left, settings, tmp_path / "again")
     assert again.regions.shape == (box[3] - box[1] + 1, box[2] - box[0] + 1)
     assert unexplained(again)
 
@@ -65,8 +64,8 @@ def test_one_object_and_one_light_are_left(two_floors, tmp_path):
 def test_there_is_none_where_all_agrees(two_floors, tmp_path):
     (tmp_path / job.MINIMAL).write_bytes(b"of another comparison")
     bpy.data.materials["rough"].node_tree.nodes["Diffuse BSDF"].inputs["Roughness"].default_value = 0.0
-    choices = job.Choices(CompareOptions(0.01, time=None, samples=8, replicates=8), Options())
+    settings = Settings(tolerance=0.01, time=None, samples=8, replicates=8, threads=2)
     with quiet():
-        comparison = job.compare_here(two_floors, choices, tmp_path)
+        comparison = job.compare_here(two_floors, settings, tmp_path)
     assert comparison.verdict.outcome is Outcome.EQUIVALENT
     assert not (tmp_path / job.MINIMAL).exists()

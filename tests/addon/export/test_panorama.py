@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 from etalon.lib.scene.camera import PANORAMAS
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.camera_rays import camera_rays
-from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.conftest import ASIDE
 from etalon.tests.addon.export.test_camera import randomize, room

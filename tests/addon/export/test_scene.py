@@ -11,7 +11,7 @@ from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.archive import load, save
 from etalon.lib.scene.materials import Diffuse, Emission
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 
 COLORS = {"red": (1.0, 0.25, 0.125), "green": (0.125, 1.0, 0.25), "blue": (0.25, 0.125, 1.0), "grey": (0.5, 0.5, 0.5)}

@@ -5,8 +5,8 @@ import bpy
 import numpy as np
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.lib.effects.plan import make_plan
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.coverage import coverage
-from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Euler, Matrix
 

@@ -62,7 +62,7 @@ def write_plan(folder, values, scenes=("glossy_spheres",)):
 
 def run(path):
     """What `etalon batch` does with a plan."""
-    return batch.run(batch.read_plan(path))
+    return batch.run_plan(batch.read_plan(path))
 
 
 def calls(folder):

@@ -13,9 +13,9 @@ from etalon.lib.report import write_report
 from etalon.lib.report.read import read_verdict
 from etalon.lib.report.words import sentences
 from etalon.lib.scene.materials import Material
+from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.coverage import coverage
-from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.reach import reached
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.scenes import diffuse, emission, floor, perspective, quad, scene

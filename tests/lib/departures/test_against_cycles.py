@@ -7,7 +7,7 @@ import pytest
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import export
 from etalon.lib.departures.catalogue import relevant
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.reference_scenes import building
 from etalon.tests.chi2 import sidak

@@ -28,8 +28,8 @@ from etalon.lib.scene.expressions import (
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Glass, Lobe, Material
+from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.outcome import Outcome
-from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
 

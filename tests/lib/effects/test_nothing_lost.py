@@ -10,9 +10,9 @@ from etalon.lib.effects.names import Effect
 from etalon.lib.effects.plan import Decision, Plan, make_plan
 from etalon.lib.film.moments import Moments
 from etalon.lib.scene.world import World
+from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.sequential import SequentialTest
-from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.effect_cases import (
     AREA,

@@ -15,7 +15,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.scene.expressions import ZERO, Math, ValueToColor
 from etalon.lib.scene.materials import Diffuse, Emission, Glass, Transparent
 from etalon.lib.scene.world import World
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.effect_cases import CAMERA, CASES, CROWDED, HALF, PLAIN, POINT, of
 from etalon.tests.scenes import color, cube, diffuse, floor, material, scene

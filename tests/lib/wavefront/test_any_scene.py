@@ -28,7 +28,7 @@ from etalon.lib.scene.materials import (
 from etalon.lib.scene.mesh import Mesh, Object
 from etalon.lib.scene.scene import Scene, Transport
 from etalon.lib.scene.world import World
-from etalon.lib.wavefront.options import STRATEGIES, Options
+from etalon.lib.settings.reference import STRATEGIES, Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

@@ -3,9 +3,9 @@
 
 import numpy as np
 from etalon.lib.effects.plan import make_plan
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.kernel import Kernel
-from etalon.lib.wavefront.options import Options
 from etalon.tests.scenes import cube, diffuse, icosphere, material, orthographic, perspective, quad, scene
 
 

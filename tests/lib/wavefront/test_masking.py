@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from etalon.lib.scene.expressions import Constant
 from etalon.lib.scene.materials import Glass, Glossy, Metallic, Refraction
-from etalon.lib.wavefront.options import MASKING, Options
+from etalon.lib.settings.reference import MASKING, Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.scenes import floor, material, orthographic, scene
 

@@ -7,7 +7,7 @@ from etalon.lib.scene.expressions import Constant, Coordinates, EnvironmentTextu
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.materials import Emission
 from etalon.lib.scene.world import World
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.scenes import color, diffuse, floor, material, orthographic, perspective, quad, scene
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight, SunLight
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.replicates import assert_same, blocks, replicates
 from etalon.tests.scenes import (

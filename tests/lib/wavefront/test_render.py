@@ -10,7 +10,7 @@ from etalon.lib.film.windows import Windows
 from etalon.lib.progress import Progress
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.materials import Diffuse, Glossy
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer, tiles
 from etalon.tests.chi2 import sidak
 from etalon.tests.replicates import assert_same, blocks, replicates

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from etalon.lib.scene.materials import Diffuse, Emission
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.replicates import assert_mean, assert_same, blocks, replicates
 from etalon.tests.scenes import color, cube, diffuse, emission, floor, material, perspective, quad, scene, transparent

@@ -8,7 +8,7 @@ import pytest
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.scene.lights import AreaLight
 from etalon.lib.scene.materials import Diffuse, Emission, Glossy, Material, Transparent
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.scenes import color, diffuse, floor, material, perspective, quad, scene
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import export
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad
 from mathutils import Vector

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from etalon.lib.errors import Refused
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Matrix
 

@@ -2,10 +2,9 @@
 """A matt and a glossy plate under a sky and its sun, judged by the comparison itself."""
 
 import bpy
-from etalon.addon.job import Choices, compare_here
-from etalon.lib.comparison.compare import CompareOptions
+from etalon.addon.job import compare_here
+from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
-from etalon.lib.wavefront.options import Options
 from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad
 from etalon.tests.addon.export.nodes.test_sky import world_of
 
@@ -22,5 +21,5 @@ def test_plates_under_a_sky_agree(tmp_path):
     sky = world_of(scene, sky_type=NEWEST, sun_elevation=0.9, sun_rotation=2.0)
     sky.id_data.nodes["Background"].inputs["Strength"].default_value = 0.2
     scene.world.cycles.sampling_method = "AUTOMATIC"
-    choices = Choices(CompareOptions(time=15.0, tolerance=0.01), Options())
-    assert compare_here(scene, choices, tmp_path / "report").verdict.outcome is Outcome.EQUIVALENT
+    settings = Settings(time=15.0, tolerance=0.01, threads=2)
+    assert compare_here(scene, settings, tmp_path / "report").verdict.outcome is Outcome.EQUIVALENT

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender as a Python module: importing it, and what to install where that fails."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from ..lib.errors import EtalonError
+
+LIBRARIES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
+
+
+def load_blender() -> Any:
+    """Import bpy and return it; raises EtalonError, which says what to install, where it or a system library is missing."""
+    try:
+        return importlib.import_module("bpy")
+    except ModuleNotFoundError as error:
+        if error.name != "bpy":
+            raise
+        raise EtalonError(
+            "Blender is not installed for this Python; use Python 3.11 or 3.13 and run `pip install bpy`, "
+            "or render a scene saved as .npz, which needs no Blender"
+        ) from error
+    except ImportError as error:
+        raise EtalonError(
+            f"Blender cannot start ({error}); install the system libraries that it needs, "
+            f"on Debian or Ubuntu: apt-get install {LIBRARIES}"
+        ) from error

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`etalon compare`: render with the reference and with Cycles, and print the verdict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ...lib.progress import Progress
+from ...lib.report.words import sentences, unexplained
+from ...lib.settings.common import Target
+from ...lib.settings.comparison import Settings
+from ...lib.settings.words import repeating_command
+from .. import job
+from ..quiet import quiet
+from .console import bar, interruptible
+from .opening import as_opened, open_target, refuse_archive
+
+
+def run(target: Target, settings: Settings) -> int:
+    """Open the scene, compare, print the verdict; the exit code is the verdict's."""
+    refuse_archive(target)
+    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    folder = settings.out or Path("etalon-out") / name
+    repeat = repeating_command("compare", as_opened(target), settings)
+    with interruptible() as interrupted, bar(name) as report, quiet():
+        progress = Progress(report, interrupted)
+        comparison = job.compare_here(bpy.context.scene, settings, folder, repeat, progress)
+    print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
+    for sentence in sentences(comparison):
+        print(f"  {sentence}")
+    print(f"report: {folder / 'report.html'}")
+    if unexplained(comparison):
+        print(f"smallest scene that shows it: {folder / job.MINIMAL}")
+    return comparison.verdict.outcome.exit_code

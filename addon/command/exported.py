@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as the reference sees it, for commands that need Blender only where it is not saved as .npz."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...lib.scene import archive
+from ...lib.scene.scene import Scene
+from ...lib.settings.common import Target
+from ..blender import load_blender
+from ..quiet import quiet
+from .console import ended_by_interrupt
+
+
+def read_scene(target: Target) -> Scene:
+    """The scene that `target` names, from a saved .npz or through Blender; raises EtalonError or Refused."""
+    if target.scene is not None and target.is_archive:
+        return archive.load(Path(target.scene))
+    with ended_by_interrupt():
+        load_blender()
+        import bpy
+
+        from .. import job
+        from .opening import open_target
+    open_target(target.scene, target.frame, target.camera, target.assignments)
+    with quiet():
+        return job.export(bpy.context.scene)

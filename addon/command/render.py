@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`etalon render`: the reference alone, as an EXR image."""
+
+from __future__ import annotations
+
+from ...lib.errors import EtalonError
+from ...lib.files.atomic import replace_file
+from ...lib.film.exr import write_film
+from ...lib.progress import Progress
+from ...lib.settings.common import Target
+from ...lib.settings.reference import RenderOptions, RenderOutput
+from ...lib.wavefront.replicates import render_film
+from .console import bar, interruptible
+from .exported import read_scene
+
+
+def run(target: Target, settings: RenderOutput) -> int:
+    """Render the reference and write it; Ctrl-C writes the replicates that are done."""
+    scene = read_scene(target)
+    with replace_file(settings.out) as path, interruptible() as interrupted, bar(scene.name) as report:
+        film = render_film(scene, settings.part(RenderOptions), Progress(report, interrupted))
+        if not film.moments.n:
+            raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
+        write_film(path, film)
+    print(f"{settings.out}: {film.moments.n} replicates of {film.samples} samples, {film.seconds:.1f} s")
+    return 0

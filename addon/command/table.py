@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The commands, one row each. The function `run` of the file of that name takes the settings and returns the exit code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...lib.exit_codes import ExitCode
+from ...lib.settings.audit import AuditOptions
+from ...lib.settings.commands import BatchOptions, PlanOutput, ScenesOptions, StabilityOptions
+from ...lib.settings.common import Target
+from ...lib.settings.comparison import Settings
+from ...lib.settings.cost import CostOptions
+from ...lib.settings.declaration import Declared
+from ...lib.settings.reference import RenderOutput
+
+
+def _codes(*codes: tuple[ExitCode, str]) -> str:
+    return "exit code: " + ", ".join(f"{code.value} {meaning}" for code, meaning in codes)
+
+
+FAILED = (ExitCode.BAD_INPUT, "bad input, or a scene that is not supported")
+VERDICTS = _codes(
+    *((ExitCode[name], name) for name in ("EQUIVALENT", "DIFFERENT", "UNDECIDED", "EXPLAINED")),
+    FAILED,
+)
+DONE = _codes((ExitCode.DONE, "done"), FAILED)
+
+_BATCH = """\
+Compare every scene at every combination of property values. PLAN.toml:
+
+  out = "sweep"                              # folder for the results, beside the plan
+  scenes = ["glossy_spheres", "room.blend"]  # reference scenes and files, beside the plan
+
+  [options]                                  # any long option of `etalon compare`, with numbers or texts
+  tolerance = "1%"
+  time = "1m"
+
+  [[vary]]                                   # any number of these; all combinations are compared
+  path = 'materials["Floor"].node_tree.nodes["Glossy BSDF"].inputs["Roughness"].default_value'
+  values = [0.1, 0.3, 0.5]
+  name = "roughness"                         # optional: its name in tables
+
+A path is a data path from bpy.data, or from the open scene if it begins with `scene.`. Each comparison runs in a process of
+its own. If one crashes, it is recorded as failed and the rest continue. Finished comparisons are kept in OUT/journal.sqlite, so
+the same command runs only what is missing after Ctrl-C or a crash. OUT has a folder for each comparison, batch.csv and
+batch.html."""
+
+_BATCH_CODES = (
+    "exit code: that of the worst comparison: 0 all EQUIVALENT, 4 some EXPLAINED, 3 some UNDECIDED, 1 some DIFFERENT, "
+    "2 some refused or failed"
+)
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command: its name, what it takes, and its help. `blender` says that its file imports bpy."""
+
+    name: str
+    settings: tuple[type[Declared], ...]
+    help: str
+    description: str = ""
+    epilog: str = DONE
+    blender: bool = False
+
+
+COMMANDS = (
+    Command(
+        "compare",
+        (Target, Settings),
+        "render with the reference and with Cycles, and compare the images",
+        epilog=VERDICTS,
+        blender=True,
+    ),
+    Command(
+        "render",
+        (Target, RenderOutput),
+        "render the reference alone",
+        "Channels of the EXR: radiance (R, G, B), its standard error (error.R ...) and the sample count (samples). "
+        "SCENE may also be a scene saved as .npz, which needs no Blender.",
+    ),
+    Command("scenes", (ScenesOptions,), "list the reference scenes, or save one as a .blend", blender=True),
+    Command(
+        "plan",
+        (Target, PlanOutput),
+        "list the effects that a scene needs, and why, without rendering",
+        "SCENE may also be a scene saved as .npz, which needs no Blender.",
+    ),
+    Command(
+        "cost",
+        (Target, CostOptions),
+        "measure the time that accuracy takes, or forecast it",
+        "Error against time for every sampling strategy, for Cycles, and for Cycles' denoiser.",
+    ),
+    Command(
+        "audit",
+        (Target, AuditOptions),
+        "measure what each Cycles setting of a file costs: bias, noise, seconds",
+        "Cycles against Cycles: the file's own settings, one at a time, against the least biased state.",
+        blender=True,
+    ),
+    Command("batch", (BatchOptions,), "compare scenes over property values; can be interrupted", _BATCH, _BATCH_CODES),
+    Command(
+        "stability",
+        (StabilityOptions,),
+        "measure the rounding errors of the reference, and those of the same equations in float32",
+        "Every equation against 50 digits over its whole domain, identities, and scenes at the edge; one line each.",
+        _codes((ExitCode.HELD, "every bound held"), (ExitCode.BROKEN, "the reference broke one"), FAILED),
+    ),
+)

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The public functions and classes; `import etalon` gives these names, in Blender and outside it.
+
+`scene` is everywhere the name of a reference scene, the path of a .blend file, or None for the file that is open in Blender. A
+`Target` also chooses the frame and the camera, and sets properties. Opening a file replaces the one that is open. Errors are
+EtalonError, whose text is one line, or its subclass Refused, for a scene that asks for what is not supported.
+"""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+
+from .addon.command.exported import read_scene
+from .lib.comparison.compare import Comparison
+from .lib.cost.result import Cost
+from .lib.effects.plan import Plan, make_plan
+from .lib.errors import EtalonError as EtalonError
+from .lib.errors import Refused as Refused
+from .lib.film.film import Film
+from .lib.progress import NO_PROGRESS, Progress
+from .lib.settings.common import Target
+from .lib.settings.comparison import Settings
+from .lib.settings.cost import CostOptions
+from .lib.settings.reference import RenderOptions
+from .lib.settings.words import repeating_command
+from .lib.verdict.outcome import Outcome as Outcome
+from .lib.wavefront.replicates import render_film
+
+
+def compare(
+    scene: str | Path | Target | None = None,
+    settings: Settings | None = None,
+    progress: Progress = NO_PROGRESS,
+) -> Comparison:
+    """Render a scene with the reference and with Cycles, and compare the images.
+
+    `progress` is told the share that is done, 0 to 1, and asked whether to stop. If `settings.out` is a folder, the report
+    is written there; otherwise no file is written. The settings of the scene come back.
+
+    Returns the Comparison: `verdict.outcome` is EQUIVALENT, DIFFERENT, UNDECIDED or EXPLAINED, `verdict` has intervals for every
+    region, `reference.film` and `candidate.film` have both images. Raises EtalonError or Refused.
+
+    >>> import etalon
+    >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=25",))
+    >>> comparison = etalon.compare(target, etalon.Settings(tolerance=0.2, samples=4, replicates=4))
+    >>> comparison.scene
+    'lambert_analytic'
+    >>> comparison.verdict.outcome in etalon.Outcome
+    True
+    """
+    chosen = settings or Settings()
+    target = _target(scene)
+    _, opened = _open(target)
+    from .addon import job
+    from .addon.command.opening import as_opened
+
+    repeat = repeating_command("compare", as_opened(target), chosen)
+    return job.compare_here(opened, chosen, chosen.out, repeat, progress)
+
+
+def render(
+    scene: str | Path | Target | None = None,
+    options: RenderOptions | None = None,
+    progress: Progress = NO_PROGRESS,
+) -> Film:
+    """Render a scene with the reference alone.
+
+    A path that ends in .npz is a scene saved by `etalon plan --save`; it needs no Blender.
+
+    Returns the Film: `moments.mean` is the radiance (height, width, 3) in W m^-2 sr^-1, linear Rec. 709, and `moments.n` the number of
+    replicates, fewer than asked for if it was cancelled. Raises EtalonError or Refused.
+
+    >>> import etalon
+    >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=10",))
+    >>> film = etalon.render(target, etalon.RenderOptions(samples=2, replicates=2))
+    >>> film.moments.n
+    2
+    >>> film.moments.mean.shape == (*film.shape, 3)
+    True
+    """
+    return render_film(read_scene(_target(scene)), options or RenderOptions(), progress)
+
+
+def plan(scene: str | Path | Target | None = None) -> Plan:
+    """List the effects that a scene needs, each with the fact that decided it, without rendering.
+
+    Returns the Plan: its `decisions` have the fields `effect`, `needed` and `fact`. Raises EtalonError or Refused.
+
+    >>> import etalon
+    >>> etalon.plan("lambert_analytic").needs("Lambert")
+    True
+    """
+    return make_plan(read_scene(_target(scene)))
+
+
+def cost(
+    scene: str | Path | Target | None = None,
+    options: CostOptions | None = None,
+    progress: Progress = NO_PROGRESS,
+) -> Cost:
+    """Measure the time that accuracy takes with every sampling strategy and with Cycles, or forecast it.
+
+    If `options.out` is a folder, the report is written there; otherwise no file is written. The settings of the scene come back.
+
+    Returns the Cost: `measurement` has error and seconds of every strategy, `figures` the same as a dictionary, with forecasts for each
+    target. Raises EtalonError, Refused, or Cancelled where nothing was measured.
+
+    >>> import etalon
+    >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=10",))
+    >>> found = etalon.cost(target, etalon.CostOptions(time=2, ways=("mis",)))
+    >>> [way["key"] for way in found.figures["ways"]]
+    ['mis']
+    """
+    chosen = options or CostOptions()
+    target = _target(scene)
+    name, opened = _open(target)
+    from .addon.command.opening import as_opened
+    from .addon.cost import measure_cost
+
+    repeat = repeating_command("cost", as_opened(target), chosen)
+    return measure_cost(name, opened, chosen, chosen.out, repeat, lambda words: nullcontext(progress))
+
+
+def _target(scene: str | Path | Target | None) -> Target:
+    if isinstance(scene, Target):
+        return scene
+    return Target(None if scene is None else str(scene))
+
+
+def _open(target: Target) -> tuple[str, Any]:
+    """Open the scene in Blender; return its name, and the scene itself, a bpy.types.Scene."""
+    from .addon.blender import load_blender
+
+    bpy = load_blender()
+    from .addon.command.opening import open_target, refuse_archive
+
+    refuse_archive(target)
+    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    return name, bpy.context.scene

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options of `etalon plan`, `scenes`, `batch` and `stability`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from .declaration import Declared, option, required
+from .units import FilePath, Flag, Pair, Whole
+
+
+@dataclass(frozen=True)
+class PlanOutput(Declared):
+    """How `etalon plan` answers."""
+
+    json: bool = option(False, Flag(), "print JSON")
+    save: Path | None = option(None, FilePath("FILE.npz"), "save the exported scene, for `etalon render`")
+
+
+@dataclass(frozen=True)
+class ScenesOptions(Declared):
+    """What `etalon scenes` does besides listing."""
+
+    save: tuple[str, str] | None = option(
+        None, Pair("NAME FILE.blend"), "build the reference scene NAME and save it as a .blend"
+    )
+
+
+@dataclass(frozen=True)
+class BatchOptions(Declared):
+    """The plan of a batch."""
+
+    plan: Path = required(FilePath("PLAN.toml"), "scenes, options and property values to compare", positional=True)
+
+
+@dataclass(frozen=True)
+class StabilityOptions(Declared):
+    """How much of the atlas is measured, and where its report goes."""
+
+    points: int = option(200, Whole("N", 1), "number of points at which each equation is measured")
+    scenes: bool = option(True, Flag(), "render the scenes at the edge too, which needs Blender")
+    out: Path = option(Path("etalon-out/stability"), FilePath("FOLDER"), "folder for stability.html and stability.json")

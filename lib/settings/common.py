@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Options that several commands share: which scene, which random numbers, how many threads."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import ClassVar
+
+from .declaration import Declared, option
+from .units import Texts, Unit, Whole
+
+
+def count_processors() -> int:
+    """The number of processors of this machine, at least 1."""
+    return os.cpu_count() or 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seeded(Declared):
+    """The one seed: of all scramblings of the reference, and of Cycles."""
+
+    TITLE: ClassVar[str] = "random numbers and threads"
+
+    seed: int = option(0, Whole("N"), "seed of the random numbers of the reference and of Cycles")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Seeded):
+    """What every command that renders takes."""
+
+    TITLE: ClassVar[str] = "random numbers and threads"
+
+    threads: int = option(2, Whole("N", 1), "number of threads", absent="all processors", compute=count_processors)
+
+
+@dataclass(frozen=True)
+class Target(Declared):
+    """The scene to work on, and what is set in it before it is rendered.
+
+    `scene` is the name of a reference scene, a .blend file, or where no Blender is needed a scene saved as .npz; None is the file that
+    is open in Blender. `assignments` are texts such as 'objects["Lamp"].location[2]=3.5': a data path and a value as in JSON.
+    """
+
+    scene: str | None = option(
+        None,
+        Unit("SCENE"),
+        "name of a reference scene (see `etalon scenes`), or a .blend file",
+        absent="the file that is open in Blender",
+        positional=True,
+    )
+    frame: int | None = option(None, Whole("N"), "frame to render", absent="the file's current frame")
+    camera: str | None = option(None, Unit("NAME"), "camera object to render from", absent="the file's active camera")
+    assignments: tuple[str, ...] = option(
+        (),
+        Texts("PATH=VALUE"),
+        "set a property by its data path before rendering; write the value as in JSON; may be repeated",
+        flag="set",
+    )
+
+    @property
+    def is_archive(self) -> bool:
+        """Whether the scene is one saved as .npz, which needs no Blender."""
+        return self.scene is not None and self.scene.endswith(".npz")

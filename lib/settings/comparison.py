@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options of a comparison: those of the verdict, and all that a user chooses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from ..errors import EtalonError
+from .common import Seeded
+from .declaration import Panel, option
+from .reference import Options
+from .units import FilePath, Flag, Seconds, Share, Whole, WholeOrPair
+
+
+@dataclass(frozen=True)
+class CompareOptions(Seeded):
+    """What the user asks of a verdict.
+
+    tolerance: the relative difference that counts as none. confidence: the probability that no claim on any region is false.
+    time: seconds for everything, None for no limit. samples: per pixel and replicate, for both sides or (reference,
+    candidate); None: chosen by a pilot. replicates: the most on each side, None for no limit. seed: of the whole.
+    Sampling ends when all is decided or at the first limit. Raises EtalonError for values out of range.
+    """
+
+    TITLE: ClassVar[str] = "the verdict"
+
+    tolerance: float = option(
+        0.01,
+        Share(),
+        "largest relative difference that counts as agreement",
+        panel=Panel("Tolerance", low=0.0001, high=0.5),
+    )
+    confidence: float = option(
+        0.99,
+        Share(low=0.5),
+        "confidence of the whole verdict, all regions together",
+        panel=Panel("Confidence", low=0.5, high=0.9999),
+    )
+    time: float | None = option(
+        120.0,
+        Seconds(),
+        "time budget; a comparison ends sooner if every region is decided sooner",
+        nullable=True,
+        panel=Panel("Time", low=5.0, soft_high=3600.0),
+    )
+    samples: int | tuple[int, int] | None = option(
+        None, WholeOrPair("N", 1), "samples per pixel in each replicate", absent="chosen by a pilot render"
+    )
+    replicates: int | None = option(
+        None, Whole("R", 1), "most replicates on each side", absent="as many as the time allows"
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.time is None and (self.samples is None or self.replicates is None):
+            raise EtalonError(
+                "without a time limit nothing ends the comparison; give samples and replicates, or a time"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings(CompareOptions, Options):
+    """All that a user chooses about a comparison: the verdict's options, the reference's, and where the results go.
+
+    tolerance, confidence, time, samples, replicates: as in CompareOptions. strategy, direct, masking, sampler, departures,
+    russian_roulette, seed, threads: as in Options.
+    partial: compare what can be compared where materials are not supported. out: folder for the results.
+    Raises EtalonError for a value out of range.
+
+    >>> Settings(tolerance=0.02, time=60).tolerance
+    0.02
+    >>> Settings(strategy="visable")
+    Traceback (most recent call last):
+    ...
+    etalon.lib.errors.EtalonError: unknown strategy 'visable'; did you mean 'visible'?
+    """
+
+    partial: bool = option(
+        False,
+        Flag(),
+        "compare what can be compared: pixels that unsupported materials could affect are left out and counted",
+        panel=Panel("Partial"),
+    )
+    out: Path | None = option(
+        None,
+        FilePath("FOLDER"),
+        "folder for the report, verdict.json and images",
+        absent="etalon-out/SCENE",
+        panel=Panel("Output", default="//etalon-out", help="// is the folder of this file"),
+    )

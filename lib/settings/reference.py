@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options of the reference: models, sampling strategies, random numbers, threads; and those of `etalon render`."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from .common import Run
+from .declaration import option, required
+from .units import Choice, FilePath, Flag, Names, Whole
+
+STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
+DIRECT = ("mis", "lights", "bsdf")
+MASKING = ("correlated", "separable", "torrance_sparrow")
+SAMPLERS = ("sobol", "random")
+
+
+def _switches() -> Collection[str]:
+    """The departures that have a switch. Looked up late: the catalogue imports SciPy and all kernels, help texts need neither."""
+    from ..departures.catalogue import SWITCHES
+
+    return SWITCHES
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Run):
+    """Options of the reference integrator.
+
+    strategy: how a glossy lobe is sampled: 'visible' normals (Heitz 2014), 'bounded' ones (Eto and Tokuyoshi 2023; GGX), the
+        documents' 'd_cos' (pdf(m) = D cos), or the hemisphere by 'cosine' or 'uniform' density.
+    direct: 'mis' combines light and BSDF sampling by the power heuristic with a cutoff; 'lights' and 'bsdf' take one of them alone (light
+        that one of them cannot sample is then still taken by the other: deltas, constant worlds).
+    masking: 'correlated' (Ross, Heitz; what Cycles uses), 'separable' (the documents' G1 G1) or 'torrance_sparrow'.
+    sampler: 'sobol' (Owen-scrambled, padded) or 'random'.
+    departures: names from lib/departures/catalogue.py, by which the reference errs as Cycles does.
+    russian_roulette: stop paths after the third scattering with a probability that leaves the mean as it is.
+    tile_paths: the most paths that one thread traces at once; no figure depends on it.
+    """
+
+    TITLE: ClassVar[str] = "the reference"
+
+    strategy: str = option(
+        STRATEGIES[0], Choice("NAME", "strategy", STRATEGIES), f"sampling of glossy lobes: {', '.join(STRATEGIES)}"
+    )
+    direct: str = option(DIRECT[0], Choice("NAME", "direct", DIRECT), f"sampling of direct light: {', '.join(DIRECT)}")
+    masking: str = option(MASKING[0], Choice("NAME", "masking", MASKING), f"masking-shadowing: {', '.join(MASKING)}")
+    sampler: str = option(SAMPLERS[0], Choice("NAME", "sampler", SAMPLERS), f"random numbers: {', '.join(SAMPLERS)}")
+    departures: frozenset[str] = option(
+        frozenset(),
+        Names(what="departure", known=_switches),
+        "make the reference reproduce a known departure of Cycles (reports give the names); may be repeated",
+        flag="depart",
+    )
+    russian_roulette: bool = option(True, Flag(), "end faint paths early; the mean does not change")
+    tile_paths: int = 131072
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderOptions(Options):
+    """Options of `etalon render` and `etalon.render`: those of the reference, and how much of it is rendered.
+
+    samples: samples per pixel in each replicate. replicates: number of independent scramblings.
+    """
+
+    samples: int = option(64, Whole("N", 1), "samples per pixel in each replicate")
+    replicates: int = option(8, Whole("R", 1), "number of independent replicates")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderOutput(RenderOptions):
+    """Options of the command `etalon render`, which writes a file."""
+
+    out: Path = required(FilePath("FILE.exr"), "image to write")
