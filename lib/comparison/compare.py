@@ -17,7 +17,8 @@ from ..errors import EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import Coverage, Regions, image_regions
 from ..scene.scene import Scene
-from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
+from ..verdict.attribution import ATTRIBUTION_SHARE
+from ..verdict.causes import Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest, next_look
 from ..verdict.verdict import Verdict, conclude
@@ -25,7 +26,7 @@ from .focus import focus
 from .meter import Meter
 from .options import CompareOptions
 from .pilot import pilot
-from .search import Search
+from .search import Search, conclude_causes
 from .sides import Renderer, Side
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
@@ -40,7 +41,7 @@ class Comparison:
 
     `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
-    where regions differ and departures were tried. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts
+    where regions differ and causes were sought. `stopped` is 'decided', 'time', 'replicates' or 'cancelled'. `seconds` counts
     everything, `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
     is open; `started` is ISO 8601 in UTC.
     """
@@ -97,7 +98,7 @@ def compare(
     excluded = np.zeros(regions.shape, bool)
     held_back = ATTRIBUTION_SHARE if asked else 0.0
     test = SequentialTest(len(regions), options.tolerance, options.confidence, held_back)
-    search = Search(among, test, meter) if asked else None
+    search = Search(among, test, meter, regions) if asked else None
     stopped, wanted, windows = "", None, None
     while not stopped:
         for side, renderer in zip(sides, (reference, candidate), strict=True):
@@ -115,9 +116,11 @@ def compare(
         if n == 0:
             raise EtalonError(f"{scene.name}: cancelled before both sides had an image; there is nothing to compare")
         due = next_look(n - 1)
-        stopped = meter.why_stop(n, n + 1 if windows is None else due if n < due else next_look(n))
-        # How fast parts come depends on what was seen elsewhere: of them, time decides neither when to look nor what a look may spend.
-        last = stopped == "replicates" or bool(stopped and windows is None)
+        # How fast parts come depends on what was seen elsewhere, and so does the time left once that set aside is overdrawn: then, time
+        # decides neither when to look nor what a look may spend.
+        timely = windows is None and not meter.is_overdrawn
+        stopped = meter.why_stop(n, n + 1 if timely else due if n < due else next_look(n))
+        last = stopped == "replicates" or bool(stopped and timely)
         if n != due and not last:
             continue
         test.look(sides[0].regions.moments, sides[1].regions.moments, last)
@@ -135,7 +138,7 @@ def compare(
             windows = focus(regions, wanted)
             meter.mark(n)
     nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in sides}
-    explanation = None if search is None else search.conclude(sides)
+    explanation = None if among is None else conclude_causes(search, test, sides)
     verdict = conclude(test, sides[0].regions, sides[1].regions, nonfinite, explanation)
     return Comparison(
         scene=scene.name,

@@ -14,6 +14,10 @@ from .options import CompareOptions
 from .sides import Renderer
 
 
+# The part of the time that effects of departures may take in all once regions differ.
+ASIDE_AT_MOST = 0.25
+
+
 class Meter:
     """What a comparison has spent, what it may spend, and what the user is told meanwhile."""
 
@@ -29,6 +33,18 @@ class Meter:
         self._rendered = 0
         self._mark = 0.0, 0
         self.round_seconds = math.nan
+
+    @property
+    def is_overdrawn(self) -> bool:
+        """Whether more than was set aside is spent aside: from then on, when sampling ends depends on what was seen."""
+        return self.seconds_aside is not None and self.spent_aside > self.seconds_aside
+
+    def has_time_aside(self, last: bool) -> bool:
+        """Whether effects of departures may go on: in the time set aside, and beyond it unless this look is the `last`."""
+        if self.seconds_aside is None:
+            return True
+        most = self.seconds_aside if last else ASIDE_AT_MOST * self._options.time
+        return self.spent_aside < most and (last or self.elapsed < self._options.time)
 
     @property
     def elapsed(self) -> float:
@@ -79,13 +95,14 @@ class Meter:
             return "cancelled"
         if self._options.replicates is not None and replicates >= self._options.replicates:
             return "replicates"
-        # What is set aside counts as spent from the start: how much of it is used depends on what was rendered.
+        # What is set aside counts as spent from the start: how much of it is used depends on what was rendered. What is spent beyond
+        # it does shorten the sampling, and `is_overdrawn` says so.
         sampling = self.elapsed - self.spent_aside
         begin, before = self._mark
         self.round_seconds = (sampling - begin) / max(replicates - before, 1)
         if self._options.time is None or replicates < 2:
             return ""
-        left = self._options.time - self.seconds_aside - sampling
+        left = self._options.time - max(self.seconds_aside, self.spent_aside) - sampling
         return "time" if self.round_seconds * (goal - replicates) > left else ""
 
     def _report(self, fraction: float) -> None:

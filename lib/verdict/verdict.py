@@ -9,7 +9,7 @@ import numpy as np
 
 from ..film.moments import Moments
 from ..film.regions import RegionMoments
-from .attribution import Explanation
+from .causes import Explanation
 from .claims import difference, interval
 from .forecast import Forecast, forecast
 from .outcome import Outcome
