@@ -13,7 +13,6 @@ from ..film.windows import Windows
 from .options import CompareOptions
 from .sides import Renderer
 
-
 # The part of the time that effects of departures may take in all once regions differ.
 ASIDE_AT_MOST = 0.25
 

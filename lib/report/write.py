@@ -22,7 +22,7 @@ from ..film.exr import write_exr, write_film
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
 from .document import document
 from .flip import flip
-from .words import percent, seconds
+from .language import part, percent, seconds
 
 # The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
 MOST_PIXELS = 600_000
@@ -103,7 +103,7 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(percent=percent, seconds=seconds)
+    environment.filters.update(part=part, percent=percent, seconds=seconds)
     height, width = comparison.regions.shape
     step = 1
     while -(-height // step) * -(-width // step) > MOST_PIXELS:

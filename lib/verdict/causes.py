@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What may be said of the causes of a difference: the words, the limits, and what is kept of the evidence.
 
-A set of departures *explains* a region that differs if two things are shown: with the set switched on, the reference agrees with
-the candidate to within the tolerance, and the set's share of the difference is between BAND[0] and BAND[1]. The second keeps
-out a set that overshoots: 1.5 % in place of a difference of 1.1 % is within a tolerance of 1 %, but is no explanation.
-The set is the cause only if its share is compatible with 1, too: the simultaneous interval of the share meets 1 -+ EXACT in
-every region inside that differs. Otherwise it is a partial cause. "Explains" means "is sufficient to explain": another set may be so too, and those of
-the same size that the data do not tell apart are rivals.
+A set of departures *explains* a region that differs if three things hold. It is shown that with the set switched on the reference
+agrees with the candidate to within the tolerance. It is shown that the set's share of the difference is between BAND[0] and
+BAND[1]; this keeps out a set that overshoots: 1.5 % in place of a difference of 1.1 % is within a tolerance of 1 %, but explains
+nothing. And it is not shown that the share is other than 1, by more than EXACT, in this region or in one that lies inside it.
 
-What is controlled: the chance of any false claim, of agreement, of a difference, of an explanation, of a partial cause or of a
-small share, in any region, at any look and for any set, is at most 1 - confidence. A likely cause is no claim. The proof: each kind of claim has a part
-of the level, fixed before anything is seen (attribution.py), and spends it by Bonferroni's inequality or Holm's procedure.
+A set that explains every region is the cause; one that explains some, or whose share is shown to be above 0, is a partial cause.
+"Explains" means "is sufficient to explain": other sets may be so too. Those of the same size that the data do not tell apart are rivals.
+
+What is controlled: the chance of any false claim, of agreement, of a difference, of an explanation, of a share above 0 or of a
+small one, in any region, at any look and for any set, is at most 1 - confidence. Each kind of claim has a part of this level, fixed
+before anything is seen (attribution.py), and spends it by Bonferroni's inequality or Holm's procedure. A cause whose share is exactly 1
+is denied by the third condition with a chance that is part of the same level. A likely cause, a rival and the finding that no set
+fits are no claims: they say what the data look like.
 """
 
 from __future__ import annotations
@@ -79,8 +82,8 @@ class Role(Enum):
 class Shares:
     """The share `value` (N,) of a set of departures in N regions, and its intervals.
 
-    `low`, `high` (N,) are simultaneous with those of every other set, region, channel and look; `alone` (2, N) are the ends for one share alone,
-    at the verdict's confidence.
+    `low`, `high` (N,) are simultaneous with those of every other set, region, channel and look; `alone` (2, N) are the ends for
+    one share alone, at the verdict's confidence.
     """
 
     value: np.ndarray
@@ -108,15 +111,15 @@ class Shares:
 class Explanation:
     """What attribution found of N regions and M departures.
 
-    `state` is the finding and `named` are the departures that it names: the cause, the partial causes or the likely cause. `chosen` are those
-    that explain a region: the fewest that explain every region that was not EQUIVALENT, if `complete` says that there are such.
-    `causes` (N) are the names that explain each region, the fewest again, empty where nothing does. `roles` (M) says what is
-    said of each departure, `alternatives` are other sets of as many departures as `named` that the data do not tell from it.
-    `effect` (M, N, 3) is what each departure alone adds to the reference, relative to it, and `shares` (M) what part that is of the
-    difference in the channel furthest off, None where the departure was not rendered (effect: NaN). `of_named` are the shares of all `named`
-    together. `rest` (N, 3) is the relative difference that remains with `named`, NaN where no effect is known. `proof` is the factor by which replicates on
-    both sides must grow to prove a likely cause, infinite where that is not in sight. At least `pairs` pairs of replicates of `samples` per
-    pixel stand behind each effect, in `seconds` altogether.
+    state: the finding. named: the departures that it names (cause, partial causes or likely cause). chosen: those that explain a
+    region: the fewest that explain every region that was not EQUIVALENT, if `complete` says that there are such. causes (N): the
+    fewest names that explain each region, empty where nothing does. roles (M): what is said of each departure. alternatives: other
+    sets of as many departures as `named` that the data do not tell from it.
+    effect (M, N, 3): what each departure alone adds to the reference, relative to it; NaN where it was not rendered. shares (M): what
+    part that is of the difference in the channel furthest off; None where it was not rendered. of_named: the same of all `named`
+    together. rest (N, 3): the relative difference that remains with `named`; NaN where no effect is known.
+    limit: the share that counts as small. proof: the factor by which replicates must grow to prove a likely cause; infinite
+    where that is not in sight. pairs: the fewest pairs of replicates, of `samples` per pixel, behind an effect. seconds: spent on all effects.
     """
 
     state: State

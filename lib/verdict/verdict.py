@@ -67,7 +67,8 @@ def conclude(
     different = int((test.outcomes == Outcome.DIFFERENT).sum())
     undecided = int((test.undecided & (reference.sizes > 0)).sum())  # of what has pixels left
     if different:
-        reasons.append(f"{different} of {test.outcomes.size} regions differ by more than the tolerance")
+        differ = "differs" if different == 1 else "differ"
+        reasons.append(f"{different} of {test.outcomes.size} regions {differ} by more than the tolerance")
     if any(nonfinite.values()):
         where = " and ".join(f"{count} pixels of {name}" for name, count in nonfinite.items() if count)
         reasons.append(
@@ -76,7 +77,8 @@ def conclude(
     if min(of_reference.most, of_candidate.most) < 2:
         reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
     elif undecided:
-        reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")
+        are = "is" if undecided == 1 else "are"
+        reasons.append(f"{undecided} of {test.outcomes.size} regions {are} still too noisy to decide")
     outcome = Outcome.DIFFERENT if different else Outcome.UNDECIDED if reasons else Outcome.EQUIVALENT
     outcomes = test.outcomes.copy()
     if explanation is not None:
