@@ -26,7 +26,8 @@ def simulated(
 ):
     """The search at its end, its sides, and what it says, on regions of mean 1.
 
-    `noise_of_effects` is that of a pair, relative to a replicate's. `true_effects` (name -> (N,)) add up, `candidate` (N,) is the truth of that side.
+    `true_effects` (name -> (N,)) add up, `candidate` (N,) is the truth of that side. `noise_of_effects` is that of a pair,
+    relative to a replicate's.
     """
     count = candidate.size
     test = SequentialTest(count, TOLERANCE, confidence, ATTRIBUTION_SHARE)
