@@ -25,9 +25,10 @@ import numpy as np
 
 from ..departures.catalogue import Departure
 
-# Shares that count as an explanation, if they are shown to be in here. The ends are well apart from what sums of two or three like departures
-# give (1/2, 3/2), and a share that is known to a quarter asks for about the noise that the tolerance itself asks for.
-BAND = (0.75, 1.25)
+# Shares that count as an explanation, if they are shown to be in here: well apart from what is left or added where one of two like
+# departures is missing or too many (1/2, 3/2). A narrower band costs more: replicates grow like 1 / (1 - 1 / BAND[1])^2, and at twice the
+# tolerance this one asks for about 5 times those that agreement asks for; beyond 4.3 times the tolerance agreement asks for more.
+BAND = (0.7, 1.3)
 # A share that is this near to 1 is not held against a cause: the reference's form of a departure is a model of Cycles' code, too.
 EXACT = 0.05
 # The largest share that counts as small; see `small_limit`.
