@@ -32,7 +32,7 @@ from .sides import Renderer, Side
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
 
 # What is set aside of the time to find out why regions differ, where there are departures to ask.
-ASIDE_SHARE = 0.1
+ASIDE_SHARE = 0.15
 
 
 @dataclass(frozen=True)

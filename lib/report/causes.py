@@ -154,15 +154,17 @@ def _open(comparison: Comparison, why: Explanation) -> list[str]:
 
 
 def _estimates(comparison: Comparison, why: Explanation) -> str:
-    """The share of each departure where it is known best."""
-    said = []
-    for k, departure in enumerate(why.departures):
+    """The share of each departure where it is known best, the largest first."""
+
+    def size(k: int) -> float:
         shares = why.shares[k]
-        if shares is None:
-            said.append(f"{departure.name}: not measured")
-        else:
-            text = share_text(comparison, shares, strongest(comparison, k), is_shown(why, k))
-            said.append(f"{departure.name}: {text}")
+        return -1.0 if shares is None else float(np.nan_to_num(abs(shares.value[strongest(comparison, k)])))
+
+    said = []
+    for k in sorted(range(len(why.departures)), key=size, reverse=True):
+        name, shares = why.departures[k].name, why.shares[k]
+        known = shares and share_text(comparison, shares, strongest(comparison, k), is_shown(why, k))
+        said.append(f"{name}: {known or 'not measured'}")
     return "; ".join(said) + "."
 
 

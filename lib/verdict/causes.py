@@ -6,7 +6,8 @@ agrees with the candidate to within the tolerance. It is shown that the set's sh
 BAND[1]; this keeps out a set that overshoots: 1.5 % in place of a difference of 1.1 % is within a tolerance of 1 %, but explains
 nothing. And it is not shown that the share is other than 1, by more than EXACT, in this region or in one that lies inside it.
 
-A set that explains every region is the cause; one that explains some, or whose share is shown to be above 0, is a partial cause.
+A set that explains every region is the cause. One that explains some is a partial cause, and so is a departure that is shown to take
+some of the difference away (its share is above 0, and not small) and in no region without an explanation to add to it.
 "Explains" means "is sufficient to explain": other sets may be so too. Those of the same size that the data do not tell apart are rivals.
 
 What is controlled: the chance of any false claim, of agreement, of a difference, of an explanation, of a share above 0 or of a
@@ -104,8 +105,13 @@ class Shares:
 
     @property
     def helps(self) -> np.ndarray:
-        """Where (N,) the share is shown to be above 0."""
-        return self.low > 0.0
+        """Where (N,) the share is shown to be above 0, and not to be above 2: some of the difference goes away with the set."""
+        return (self.low > 0.0) & (self.low <= 2.0)
+
+    @property
+    def harms(self) -> np.ndarray:
+        """Where (N,) the share is shown to be below 0 or above 2: the difference grows with the set."""
+        return (self.high < 0.0) | (self.low > 2.0)
 
 
 @dataclass(frozen=True)

@@ -90,7 +90,11 @@ def _find(
         if fits:
             best, *others = sorted(fits, key=lambda names: search.left(names, sides))
             return State.LIKELY, best, others
-    helping = {name for name, one in shares.items() if (one.helps & (one.bound >= limit) & left).any()}
+    helping = {
+        name
+        for name, one in shares.items()
+        if (one.helps & (one.bound >= limit) & left).any() and not (one.harms & left).any()
+    }
     if helping or chosen:
         return State.PARTIAL, chosen | helping, []
     return State.RULED_OUT if search.hopeless else State.OPEN, frozenset(), []
