@@ -12,6 +12,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..verdict.claims import Combination, p_different, p_equivalent
+from ..verdict.fieller import fieller
 
 CHANNELS = 3
 
@@ -54,16 +55,10 @@ def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -
     gap = user - neutral
     d, e = gap.mean(axis=0), neutral.mean(axis=0)
     of_d, of_e = gap - d, neutral - e
-    dd, ee, de = (
-        q * q * (a * b).sum(axis=0) / (count * (count - 1)) for a, b in ((of_d, of_d), (of_e, of_e), (of_d, of_e))
-    )
-    lead, middle = e * e - ee, d * e - de
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(np.maximum(middle * middle - lead * (d * d - dd), 0.0))
-        low = np.where(lead > 0, (middle - root) / lead, -np.inf)
-        high = np.where(lead > 0, (middle + root) / lead, np.inf)
+    dd, ee, de = ((a * b).sum(axis=0) / (count * (count - 1)) for a, b in ((of_d, of_d), (of_e, of_e), (of_d, of_e)))
+    low, high = fieller(d, e, (dd, ee), de, q)
     dark = np.abs(e) < floor if floor > 0 else e == 0
-    half, same = np.sqrt(dd), _same(user, neutral)
+    half, same = q * np.sqrt(dd), _same(user, neutral)
     low = np.where(dark, relative(d - half, e, floor), low)
     high = np.where(dark, relative(d + half, e, floor), high)
     return np.where(same, 0.0, low), np.where(same, 0.0, high)

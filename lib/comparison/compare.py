@@ -20,7 +20,8 @@ from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
-from ..verdict.attribution import ATTRIBUTION_SHARE, Explanation
+from ..verdict.attribution import ATTRIBUTION_SHARE
+from ..verdict.causes import Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest, next_look
 from ..verdict.verdict import Verdict, conclude
@@ -29,13 +30,13 @@ from .focus import focus
 from .meter import Meter
 from .pilot import choose_samples
 from .run import Stop
-from .search import Search
+from .search import Search, conclude_causes
 from .sides import Renderer, Side
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
 
 # What is set aside of the time to find out why regions differ, where there are departures to ask.
-ASIDE_SHARE = 0.1
+ASIDE_SHARE = 0.15
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Comparison:
 
     `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
-    where regions differ and departures were tried. `stopped` says why sampling ended. `seconds` counts
+    where regions differ and causes were sought. `stopped` says why sampling ended. `seconds` counts
     everything, `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
     is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene.
     """
@@ -111,6 +112,7 @@ class _Loop:
     ) -> None:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._renderers, self._options = scene, renderers, options
+        self._seeks_causes = among is not None
         self._among = among if among is not None and among.departures else None
         self._meter = Meter(options, progress, ASIDE_SHARE if self._among else 0.0)
         self._windows: Windows | None = None
@@ -142,7 +144,7 @@ class _Loop:
         )
         held_back = ATTRIBUTION_SHARE if self._among else 0.0
         self._test = SequentialTest(len(self._regions), self._options.tolerance, self._options.confidence, held_back)
-        self._search = Search(self._among, self._test, self._meter) if self._among else None
+        self._search = Search(self._among, self._test, self._meter, self._regions) if self._among else None
 
     def render_round(self) -> None:
         """Add one replicate to each side; a cancelled one is not kept."""
@@ -167,10 +169,11 @@ class _Loop:
         """Whether the test is to look at what there is, and whether sampling ends with that look."""
         n = self._sides[1].replicates
         due = next_look(n - 1)
-        goal = n + 1 if self._windows is None else due if n < due else next_look(n)
-        self.stopped = self._meter.why_stop(n, goal)
-        # How fast parts come depends on what was seen elsewhere: of them, time decides neither when to look nor what a look may spend.
-        self._is_last = self.stopped is Stop.REPLICATES or (self.stopped is not None and self._windows is None)
+        # How fast parts come depends on what was seen elsewhere, and so does the time left once that set aside is overdrawn: then, time
+        # decides neither when to look nor what a look may spend.
+        timely = self._windows is None and not self._meter.is_overdrawn
+        self.stopped = self._meter.why_stop(n, n + 1 if timely else due if n < due else next_look(n))
+        self._is_last = self.stopped is Stop.REPLICATES or (self.stopped is not None and timely)
         return n == due or self._is_last
 
     def test_regions(self) -> None:
@@ -197,7 +200,7 @@ class _Loop:
     def conclude(self) -> Comparison:
         """The verdict, and all that it rests on."""
         nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in self._sides}
-        explanation = None if self._search is None else self._search.conclude(self._sides)
+        explanation = conclude_causes(self._search, self._test, self._sides) if self._seeks_causes else None
         verdict = conclude(self._test, *(side.regions for side in self._sides), nonfinite, explanation)
         return Comparison(
             scene=self._scene.name,

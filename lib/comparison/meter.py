@@ -12,6 +12,9 @@ from ..settings.comparison import CompareOptions
 from .run import Stop, TimedRun
 from .sides import Renderer
 
+# The part of the time that effects of departures may take in all once regions differ.
+ASIDE_AT_MOST = 0.25
+
 
 class Meter(TimedRun):
     """What a comparison has spent and what it may spend; a share `aside` of the time is kept for finding causes."""
@@ -24,6 +27,18 @@ class Meter(TimedRun):
         self._rendered = 0
         self._mark = 0.0, 0
         self.round_seconds = math.nan
+
+    @property
+    def is_overdrawn(self) -> bool:
+        """Whether more than was set aside is spent aside: from then on, when sampling ends depends on what was seen."""
+        return self.seconds_aside is not None and self.spent_aside > self.seconds_aside
+
+    def has_time_aside(self, last: bool) -> bool:
+        """Whether effects of departures may go on: in the time set aside, and beyond it unless this look is the `last`."""
+        if self.seconds_aside is None:
+            return True
+        most = self.seconds_aside if last else ASIDE_AT_MOST * self._options.time
+        return self.spent_aside < most and (last or self.elapsed < self._options.time)
 
     def mark(self, replicates: int) -> None:
         """From here on, with `replicates` on both sides, a replicate costs something else than before."""
@@ -54,13 +69,14 @@ class Meter(TimedRun):
             return Stop.CANCELLED
         if self._options.replicates is not None and replicates >= self._options.replicates:
             return Stop.REPLICATES
-        # What is set aside counts as spent from the start: how much of it is used depends on what was rendered.
+        # What is set aside counts as spent from the start: how much of it is used depends on what was rendered. What is spent beyond
+        # it does shorten the sampling, and `is_overdrawn` says so.
         sampling = self.elapsed - self.spent_aside
         begin, before = self._mark
         self.round_seconds = (sampling - begin) / max(replicates - before, 1)
         if self._options.time is None or replicates < 2:
             return None
-        left = self._options.time - self.seconds_aside - sampling
+        left = self._options.time - max(self.seconds_aside, self.spent_aside) - sampling
         return Stop.TIME if self.round_seconds * (goal - replicates) > left else None
 
     def report(self, fraction: float) -> None:

@@ -6,7 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..departures.effects import Alternatives, PairedEffects
-from ..verdict.attribution import ATTRIBUTION_SHARE, PAIRS, Attribution, Explanation
+from ..film.regions import Regions
+from ..verdict.attribution import ATTRIBUTION_SHARE, PAIRS, Attribution
+from ..verdict.causes import Explanation, nothing_found
+from ..verdict.explain import explain
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest
 from .meter import Meter
@@ -16,10 +19,14 @@ from .sides import Side
 class Search:
     """Attribution while sampling goes on: it asks for the effects of departures when a region is found to differ."""
 
-    def __init__(self, among: Alternatives, test: SequentialTest, meter: Meter) -> None:
-        self._attribution = Attribution(among.departures, test, ATTRIBUTION_SHARE * (1 - test.confidence))
-        self._effects = PairedEffects(among, meter.render_aside, lambda: meter.spent_aside, meter.seconds_aside)
+    def __init__(self, among: Alternatives, test: SequentialTest, meter: Meter, regions: Regions) -> None:
+        level = ATTRIBUTION_SHARE * (1 - test.confidence)
+        self._attribution = Attribution(among.departures, test, level, lambda: regions.inside)
+        self._effects = PairedEffects(
+            among, meter.render_aside, lambda: meter.has_time_aside(self._last), meter.seconds_aside
+        )
         self._test, self._meter = test, meter
+        self._last = False
 
     @property
     def complete(self) -> bool:
@@ -29,6 +36,7 @@ class Search:
     def look(self, sides: tuple[Side, Side], excluded: np.ndarray, last: bool) -> bool:
         """One look; whether more sampling may yet explain what differs."""
         film, regions = sides[0].film, sides[0].regions.regions
+        self._last = last
         self._effects.budget(
             film.samples, PAIRS, film.seconds / max(film.camera_samples, 1) * regions.shape[0] * regions.shape[1]
         )
@@ -38,7 +46,16 @@ class Search:
         return differs and not (self._attribution.complete or self._attribution.hopeless)
 
     def conclude(self, sides: tuple[Side, Side]) -> Explanation | None:
-        """What was found."""
-        return self._attribution.conclude(
-            sides[0].regions, sides[1].regions, self._effects.samples, self._meter.spent_aside
+        """What was found; None where no region differs."""
+        return explain(
+            self._attribution, sides[0].regions, sides[1].regions, self._effects.samples, self._meter.spent_aside
         )
+
+
+def conclude_causes(search: Search | None, test: SequentialTest, sides: tuple[Side, Side]) -> Explanation | None:
+    """What is known of causes; None where no region differs. There is no `search` where no departure applies to the scene."""
+    if search is not None:
+        return search.conclude(sides)
+    if not (test.outcomes == Outcome.DIFFERENT).any():
+        return None
+    return nothing_found(len(test.outcomes))

@@ -45,18 +45,18 @@ class PairedEffects:
     """Calling it with a set of names gives what they add to each region, (pairs, N, 3), one row for each pair of replicates.
 
     `render(renderer, replicate, samples)` does the work, and may raise Cancelled. Pairs are kept, and more are made as they are asked for,
-    until `seconds` (None: no limit) are spent, as told by `spent`.
+    while `has_time` says so. `seconds` (None: no limit) are what may be planned with.
     """
 
     def __init__(
         self,
         among: Alternatives,
         render: Callable[[Any, int, int], Rendering],
-        spent: Callable[[], float],
+        has_time: Callable[[], bool],
         seconds: float | None,
     ) -> None:
         self._among, self._render = among, render
-        self._spent, self._seconds = spent, seconds
+        self._has_time, self._seconds = has_time, seconds
         self._renderers: dict[frozenset[str], Any] = {}
         self._plain: list[np.ndarray] = []
         self._effects: dict[frozenset[str], list[np.ndarray]] = {}
@@ -85,7 +85,7 @@ class PairedEffects:
             self._effects.clear()
             self._regions = RegionMoments(regions, excluded)
         effects = self._effects.setdefault(names, [])
-        while len(effects) < count and (self._seconds is None or self._spent() < self._seconds):
+        while len(effects) < count and self._has_time():
             k = len(effects)
             if k == len(self._plain):
                 plain = self._means(frozenset(), k)

@@ -45,6 +45,15 @@ class Regions:
         """Total weight (K,) of each region, in pixels."""
         return np.asarray(self.weights.sum(axis=1)).ravel()
 
+    @cached_property
+    def inside(self) -> sparse.csr_array:
+        """Which regions (columns) lie in each region (rows), (K, K) of 0 and 1: no pixel of theirs is without its weight there."""
+        shown, whole = (self.weights > 0).astype(float), np.asarray(self.weights.sum(axis=1)).ravel()
+        common = sparse.coo_array(shown @ self.weights.T)
+        row, column = common.coords
+        kept = common.data >= whole[column] * (1.0 - 1e-9)
+        return sparse.csr_array((np.ones(kept.sum()), (row[kept], column[kept])), shape=common.shape)
+
     def indices(self, kind: str) -> np.ndarray:
         """The numbers of the regions of one kind."""
         return np.flatnonzero(np.array(self.kinds) == kind)

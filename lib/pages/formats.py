@@ -17,6 +17,15 @@ def format_percent(value: float, sign: bool = True) -> str:
     return f"{100 * value:+.3g} %" if sign else f"{100 * value:.6g} %"
 
 
+def format_part(value: float) -> str:
+    """A part of something as a percentage without a plus sign; 'unbounded' where it is not finite.
+
+    >>> format_part(0.98765)
+    '98.8 %'
+    """
+    return f"{100 * value:.3g} %" if math.isfinite(value) else "unbounded"
+
+
 def format_duration(seconds: float) -> str:
     """Seconds in the unit that a person would use.
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from .formats import format_duration, format_percent
+from .formats import format_duration, format_part, format_percent
 
 HERE = Path(__file__).parent
 
@@ -20,7 +20,7 @@ def render_page(
     """The page that `template` makes of `values`, as text.
 
     Names in a .blend are untrusted, so whatever is not marked as safe is escaped. A name that the template uses and
-    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent` and `duration`.
+    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent`, `part` and `duration`.
     """
     environment = Environment(
         loader=FileSystemLoader([template.parent, HERE]),
@@ -29,5 +29,7 @@ def render_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update({"percent": format_percent, "duration": format_duration, **(filters or {})})
+    environment.filters.update(
+        {"percent": format_percent, "part": format_part, "duration": format_duration, **(filters or {})}
+    )
     return environment.get_template(template.name).render(values)

@@ -10,7 +10,10 @@ from ..blender_versions import NEWEST_CHECKED, format_release
 from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
 from ..files.plain_data import make_plain
-from .words import forecast_seconds, sentences, strongest, unexplained, worst_channel
+from ..verdict.causes import Shares, State
+from ..verdict.outcome import Outcome
+from .causes import cause_sentences, headline, is_shown, proof_seconds, strongest, unexplained
+from .words import forecast_seconds, sentences, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
@@ -21,7 +24,10 @@ CHANGES = {
     3: "Version 3: `plan` lists the effects that the scene calls for; `replicates` of a side are the most that any region has, "
     "since sampling goes on where a region is open; `changes` is this list.",
     4: "Version 4: `left_out` counts the pixels that show light from materials that are not simulated, and names these.",
-    5: "Version 5: `blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
+    5: "Version 5: `attribution` says what is known of causes: cause, partial cause, likely cause, rivals, and what a proof costs; the "
+    "`share` of a departure has an interval, and `role` says what is claimed of it; a region has the `share` of what `attribution` names; "
+    "`unexplained` is always a number; EXPLAINED asks for a share near 1, too; "
+    "`blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
 }
 
 
@@ -49,7 +55,8 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             },
             "regions": [_region(comparison, k) for k in range(len(comparison.regions))],
             "departures": _departures(comparison),
-            "unexplained": None if comparison.explanation is None else len(unexplained(comparison)),
+            "attribution": _attribution(comparison),
+            "unexplained": len(unexplained(comparison)),
             "plan": [asdict(decision) for decision in plan.decisions],
             "forecast": _forecast(comparison),
             "looks": [asdict(look) for look in verdict.looks],
@@ -100,16 +107,61 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
         "low": verdict.low[k],
         "high": verdict.high[k],
         "causes": [] if comparison.explanation is None else comparison.explanation.causes[k],
+        "share": _share(comparison, k),
         "rest": None if comparison.explanation is None else comparison.explanation.rest[k],
     }
 
 
+def _share(comparison: Comparison, k: int) -> dict[str, Any] | None:
+    """The share of what is named in region k; None where nothing is named or the region agrees."""
+    why = comparison.explanation
+    if why is None or why.of_named is None or comparison.verdict.outcomes[k] is Outcome.EQUIVALENT:
+        return None
+    return _interval(why.of_named, k, why.state is not State.LIKELY)
+
+
+def _interval(shares: Shares, k: int, simultaneous: bool) -> dict[str, Any]:
+    low, high = (shares.low[k], shares.high[k]) if simultaneous else shares.alone[:, k]
+    return {"value": shares.value[k], "low": low, "high": high, "simultaneous": simultaneous}
+
+
+def _attribution(comparison: Comparison) -> dict[str, Any] | None:
+    """What is known of causes; None where no region differs."""
+    why = comparison.explanation
+    said = cause_sentences(comparison)
+    if not said:
+        return None
+    if why is None:
+        return {**dict.fromkeys(_ATTRIBUTION), "state": "not searched", "named": [], "rivals": [], "sentences": said}
+    k = headline(comparison) if why.of_named is not None else None
+    proof = None
+    if why.state is State.LIKELY:
+        proof = {"factor": why.proof, "seconds": proof_seconds(comparison)}
+    return {
+        "state": why.state,
+        "named": why.named,
+        "region": k,
+        "share": None if k is None else _share(comparison, k),
+        "rest": None if k is None else why.rest[k],
+        "rivals": why.alternatives,
+        "small": why.limit,
+        "proof": proof,
+        "pairs": why.pairs,
+        "samples_per_pair": why.samples,
+        "seconds": why.seconds,
+        "sentences": said,
+    }
+
+
+_ATTRIBUTION = ("region", "share", "rest", "small", "proof", "pairs", "samples_per_pair", "seconds")
+
+
 def _departures(comparison: Comparison) -> list[dict[str, Any]]:
-    """Every departure that was tried, with the region in which it does most."""
+    """Every departure that applies, with the region in which its share is known best."""
     why, regions, found = comparison.explanation, comparison.regions, []
     for k, departure in enumerate(() if why is None else why.departures):
         explained = [i for i, causes in enumerate(why.causes) if departure.name in causes]
-        where = strongest(comparison, k)
+        where, shares = strongest(comparison, k), why.shares[k]
         channel = int(worst_channel(why.effect[k, where][None])[0])
         found.append(
             {
@@ -118,10 +170,11 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
                 "source": departure.source,
                 "versions": departure.versions,
                 "chosen": departure.name in why.chosen,
-                "share": why.share[k, where],
-                "largest": {"region": where, "channel": "RGB"[channel], "effect": why.effect[k, where, channel]},
+                "role": why.roles[k],
+                "share": None if shares is None else _interval(shares, where, is_shown(why, k)),
+                "clearest": {"region": where, "channel": "RGB"[channel], "effect": why.effect[k, where, channel]},
                 "regions": [
-                    {"region": i, "kind": regions.kinds[i], "name": regions.names[i], "share": why.share[k, i]}
+                    {"region": i, "kind": regions.kinds[i], "name": regions.names[i], "share": shares.value[i]}
                     for i in explained
                 ],
             }

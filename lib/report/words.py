@@ -10,6 +10,8 @@ from ..comparison.compare import Comparison, Side
 from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_percent
 from ..verdict.outcome import Outcome
+from .causes import cause_sentences, unexplained
+from .language import listed, place, plural
 
 FURTHEST = 5
 # Pixels beyond which a smaller image is recommended where time is short.
@@ -35,8 +37,8 @@ def title(comparison: Comparison) -> str:
         return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {total} regions."
     if verdict.outcome is Outcome.EXPLAINED:
         causes = comparison.explanation.chosen
-        known = "a known departure" if len(causes) == 1 else "known departures"
-        return f"{names[0]} agrees with {names[1]} to within {limit}, but for {known} from the book: {listed(causes)}."
+        known = "a known departure is" if len(causes) == 1 else "known departures are"
+        return f"{names[0]} differs from {names[1]}, and {known} sufficient to explain it: {listed(causes)}."
     return f"Whether {names[0]} agrees with {names[1]} to within {limit} is not decided."
 
 
@@ -49,14 +51,18 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
         said.append(unchecked)
     if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
-    said += _why(comparison)
+    said += cause_sentences(comparison)
     said += [f"{reason[0].upper()}{reason[1:]}." for reason in verdict.reasons if verdict.outcome is Outcome.UNDECIDED]
     if verdict.outcome is not Outcome.UNDECIDED and np.any(comparison.excluded):
-        said.append(f"{int(comparison.excluded.sum())} pixels with non-finite samples are excluded.")
+        said.append(_excluded(int(comparison.excluded.sum())))
     if comparison.unknown:
         said.append(_left_out(comparison))
     forecast = _forecast(comparison)
     return (*said, forecast) if forecast else tuple(said)
+
+
+def _excluded(count: int) -> str:
+    return f"{plural(count, 'pixel')} with non-finite samples {'is' if count == 1 else 'are'} excluded."
 
 
 def _left_out(comparison: Comparison) -> str:
@@ -82,24 +88,6 @@ def furthest(comparison: Comparison) -> list[int]:
     if not different:
         different = np.flatnonzero(verdict.outcomes == Outcome.EXPLAINED).tolist()
     return sorted(different, key=lambda k: (comparison.regions.kinds[k] == "block", -size[k]))[:FURTHEST]
-
-
-def unexplained(comparison: Comparison) -> list[int]:
-    """The regions that differ and that no departure explains."""
-    return np.flatnonzero(comparison.verdict.outcomes == Outcome.DIFFERENT).tolist()
-
-
-def strongest(comparison: Comparison, departure: int) -> int:
-    """The region in which a departure, by its number, does most, among those that it is a cause of if there are any."""
-    why = comparison.explanation
-    size = np.nan_to_num(np.abs(why.effect[departure]), nan=-1.0, posinf=-1.0).max(axis=1)
-    caused = np.array([why.departures[departure].name in causes for causes in why.causes])
-    return int(np.argmax(np.where(caused, size, -1.0) if caused.any() else size))
-
-
-def listed(names: tuple[str, ...]) -> str:
-    """Names as a person lists them."""
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
 def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float] | None:
@@ -144,35 +132,12 @@ def _drawn(side: Side) -> str:
     return f"{count} x {side.film.samples}"
 
 
-def _why(comparison: Comparison) -> list[str]:
-    """What was found of the causes: each one's part, and what is left without one."""
-    why = comparison.explanation
-    if why is None:
-        return []
-    number = {departure.name: k for k, departure in enumerate(why.departures)}
-    said = []
-    for name in why.chosen:
-        k = strongest(comparison, number[name])
-        part = f"{100 * why.share[number[name], k]:.3g} % of the difference in {_place(comparison, k)}"
-        said.append(f"Why: {name} ({part}). {why.departures[number[name]].statement}")
-    left = len(unexplained(comparison))
-    if left:
-        tried = listed(tuple(number))
-        said.append(f"Unexplained: {left} regions differ for no known reason; tried: {tried}.")
-    return said
-
-
-def _place(comparison: Comparison, k: int) -> str:
-    kind, name = comparison.regions.kinds[k], comparison.regions.names[k]
-    return name if kind == "image" else f"{kind} {name}"
-
-
 def _region(comparison: Comparison, k: int) -> str:
     verdict = comparison.verdict
     channel = worst_channel(verdict.difference[k : k + 1])[0]
     low, high = verdict.low[k, channel], verdict.high[k, channel]
     return (
-        f"{_place(comparison, k)} {format_percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
+        f"{place(comparison, k)} {format_percent(verdict.difference[k, channel])} in {'RGB'[channel]} "
         f"({format_percent(low)} to {format_percent(high)})"
     )
 
@@ -188,7 +153,8 @@ def _forecast(comparison: Comparison) -> str:
     drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
     likely = f"about {format_duration(median)}{drawn}" if median < 1e8 else "longer than can be told"
     before = f"; nine in ten of them {format_duration(nearly)}" if count >= 10 and nearly < 1e8 else ""
-    return f"Deciding the {count} open regions takes {likely} (90 % sure: between {format_duration(low)} {most}){before}.{_sooner(comparison)}"
+    sure = f"90 % sure: between {format_duration(low)} {most}"
+    return f"Deciding the {plural(count, 'open region')} takes {likely} ({sure}){before}.{_sooner(comparison)}"
 
 
 def _sooner(comparison: Comparison) -> str:

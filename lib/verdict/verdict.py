@@ -9,7 +9,7 @@ import numpy as np
 
 from ..film.moments import Moments
 from ..film.regions import RegionMoments
-from .attribution import Explanation
+from .causes import Explanation
 from .claims import difference, interval
 from .forecast import Forecast, forecast
 from .outcome import Outcome
@@ -108,7 +108,8 @@ def _reasons(
     different = int((test.outcomes == Outcome.DIFFERENT).sum())
     undecided = int((test.undecided & (reference.sizes > 0)).sum())  # of what has pixels left
     if different:
-        reasons.append(f"{different} of {test.outcomes.size} regions differ by more than the tolerance")
+        differ = "differs" if different == 1 else "differ"
+        reasons.append(f"{different} of {test.outcomes.size} regions {differ} by more than the tolerance")
     if any(nonfinite.values()):
         where = " and ".join(f"{count} pixels of {name}" for name, count in nonfinite.items() if count)
         reasons.append(
@@ -117,7 +118,8 @@ def _reasons(
     if min(reference.moments.most, candidate.moments.most) < 2:
         reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
     elif undecided:
-        reasons.append(f"{undecided} of {test.outcomes.size} regions are still too noisy to decide")
+        are = "is" if undecided == 1 else "are"
+        reasons.append(f"{undecided} of {test.outcomes.size} regions {are} still too noisy to decide")
     return reasons
 
 

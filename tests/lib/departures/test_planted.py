@@ -29,12 +29,14 @@ from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Glass, Lobe, Material
 from etalon.lib.settings.reference import Options
+from etalon.lib.verdict.causes import State
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
 
 ANGLES = np.radians([64.0, 78.0, 87.1])
-REPLICATES = 27
+# Most are done after 27; where the difference is not much more than the tolerance its share takes longer.
+REPLICATES = 62
 # Of the default run; the other pairs are slow ones.
 PAIRS = (("rational Beckmann Lambda", "rational Beckmann density"), ("multiple-scattering tables", "Oren-Nayar colour"))
 
@@ -214,7 +216,9 @@ def test_what_no_departure_explains_stays_different(seed):
     assert found.explanation.chosen == ()
     assert not any(found.explanation.causes)
     assert found.stopped is Stop.DECIDED  # all that could explain it is ruled out: no need to go on
-    assert "no known reason" in " ".join(sentences(found))
+    # Both departures do much here, but in places the wrong way, and in others nothing.
+    assert found.explanation.state is State.RULED_OUT
+    assert "Unexplained: 10 regions differ, and no set of the departures that apply fits" in " ".join(sentences(found))
 
 
 def test_half_an_explanation_names_the_regions_that_it_covers(seed):
@@ -226,6 +230,7 @@ def test_half_an_explanation_names_the_regions_that_it_covers(seed):
     told = dict(
         zip(found.regions.names, zip(found.explanation.causes, found.verdict.outcomes, strict=True), strict=True)
     )
+    assert found.explanation.state is State.PARTIAL
     assert all(told[cell] == ((name,), Outcome.EXPLAINED) for cell in "2367")
     assert all(told[cell] == ((), Outcome.DIFFERENT) for cell in "0145")
 
@@ -236,5 +241,5 @@ def test_shares_add_up(seed):
     found = judged(slope, planted(slope, (name,), seed))
     k = [d.name for d in found.explanation.departures].index(name)
     cell = found.regions.names.index("2")
-    assert found.explanation.share[k, cell] == pytest.approx(1.0, abs=1e-9)
+    assert found.explanation.shares[k].value[cell] == pytest.approx(1.0, abs=1e-9)
     assert np.abs(found.explanation.rest[cell]).max() < 1e-9

@@ -37,6 +37,17 @@ def test_dense_and_sparse_coverage_are_the_same(rng, form):
     assert regions.sizes is regions.sizes
 
 
+def test_a_region_lies_in_another_if_none_of_its_pixels_is_outside(rng):
+    """By the definition, pixel by pixel: blocks lie in the image, those that an object covers lie in the object."""
+    weights = np.zeros((20, 33))
+    weights[:16, 4:] = rng.uniform(0.1, 1.0, (16, 29))
+    regions = image_regions(20, 33, {"object": [("Sphere", weights)]})
+    shown = regions.weights.toarray() > 0
+    expected = [[not (inner & ~outer).any() for inner in shown] for outer in shown]
+    np.testing.assert_array_equal(regions.inside.toarray(), expected)
+    assert regions.inside[[1]].sum() == 3  # itself and the two blocks of 16 and 1 columns right of x = 15
+
+
 @pytest.mark.parametrize("form", [np.asarray, sparse.csr_array])
 @pytest.mark.parametrize(
     ("weights", "said"),

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from etalon.lib import report as package
 from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.departures.catalogue import Departure
+from etalon.lib.departures.effects import Alternatives
 from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
@@ -22,6 +24,8 @@ from etalon.lib.report.flip import flip
 from etalon.lib.report.read import read_verdict
 from etalon.lib.report.words import sentences
 from etalon.lib.report.write import averaged
+from etalon.lib.verdict.causes import State
+from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import Painter, blank, grey
 from jsonschema import Draft202012Validator
 
@@ -39,6 +43,7 @@ FILES = {
 HOSTILE = "</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}\u2028\u202e../../etc"
 PLAN = Plan((Decision("GGX", True, f"material {HOSTILE}"), Decision("Beckmann", False, "no material has it")))
 HALF = np.pad(np.ones((20, 12)), ((0, 0), (0, 12)))
+BRIGHTER = grey() * (1 + 0.05 * HALF[..., None])
 
 
 def bad_pixel(replicate, image):
@@ -48,7 +53,13 @@ def bad_pixel(replicate, image):
 
 CASES = {
     "equivalent": {},
-    "different": {"other": grey() * (1 + 0.05 * HALF[..., None])},
+    "different": {"other": BRIGHTER},
+    "explained": {"other": BRIGHTER, "effects": {"known": 0.05}},
+    "likely": {"other": BRIGHTER, "effects": {"known": 0.05}, "replicates": 8, "sigma": 0.18},
+    "partial": {"other": BRIGHTER, "effects": {"known": 0.02, "other": 0.0}},
+    "no reason": {"other": BRIGHTER, "effects": {"known": 0.0, "other": 0.0}},
+    "none applies": {"other": BRIGHTER, "effects": {}},
+    "cancelled": {"other": BRIGHTER, "effects": {"known": 0.05}, "stop": True},
     "undecided": {"sigma": 3.0},
     "one replicate": {"replicates": 1},
     "black": {"truth": grey(0.0)},
@@ -59,14 +70,47 @@ CASES = {
 }
 
 
-def made(name="Test", truth=None, other=None, sigma=0.05, replicates=40, change=None, coverage=None, settings=None):
+def made(
+    name="Test",
+    truth=None,
+    other=None,
+    sigma=0.05,
+    replicates=40,
+    change=None,
+    coverage=None,
+    settings=None,
+    effects=None,
+    stop=False,
+):
+    """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference."""
     truth = grey() if truth is None else truth
     height, width, _ = truth.shape
     reference = Painter("the reference", truth, sigma)
     candidate = Painter("Cycles", truth if other is None else other, sigma, settings, change=change)
     coverage = {"material": [(name, HALF)]} if coverage is None else coverage
     options = CompareOptions(time=None, samples=16, replicates=replicates)
-    return compare(blank(width, height, name), reference, candidate, coverage, options)
+    stopped = []
+
+    def departed(names):
+        def note(replicate, image):
+            stopped.append(stop)
+            return image
+
+        added = sum(effects[one] for one in names) * HALF[..., None]
+        return Painter("the reference", truth * (1 + added), sigma, change=note)
+
+    among = effects
+    if effects is not None:
+        among = Alternatives(tuple(Departure(one, f"{one} it is.", "a.h") for one in effects), departed)
+    return compare(
+        blank(width, height, name),
+        reference,
+        candidate,
+        coverage,
+        options,
+        cancelled=lambda: any(stopped),
+        among=among,
+    )
 
 
 @pytest.fixture(params=CASES)
@@ -327,3 +371,80 @@ def test_numbers_in_words():
         "3 days",
         "years",
     ]
+
+
+SAID = {
+    "explained": (
+        State.CAUSE,
+        r"Cause: known. It is sufficient to explain every region that differs: with it, the reference agrees with Cycles to within 1 %, "
+        r"and accounts for [\d.]+ % of the difference in material Test \([\d.]+ % to [\d.]+ %\).",
+    ),
+    "likely": (
+        State.LIKELY,
+        r"Likely cause, not proved yet: known. It accounts for [\d.]+ % of the difference in material Test \([\d.]+ % to [\d.]+ %, "
+        r"99 % confidence for this share alone\). A proof should take about .* in all, [\d.]+ times the replicates.",
+    ),
+    "partial": (
+        State.PARTIAL,
+        r"Partial cause: known. It accounts for [\d.]+ % of the difference in material Test \([\d.]+ % to [\d.]+ %\); "
+        r"\+[\d.]+ % is left over there, in [RGB].",
+    ),
+    "no reason": (
+        State.NO_REASON,
+        r"Unexplained: \d regions differ for no known reason. Tried: known and other; each is shown to account for less than 20 % of the "
+        r"difference.",
+    ),
+    "none applies": (
+        State.NO_DEPARTURE,
+        r"Unexplained: \d regions differ, and no known departure of Cycles applies to this scene.",
+    ),
+    "cancelled": (
+        State.NO_TIME,
+        r"Unexplained: \d regions differ. The departures that apply \(known\) were not measured: the comparison was cancelled.",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SAID)
+def test_what_is_known_of_causes_is_said_in_words_and_figures(case, tmp_path):
+    state, words = SAID[case]
+    found = made(**CASES[case])
+    assert found.explanation.state is state
+    said = [sentence for sentence in sentences(found) if re.fullmatch(words, sentence)]
+    assert len(said) == 1, sentences(found)
+    figures = document(found, PLAN, "")
+    assert figures["attribution"]["state"] == state.value
+    assert said[0] in figures["attribution"]["sentences"]
+    assert figures["unexplained"] == (0 if state is State.CAUSE else found.verdict.count(Outcome.DIFFERENT))
+    assert said[0] in Page(_written(found, tmp_path, "")).shown
+
+
+def test_a_difference_whose_causes_were_not_sought_is_said_to_be_unexplained():
+    found = made(**CASES["different"])
+    count = found.verdict.count(Outcome.DIFFERENT)
+    assert f"Unexplained: {count} regions differ. Departures were not searched." in sentences(found)
+    assert document(found, PLAN, "")["attribution"]["state"] == "not searched"
+
+
+def test_where_nothing_differs_no_cause_is_spoken_of():
+    found = made(**CASES["equivalent"])
+    figures = document(found, PLAN, "")
+    assert (figures["attribution"], figures["unexplained"]) == (None, 0)
+
+
+def test_one_region_differs_in_the_singular():
+    other = grey()
+    other[16:, 16:] *= 1.1
+    found = made(other=other, coverage={}, effects={})
+    assert found.verdict.count(Outcome.DIFFERENT) == 1
+    assert "Unexplained: 1 region differs, and no known departure of Cycles applies to this scene." in sentences(found)
+
+
+def test_departures_that_do_the_same_are_rivals():
+    found = made(other=BRIGHTER, effects={"known": 0.05, "twin": 0.05})
+    assert found.verdict.outcome is Outcome.EXPLAINED
+    assert any(
+        re.fullmatch(r"(known or twin|twin or known): the data do not tell them apart.", sentence)
+        for sentence in sentences(found)
+    )
+    assert len(document(found, PLAN, "")["attribution"]["rivals"]) == 1

@@ -5,55 +5,14 @@ from math import comb
 
 import numpy as np
 import pytest
-from etalon.lib.departures.catalogue import Departure
-from etalon.lib.film.moments import Moments
 from etalon.lib.verdict import attribution
 from etalon.lib.verdict.attribution import ATTRIBUTION_SHARE, Attribution, set_share
+from etalon.lib.verdict.causes import State
+from etalon.lib.verdict.explain import explain
 from etalon.lib.verdict.outcome import Outcome
-from etalon.lib.verdict.sequential import SequentialTest, next_look
+from etalon.lib.verdict.sequential import SequentialTest
+from etalon.tests.lib.verdict.simulated_causes import DEPARTURES, NAMES, NOISE, TOLERANCE, Sums, simulated
 from scipy.stats import binom
-
-TOLERANCE, NOISE, LAST = 0.05, 0.02, 27
-NAMES = ("a", "b", "c")
-DEPARTURES = tuple(Departure(name, "", "") for name in NAMES)
-
-
-class Sums:
-    """What attribution asks of a side's regions."""
-
-    def __init__(self, rows):
-        mean = rows.mean(axis=0)
-        self.moments = Moments(len(rows), mean, ((rows - mean) ** 2).sum(axis=0))
-
-
-def simulated(rng, true_effects, candidate, confidence=0.99, tails=None):
-    """The search at its end, on regions of mean 1; `true_effects` (name -> (N,)) add up, `candidate` (N,) is the truth of that side."""
-    count = candidate.size
-    test = SequentialTest(count, TOLERANCE, confidence, ATTRIBUTION_SHARE)
-    search = Attribution(DEPARTURES, test, ATTRIBUTION_SHARE * (1 - confidence))
-
-    def noise(rows):
-        z = rng.standard_normal((rows, count, 1)) if tails is None else rng.standard_t(tails, (rows, count, 1))
-        return NOISE * np.repeat(z, 3, axis=2)
-
-    reference, measured = 1.0 + noise(LAST), candidate[:, None] + noise(LAST)
-    pairs = {}
-
-    def effects(names, pairs_wanted):
-        if names not in pairs:
-            mean = sum(true_effects[name] for name in names)
-            pairs[names] = mean[:, None] + 0.1 * noise(LAST)
-        return pairs[names][:pairs_wanted]
-
-    n = next_look(0)
-    while True:
-        last = n >= LAST
-        sides = Sums(reference[:n]), Sums(measured[:n])
-        test.look(sides[0].moments, sides[1].moments, last)
-        search.look(*sides, effects, last)
-        if last or search.complete:
-            return search, search.conclude(*sides, samples=1, seconds=0.0)
-        n = min(next_look(n), LAST)
 
 
 def test_all_sets_together_spend_no_more_than_the_level():
@@ -71,9 +30,9 @@ def test_agreement_on_the_very_edge_is_claimed_no_more_often_than_allowed(rng, t
     truth = np.array([1.0 + TOLERANCE, 2.0, 1.0, 1.0])
     wrong = 0
     for _ in range(runs):
-        search, _ = simulated(rng, effects, truth, confidence, tails)
+        search, sides, _ = simulated(rng, effects, truth, confidence, tails)
         sets = [frozenset([name]) for name in NAMES]
-        wrong += any(search.explained(names)[0] for names in sets)
+        wrong += any(search.explained(names, sides)[0] for names in sets)
     assert wrong <= binom.ppf(0.999, runs, ATTRIBUTION_SHARE * (1 - confidence))
 
 
@@ -83,8 +42,8 @@ def test_the_edge_is_seen_where_nothing_is_paid_for(rng, monkeypatch):
     monkeypatch.setattr(attribution, "look_share", lambda k, last: 1.0)
     effects = {name: np.zeros(4) for name in NAMES}
     truth = np.array([1.0 + TOLERANCE, 2.0, 1.0, 1.0])
-    runs = [simulated(rng, effects, truth, 0.5)[0] for _ in range(200)]
-    wrong = sum(any(s.explained(frozenset([name]))[0] for name in NAMES) for s in runs)
+    runs = [simulated(rng, effects, truth, 0.5)[:2] for _ in range(200)]
+    wrong = sum(any(s.explained(frozenset([name]), sides)[0] for name in NAMES) for s, sides in runs)
     assert wrong > binom.ppf(0.999, 200, ATTRIBUTION_SHARE * 0.5)
 
 
@@ -95,7 +54,7 @@ def test_the_smallest_set_is_found(rng, planted):
     truth = 1.0 + sum(effects[name] for name in planted)
     found = 0
     for _ in range(100):
-        _, why = simulated(rng, effects, truth)
+        why = simulated(rng, effects, truth)[2]
         found += why.chosen == planted and why.complete
     assert found >= 95
 
@@ -103,7 +62,7 @@ def test_the_smallest_set_is_found(rng, planted):
 def test_effects_that_undo_each_other_need_both(rng):
     """Neither alone will do: with one of them on, a region that agrees would not."""
     effects = {"a": np.array([0.2, 0.1, 0.0]), "b": np.array([-0.2, 0.1, 0.0]), "c": np.zeros(3)}
-    search, why = simulated(rng, effects, np.array([1.0, 1.2, 1.0]))
+    search, _, why = simulated(rng, effects, np.array([1.0, 1.2, 1.0]))
     assert why.chosen == ("a", "b")
     assert why.causes == ((), ("a", "b"), ())
     assert search.complete
@@ -117,4 +76,5 @@ def test_cancelled_before_any_effect_is_known(rng):
     search.look(*sides, lambda names, count: None, True)
     assert (test.outcomes == Outcome.DIFFERENT).all()
     assert not search.complete
-    assert search.conclude(*sides, samples=1, seconds=0.0) is None
+    why = explain(search, *sides, samples=1, seconds=0.0)
+    assert (why.state, why.named) == (State.NO_TIME, ())

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is said of causes, in words: the same sentences for the terminal, the panel, the report and verdict.json."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..comparison.compare import Comparison
+from ..pages.formats import format_duration, format_part, format_percent
+from ..verdict.causes import Explanation, Role, Shares, State
+from ..verdict.explain import clearest
+from ..verdict.outcome import Outcome
+from .language import listed, place, plural
+
+
+def unexplained(comparison: Comparison) -> list[int]:
+    """The regions that differ and that no departure explains."""
+    return np.flatnonzero(comparison.verdict.outcomes == Outcome.DIFFERENT).tolist()
+
+
+def is_shown(explanation: Explanation, departure: int) -> bool:
+    """Whether what is said of a departure, by its number, is a claim and not an estimate: its interval is then simultaneous."""
+    return explanation.roles[departure] in (Role.CAUSE, Role.PARTIAL, Role.SMALL)
+
+
+def strongest(comparison: Comparison, departure: int) -> int:
+    """The region for which the share of a departure, by its number, is given.
+
+    That is where it is known best, among the regions that differ; where it was not rendered, or nothing differs, the first.
+    """
+    why = comparison.explanation
+    if why.shares[departure] is None:
+        return 0
+    return clearest(why.shares[departure], _differs(comparison))
+
+
+def proof_seconds(comparison: Comparison) -> float:
+    """Seconds for the whole comparison until a likely cause is proved; infinite where that is not in sight."""
+    why = comparison.explanation
+    if why is None or not math.isfinite(why.proof):
+        return math.inf
+    more = comparison.candidate.replicates * comparison.round_seconds + why.seconds
+    return comparison.seconds + (why.proof - 1.0) * more
+
+
+def cause_sentences(comparison: Comparison) -> list[str]:
+    """What was found of causes; nothing where no region differs. A region that differs never goes without a sentence."""
+    why, left = comparison.explanation, len(unexplained(comparison))
+    if why is None:
+        return [f"Unexplained: {_differ(left)}. Departures were not searched."] if left else []
+    said = _SENTENCES[why.state](comparison, why)
+    number = {departure.name: departure for departure in why.departures}
+    return [*said, *(f"{name}: {number[name].statement}" for name in why.named)]
+
+
+def headline(comparison: Comparison) -> int:
+    """The region for which the share of what is named is given: the one where it is known best, of those that differ."""
+    return clearest(comparison.explanation.of_named, _differs(comparison))
+
+
+def _differs(comparison: Comparison) -> np.ndarray:
+    """The regions (N,) that differ; those without an explanation, if there are any."""
+    outcomes = comparison.verdict.outcomes
+    left = outcomes == Outcome.DIFFERENT
+    return left if left.any() else outcomes == Outcome.EXPLAINED
+
+
+def share_text(comparison: Comparison, shares: Shares, k: int, shown: bool) -> str:
+    """A share and its interval in region k: simultaneous if `shown`, else for this share alone."""
+    low, high = (shares.low[k], shares.high[k]) if shown else shares.alone[:, k]
+    ends = f"{format_part(low)} to {format_part(high)}" if math.isfinite(high - low) else "no bound yet"
+    alone = (
+        ""
+        if shown
+        else f", {format_percent(comparison.verdict.confidence, sign=False)} confidence for this share alone"
+    )
+    return f"{format_part(shares.value[k])} of the difference in {place(comparison, k)} ({ends}{alone})"
+
+
+def _differ(count: int) -> str:
+    return f"{plural(count, 'region')} {'differs' if count == 1 else 'differ'}"
+
+
+def _of_named(comparison: Comparison, why: Explanation, shown: bool) -> str:
+    return share_text(comparison, why.of_named, headline(comparison), shown)
+
+
+def _rivals(why: Explanation) -> list[str]:
+    if not why.alternatives:
+        return []
+    sets = [" with ".join(names) for names in (why.named, *why.alternatives)]
+    return [f"{' or '.join(sets)}: the data do not tell them apart."]
+
+
+def _cause(comparison: Comparison, why: Explanation) -> list[str]:
+    one = len(why.named) == 1
+    limit = format_percent(comparison.verdict.tolerance, sign=False)
+    head = f"{'Cause' if one else 'Causes, together'}: {listed(why.named)}."
+    does = f"{'It is' if one else 'They are'} sufficient to explain every region that differs: with {'it' if one else 'them'}, "
+    agrees = f"the reference agrees with {comparison.candidate.name} to within {limit}"
+    return [f"{head} {does}{agrees}, and accounts for {_of_named(comparison, why, True)}.", *_rivals(why)]
+
+
+def _partial(comparison: Comparison, why: Explanation) -> list[str]:
+    left, k = len(unexplained(comparison)), headline(comparison)
+    one = len(why.named) == 1
+    channel = int(np.argmax(np.nan_to_num(np.abs(why.rest[k]), nan=-1.0)))
+    over = f"{format_percent(why.rest[k, channel])} is left over there, in {'RGB'[channel]}"
+    count = sum(bool(names) for names in why.causes)
+    does = f" {'It explains' if one else 'They explain'} {count} of the {plural(count + left, 'region')} that differ."
+    head = f"Partial {'cause' if one else 'causes, together'}: {listed(why.named)}."
+    return [
+        f"{head} {'It accounts' if one else 'They account'} for {_of_named(comparison, why, True)}; {over}.{does if count else ''}",
+        f"Unexplained: {_differ(left)} for reasons that are not known in full.",
+    ]
+
+
+def _likely(comparison: Comparison, why: Explanation) -> list[str]:
+    one = len(why.named) == 1
+    head = f"Likely {'cause' if one else 'causes, together'}, not proved yet: {listed(why.named)}."
+    does = f"{'It accounts' if one else 'They account'} for {_of_named(comparison, why, False)}."
+    return [f"{head} {does} {_proof(comparison, why)}", *_rivals(why)]
+
+
+def _proof(comparison: Comparison, why: Explanation) -> str:
+    whole = proof_seconds(comparison)
+    if not math.isfinite(whole):
+        return "What a proof would cost cannot be told from so few samples."
+    return f"A proof should take about {format_duration(whole)} in all, {_times(why.proof)} the replicates."
+
+
+def _times(growth: float) -> str:
+    return f"{growth:.2g} times" if growth < 100 else f"{float(f'{growth:.2g}'):,.0f} times"
+
+
+def _no_reason(comparison: Comparison, why: Explanation) -> list[str]:
+    names = tuple(departure.name for departure in why.departures)
+    less = f"{'it is' if len(names) == 1 else 'each is'} shown to account for less than {format_part(why.limit)} of the difference"
+    return [
+        f"Unexplained: {_differ(len(unexplained(comparison)))} for no known reason. Tried: {listed(names)}; {less}.",
+    ]
+
+
+def _ruled_out(comparison: Comparison, why: Explanation) -> list[str]:
+    left = _differ(len(unexplained(comparison)))
+    return [
+        f"Unexplained: {left}, and no set of the departures that apply fits what was measured. {_estimates(comparison, why)}"
+    ]
+
+
+def _open(comparison: Comparison, why: Explanation) -> list[str]:
+    left = _differ(len(unexplained(comparison)))
+    return [
+        f"Unexplained so far: {left}. The shares of the departures that apply are too noisy to name a cause or to rule one out. "
+        f"{_estimates(comparison, why)}"
+    ]
+
+
+def _estimates(comparison: Comparison, why: Explanation) -> str:
+    """The share of each departure where it is known best, the largest first."""
+
+    def size(k: int) -> float:
+        shares = why.shares[k]
+        return -1.0 if shares is None else float(np.nan_to_num(abs(shares.value[strongest(comparison, k)])))
+
+    said = []
+    for k in sorted(range(len(why.departures)), key=size, reverse=True):
+        name, shares = why.departures[k].name, why.shares[k]
+        known = shares and share_text(comparison, shares, strongest(comparison, k), is_shown(why, k))
+        said.append(f"{name}: {known or 'not measured'}")
+    return "; ".join(said) + "."
+
+
+def _no_time(comparison: Comparison, why: Explanation) -> list[str]:
+    names = listed(tuple(departure.name for departure in why.departures))
+    reason = "the comparison was cancelled" if comparison.stopped == "cancelled" else "no time was left"
+    left = _differ(len(unexplained(comparison)))
+    return [f"Unexplained: {left}. The departures that apply ({names}) were not measured: {reason}."]
+
+
+def _no_departure(comparison: Comparison, why: Explanation) -> list[str]:
+    left = _differ(len(unexplained(comparison)))
+    return [f"Unexplained: {left}, and no known departure of Cycles applies to this scene."]
+
+
+_SENTENCES = {
+    State.CAUSE: _cause,
+    State.PARTIAL: _partial,
+    State.LIKELY: _likely,
+    State.NO_REASON: _no_reason,
+    State.RULED_OUT: _ruled_out,
+    State.OPEN: _open,
+    State.NO_TIME: _no_time,
+    State.NO_DEPARTURE: _no_departure,
+}
