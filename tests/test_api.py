@@ -55,7 +55,7 @@ def test_examples_of_the_public_functions_run():
     assert runner.summarize().failed == 0
 
 
-@pytest.mark.parametrize("name", ["lib.comparison.options", "lib.settings.words", "lib.errors"])
+@pytest.mark.parametrize("name", ["lib.settings.comparison", "lib.settings.words", "lib.errors"])
 def test_examples_of_settings_run(name):
     found = doctest.testmod(importlib.import_module(f"etalon.{name}"))
     assert found.attempted
