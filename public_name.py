@@ -28,7 +28,7 @@ class PublicName(ModuleType):
         self.package = package
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__") or name not in self.__all__:
+        if name not in vars(self).get("__all__", ()):
             raise AttributeError(f"module '{NAME}' has no attribute '{name}'")
         value = getattr(importlib.import_module(self.package), name)
         setattr(self, name, value)

@@ -103,6 +103,7 @@ def test_one_import_serves_scripts_inside_blender_too(tmp_path):
     import etalon
     assert sorted(dir(etalon)) == sorted(extension.__all__)
     assert etalon.Settings is extension.Settings
+    assert etalon.__version__ == extension.__version__
     assert etalon.EtalonError is sys.modules["bl_ext.user_default.etalon.lib.errors"].EtalonError
     print(etalon.plan("lambert_analytic").needs("Lambert"))
     try:

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One tree, two packages: what pip and Blender are told fits the tree, and each other."""
 
+import importlib.util
 import tomllib
 from pathlib import Path
 
 import etalon
 from etalon.lib.blender_versions import NEWEST_CHECKED, OLDEST
+from etalon.lib.version import VERSION
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGED = ("addon", "lib", "reference_scenes")
@@ -67,3 +69,19 @@ def test_pip_installs_no_newer_blender_than_the_newest_checked():
 
 def test_the_extension_asks_for_the_oldest_release():
     assert manifest()["blender_version_min"] == "{}.{}.0".format(*OLDEST)
+
+
+def test_the_extension_has_every_file_of_the_root_package():
+    spec = importlib.util.spec_from_file_location("build_extension", ROOT / "build_extension.py")
+    build = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(build)
+    # What only pip or a developer runs stays out.
+    shipped = {path.name for path in ROOT.glob("*.py")} - {"__main__.py", "build_extension.py"} | {"py.typed"}
+    assert shipped <= set(build.FILES)
+    patterns = manifest()["build"]["paths_exclude_pattern"]
+    assert {f"!/{name}" for name in shipped} <= set(patterns)
+
+
+def test_the_version_is_read_from_one_place():
+    assert project()["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "etalon.lib.version.VERSION"}
+    assert etalon.__version__ == VERSION

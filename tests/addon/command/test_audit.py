@@ -318,7 +318,7 @@ def test_whole_command(capfd, tmp_path):
     ("words", "told"),
     [
         (("scene.npz",), "give the .blend"),
-        (("glossy_spheres", "--tolerance=2"), "between 0 and 1"),
+        (("glossy_spheres", "--tolerance=2"), "more than 0 and less than 1"),
         (("glossy_spheres", "--confidence=0.3"), "at least 0.5"),
         (("nowhere.blend",), "no such file"),
         (("glossy_spheres", "--camera=Nobody"), "cameras there"),
