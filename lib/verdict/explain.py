@@ -43,7 +43,7 @@ def explain(
         roles[name] = Role.SMALL if small else Role.OPEN
     for name in named:
         roles[name] = {State.CAUSE: Role.CAUSE, State.LIKELY: Role.LIKELY}.get(state, Role.PARTIAL)
-    for name in chosen - named if state is State.LIKELY else ():
+    for name in chosen - named:
         roles[name] = Role.PARTIAL
     of_named = search.moments(named) if named else None
     effect = np.full((len(search.names), *difference.shape), np.nan)
