@@ -51,8 +51,13 @@ def cause_sentences(comparison: Comparison) -> list[str]:
     if why is None:
         return [f"Unexplained: {_differ(left)}. Departures were not searched."] if left else []
     said = _SENTENCES[why.state](comparison, why)
+    apart = tuple(name for name in why.chosen if name not in why.named)
+    if apart:
+        said.insert(
+            0, f"Partial {'cause' if len(apart) == 1 else 'causes'}: {listed(apart)}.{_explains(why, left, len(apart))}"
+        )
     number = {departure.name: departure for departure in why.departures}
-    return [*said, *(f"{name}: {number[name].statement}" for name in why.named)]
+    return [*said, *(f"{name}: {number[name].statement}" for name in (*apart, *why.named))]
 
 
 def headline(comparison: Comparison) -> int:
@@ -108,13 +113,19 @@ def _partial(comparison: Comparison, why: Explanation) -> list[str]:
     one = len(why.named) == 1
     channel = int(np.argmax(np.nan_to_num(np.abs(why.rest[k]), nan=-1.0)))
     over = f"{format_percent(why.rest[k, channel])} is left over there, in {'RGB'[channel]}"
-    count = sum(bool(names) for names in why.causes)
-    does = f" {'It explains' if one else 'They explain'} {count} of the {plural(count + left, 'region')} that differ."
+    does = _explains(why, left, len(why.named))
     head = f"Partial {'cause' if one else 'causes, together'}: {listed(why.named)}."
     return [
-        f"{head} {'It accounts' if one else 'They account'} for {_of_named(comparison, why, True)}; {over}.{does if count else ''}",
+        f"{head} {'It accounts' if one else 'They account'} for {_of_named(comparison, why, True)}; {over}.{does}",
         f"Unexplained: {_differ(left)} for reasons that are not known in full.",
     ]
+
+
+def _explains(why: Explanation, left: int, names: int) -> str:
+    """How many of the regions that differ are explained; nothing where none is."""
+    count = sum(bool(causes) for causes in why.causes)
+    whole = plural(count + left, "region")
+    return f" {'It explains' if names == 1 else 'They explain'} {count} of the {whole} that differ." if count else ""
 
 
 def _likely(comparison: Comparison, why: Explanation) -> list[str]:

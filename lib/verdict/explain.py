@@ -96,8 +96,17 @@ def _find(
         if (one.helps & (one.bound >= limit) & left).any() and not (one.harms & left).any()
     }
     if helping or chosen:
-        return State.PARTIAL, chosen | helping, []
+        return State.PARTIAL, _least_left(search, sides, chosen, helping), []
     return State.RULED_OUT if search.hopeless else State.OPEN, frozenset(), []
+
+
+def _least_left(search: Attribution, sides: Sides, chosen: Names, helping: set[str]) -> Names:
+    """`chosen` and those of `helping` with which the least is left over; two that each do the whole are not added up."""
+    more = [
+        frozenset(s) for size in range(min(_LIKELY_SIZE, len(helping)) + 1) for s in combinations(sorted(helping), size)
+    ]
+    sets = [chosen | names for names in more if chosen | names]
+    return min(sets, key=lambda names: search.left(names, sides))
 
 
 def _sets(search: Attribution, sides: Sides, shares: dict[str, Shares], size: int) -> list[Names]:

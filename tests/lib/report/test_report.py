@@ -448,3 +448,15 @@ def test_departures_that_do_the_same_are_rivals():
         for sentence in sentences(found)
     )
     assert len(document(found, PLAN, "")["attribution"]["rivals"]) == 1
+
+
+def test_what_explains_some_regions_is_named_beside_those_that_differ_for_no_known_reason():
+    """The left half has the departure, a corner of the right one is brighter for a reason of its own."""
+    other = BRIGHTER.copy()
+    other[16:, 16:] *= 1.1
+    found = made(other=other, coverage={}, effects={"known": 0.05}, sigma=0.01)
+    said = sentences(found)
+    assert any(
+        re.search(r"^Partial cause: known\..* It explains \d of the \d regions that differ\.", s) for s in said
+    ), said
+    assert any(re.search(r"^Unexplained: \d regions? differs? ", s) for s in said), said

@@ -114,6 +114,15 @@ def test_a_part_of_the_difference_is_a_partial_cause_with_its_share_and_what_is_
         assert why.rest[0, 0] == pytest.approx(0.06, abs=3e-3)
 
 
+def test_two_partial_causes_that_overshoot_together_are_not_added_up(rng):
+    """Of 0.6 and 1.4 the second leaves less over than both; 0.4 and 0.2 do add up."""
+    effects = {"a": 0.06 * np.ones(5), "b": 0.14 * np.ones(5)}
+    why = found(rng, effects, noise_of_one=0.002)
+    assert (why.state, len(why.named)) == (State.PARTIAL, 1)
+    why = found(rng, {"a": 0.04 * np.ones(5), "b": 0.02 * np.ones(5)}, noise_of_one=0.002)
+    assert (why.state, why.named) == (State.PARTIAL, ("a", "b"))
+
+
 def test_what_explains_one_object_is_named_there_and_not_in_the_image(rng):
     """Regions 1 and 2 have the departure, 3 and 4 differ for a reason that is not known."""
     why = found(rng, {"a": GAP * [0.5, 1.0, 1.0, 0.0, 0.0]}, noise_of_one=0.002)
