@@ -18,6 +18,8 @@ _LIGHT = "puts together densities and directions that the atlas holds: chi-squar
 _NOTHING = "no equation: it chooses, copies or describes"
 
 OUTSIDE: dict[str, str] = {
+    "microfacets.visible_slope.step_by_definition": "the definition of a step that the atlas measures as it runs, in place: "
+    "tests/lib/microfacets/test_definitions.py binds the two",
     **dict.fromkeys(
         (
             "microfacets.albedo.directional_albedo",
