@@ -63,5 +63,5 @@ def beneath_layer(
 def coat_tint(ior: np.ndarray, tint: np.ndarray, weight: np.ndarray, cos_wo: np.ndarray) -> np.ndarray:
     """(1 - weight) + weight tint^(1 / cos), (3, n): Beer's law along the refracted view through a coat of thickness 1."""
     ior = np.maximum(ior, 1.0)
-    inside = np.sqrt(1.0 - (1.0 - cos_wo * cos_wo) / (ior * ior))
+    inside = np.sqrt((ior - 1.0) * (ior + 1.0) + cos_wo * cos_wo) / ior
     return (1.0 - weight) + weight * np.maximum(tint, 0.0) ** (1.0 / inside)

@@ -12,7 +12,7 @@ from scipy.special import erfc, ndtri
 
 from ..sampling.tables import LARGEST_UNIFORM
 from ..sampling.warps import circle
-from .directions import FLOOR, normal_from_tangents, stretched_sine_squared
+from .directions import FLOOR, above_horizon, normal_from_tangents, stretched_sine_squared
 from .masking import HIDDEN
 from .visible_slope import visible_tangent
 
@@ -29,23 +29,11 @@ def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndar
     Walter et al. 2007, eq. 25; the documents' sampling slide (the model slide's 2 sigma^2 integrates to 2). `m` (3, n)
     unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
     """
-    d = m[0] / alpha_x
-    d *= d
-    part = m[1] / alpha_y
-    part *= part
-    d += part
-    z = np.clip(m[2], FLOOR, np.inf, out=part)
-    z *= z
-    np.divide(-1.0, z, out=z)
-    d *= z
-    np.exp(d, out=d)
-    d *= z
-    d *= z
-    d *= 1.0 / (np.pi * (alpha_x * alpha_y))
-    below = m[2] <= 0.0
-    if below.any():
-        d[below] = 0.0
-    return d
+    z2 = np.square(np.maximum(m[2], FLOOR))
+    d = np.exp(-(np.square(m[0] / alpha_x) + np.square(m[1] / alpha_y)) / z2) / (
+        np.square(z2) * (np.pi * (alpha_x * alpha_y))
+    )
+    return above_horizon(m, d, 0.0)
 
 
 def smith_lambda(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
@@ -54,18 +42,8 @@ def smith_lambda(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np
     Heitz 2014, eq. 66. `w` (3, n) unit; HIDDEN where w.z <= 0.
     """
     a = _slope_ratio(w, alpha_x, alpha_y)
-    value = a * a
-    np.negative(value, out=value)
-    np.exp(value, out=value)
-    value /= a
-    value *= 1.0 / _SQRT_PI
-    value -= erfc(a, out=a)
-    value *= 0.5
-    np.clip(value, 0.0, np.inf, out=value)
-    below = w[2] <= 0.0
-    if below.any():
-        value[below] = HIDDEN
-    return value
+    value = 0.5 * (np.exp(-a * a) / (_SQRT_PI * a) - erfc(a))
+    return above_horizon(w, np.maximum(value, 0.0), HIDDEN)
 
 
 def smith_lambda_rational(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
@@ -74,19 +52,9 @@ def smith_lambda_rational(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: f
     Walter et al. 2007, eq. 27 (Heitz 2014, eq. 69) with the bound that Cycles puts in place of a < 1.6. 1 + Lambda is up
     to 0.31 % off the exact one, with a jump at the bound. `w` (3, n) unit; HIDDEN where w.z <= 0.
     """
-    a = _slope_ratio(w, alpha_x, alpha_y)
-    np.minimum(a, _RATIONAL_END, out=a)
-    value = a - _RATIONAL_MIDDLE
-    value *= value
-    value -= _RATIONAL_GAP
-    value *= 0.396
-    value /= a * (3.535 + 2.181 * a)
-    flat = a >= _RATIONAL_END
-    value[flat] = 0.0
-    below = w[2] <= 0.0
-    if below.any():
-        value[below] = HIDDEN
-    return value
+    a = np.minimum(_slope_ratio(w, alpha_x, alpha_y), _RATIONAL_END)
+    fit = 0.396 * (np.square(a - _RATIONAL_MIDDLE) - _RATIONAL_GAP) / (a * (3.535 + 2.181 * a))
+    return above_horizon(w, np.where(a < _RATIONAL_END, fit, 0.0), HIDDEN)
 
 
 def sample_d_cos(
@@ -97,16 +65,8 @@ def sample_d_cos(
     The documents' example 2; the anisotropic lobe is the isotropic one stretched along x and y.
     """
     x, y = circle(u1)
-    tangent = np.minimum(u2, LARGEST_UNIFORM)
-    np.negative(tangent, out=tangent)
-    np.log1p(tangent, out=tangent)
-    np.negative(tangent, out=tangent)
-    np.sqrt(tangent, out=tangent)
-    x *= tangent
-    x *= alpha_x
-    y *= tangent
-    y *= alpha_y
-    return normal_from_tangents(x, y)
+    tangent = np.sqrt(-np.log1p(-np.minimum(u2, LARGEST_UNIFORM)))
+    return normal_from_tangents(alpha_x * tangent * x, alpha_y * tangent * y)
 
 
 def sample_visible(
@@ -125,31 +85,18 @@ def sample_visible(
     """
     if lambda_o is None:
         lambda_o = smith_lambda(wo, alpha_x, alpha_y)
-    x = wo[0] * alpha_x
-    x += 1e-150  # at normal incidence every azimuth is as good; this one has a direction
+    x = wo[0] * alpha_x + 1e-150  # at normal incidence every azimuth is as good; this one has a direction
     y = wo[1] * alpha_y
-    sine = x * x
-    across = y * y
-    sine += across
-    np.sqrt(sine, out=sine)
-    along = visible_tangent(sine, np.clip(wo[2], FLOOR, 1.0, out=across), u1, lambda_o)
-    across = ndtri(np.clip(u2, 0.5 - 0.5 * LARGEST_UNIFORM, LARGEST_UNIFORM, out=across), out=across)
-    across *= np.sqrt(0.5)
-    x /= sine
-    y /= sine
-    tangent_x = x * along
-    tangent_x -= np.multiply(y, across, out=sine)
-    y *= along
-    x *= across
-    y += x
-    tangent_x *= alpha_x
-    y *= alpha_y
-    return normal_from_tangents(tangent_x, y)
+    sine = np.sqrt(x * x + y * y)
+    along = visible_tangent(sine, np.clip(wo[2], FLOOR, 1.0), u1, lambda_o)
+    across = np.sqrt(0.5) * ndtri(np.clip(u2, 0.5 - 0.5 * LARGEST_UNIFORM, LARGEST_UNIFORM))
+    cos_phi, sin_phi = x / sine, y / sine
+    return normal_from_tangents(
+        alpha_x * (cos_phi * along - sin_phi * across), alpha_y * (sin_phi * along + cos_phi * across)
+    )
 
 
 def _slope_ratio(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
     """The cotangent of w seen by the stretched surface, a = w.z / |(alpha_x w.x, alpha_y w.y)|, bounded at both ends."""
-    slope = stretched_sine_squared(w, alpha_x, alpha_y)
-    np.clip(slope, FLOOR, np.inf, out=slope)
-    np.sqrt(slope, out=slope)
-    return np.divide(np.clip(w[2], FLOOR, 1.0), slope, out=slope)
+    sine = np.sqrt(np.maximum(stretched_sine_squared(w, alpha_x, alpha_y), FLOOR))
+    return np.clip(w[2], FLOOR, 1.0) / sine

@@ -14,9 +14,7 @@ def pdf_d_cos(m: np.ndarray, d: np.ndarray) -> np.ndarray:
 
     `m` (3, n) unit; `d` = D(m), (n,). Zero below the horizon.
     """
-    pdf = np.maximum(m[2], 0.0)
-    pdf *= d
-    return pdf
+    return np.maximum(m[2], 0.0) * d
 
 
 def pdf_visible(m: np.ndarray, wo: np.ndarray, d: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
@@ -25,13 +23,7 @@ def pdf_visible(m: np.ndarray, wo: np.ndarray, d: np.ndarray, lambda_o: np.ndarr
     `m`, `wo` (3, n) unit; `d` = D(m); `lambda_o` = Lambda(o) of the same distribution, (n,). Zero where wo lies below the
     horizon. For a density of wi the factor o.m cancels against `reflection_jacobian`.
     """
-    pdf = dot(wo, m)
-    np.maximum(pdf, 0.0, out=pdf)
-    pdf *= d
-    projected = 1.0 + lambda_o
-    projected *= np.maximum(wo[2], FLOOR)
-    pdf /= projected
-    return pdf
+    return np.maximum(dot(wo, m), 0.0) * d / ((1.0 + lambda_o) * np.maximum(wo[2], FLOOR))
 
 
 def reflection_jacobian(wo: np.ndarray, m: np.ndarray) -> np.ndarray:
@@ -39,6 +31,4 @@ def reflection_jacobian(wo: np.ndarray, m: np.ndarray) -> np.ndarray:
 
     `wo`, `m` (3, n) unit. The documents sample m but estimate over wi: this is the factor that they leave out.
     """
-    jacobian = np.abs(dot(wo, m))
-    np.maximum(jacobian, FLOOR, out=jacobian)
-    return np.divide(0.25, jacobian, out=jacobian)
+    return 0.25 / np.maximum(np.abs(dot(wo, m)), FLOOR)

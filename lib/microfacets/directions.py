@@ -12,22 +12,20 @@ FLOOR = 1e-70
 def normal_from_tangents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Normal whose tangents m.x / m.z and m.y / m.z (the surface's slopes, negated) are `x` and `y`, (n,): (3, n)."""
     m = np.empty((3, x.shape[0]))
-    z = np.multiply(x, x, out=m[2])
-    np.multiply(y, y, out=m[1])
-    z += m[1]
-    z += 1.0
-    np.sqrt(z, out=z)
-    np.divide(1.0, z, out=z)
-    np.multiply(x, z, out=m[0])
-    np.multiply(y, z, out=m[1])
+    m[2] = 1.0 / np.sqrt(x * x + y * y + 1.0)
+    np.multiply(x, m[2], out=m[0])
+    np.multiply(y, m[2], out=m[1])
     return m
 
 
 def stretched_sine_squared(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
     """(alpha_x w.x)^2 + (alpha_y w.y)^2, (n,): sin^2 of a direction seen by the surface stretched to roughness 1."""
-    x = w[0] * alpha_x
-    x *= x
-    y = w[1] * alpha_y
-    y *= y
-    x += y
-    return x
+    return np.square(w[0] * alpha_x) + np.square(w[1] * alpha_y)
+
+
+def above_horizon(w: np.ndarray, value: np.ndarray, below: float) -> np.ndarray:
+    """`value` (n,), but `below` where w.z <= 0; writes into `value`, which is nearly always right as it stands."""
+    hidden = w[2] <= 0.0
+    if hidden.any():
+        value[hidden] = below
+    return value

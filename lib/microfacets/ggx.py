@@ -10,7 +10,7 @@ import numpy as np
 
 from ..sampling.tables import LARGEST_UNIFORM
 from ..sampling.warps import circle
-from .directions import FLOOR, normal_from_tangents, stretched_sine_squared
+from .directions import FLOOR, above_horizon, normal_from_tangents, stretched_sine_squared
 from .masking import HIDDEN
 
 
@@ -20,19 +20,9 @@ def density(m: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndar
     Walter et al. 2007, eq. 33; Heitz 2014, eq. 85. `m` (3, n) unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
     The sine comes from x and y: from the cosine alone it cancels where alpha is small.
     """
-    d = m[0] / alpha_x
-    d *= d
-    part = m[1] / alpha_y
-    part *= part
-    d += part
-    d += np.multiply(m[2], m[2], out=part)
-    d *= d
-    d *= np.pi * (alpha_x * alpha_y)
-    np.divide(1.0, d, out=d)
-    below = m[2] <= 0.0
-    if below.any():
-        d[below] = 0.0
-    return d
+    stretched = np.square(m[0] / alpha_x) + np.square(m[1] / alpha_y) + np.square(m[2])
+    d = 1.0 / (np.square(stretched) * (np.pi * (alpha_x * alpha_y)))
+    return above_horizon(m, d, 0.0)
 
 
 def smith_lambda(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
@@ -40,19 +30,9 @@ def smith_lambda(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np
 
     Heitz 2014, eq. 72 and 86, as s / (2 (1 + sqrt(1 + s))), which does not cancel. `w` (3, n) unit; HIDDEN where w.z <= 0.
     """
-    s = stretched_sine_squared(w, alpha_x, alpha_y)
+    sine2 = stretched_sine_squared(w, alpha_x, alpha_y)
     z = np.clip(w[2], FLOOR, 1.0)
-    root = z * z
-    root += s
-    np.sqrt(root, out=root)
-    root += z
-    root *= z
-    s /= root
-    s *= 0.5
-    below = w[2] <= 0.0
-    if below.any():
-        s[below] = HIDDEN
-    return s
+    return above_horizon(w, 0.5 * sine2 / (z * (z + np.sqrt(z * z + sine2))), HIDDEN)
 
 
 def sample_d_cos(
@@ -63,14 +43,9 @@ def sample_d_cos(
     Walter et al. 2007, eq. 35 and 36; the anisotropic lobe is the isotropic one stretched along x and y.
     """
     x, y = circle(u1)
-    tangent = np.minimum(u2, LARGEST_UNIFORM)
-    tangent /= 1.0 - tangent
-    np.sqrt(tangent, out=tangent)
-    x *= tangent
-    x *= alpha_x
-    y *= tangent
-    y *= alpha_y
-    return normal_from_tangents(x, y)
+    u2 = np.minimum(u2, LARGEST_UNIFORM)
+    tangent = np.sqrt(u2 / (1.0 - u2))
+    return normal_from_tangents(alpha_x * tangent * x, alpha_y * tangent * y)
 
 
 def sample_visible(
@@ -98,15 +73,8 @@ def bound(wo: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarr
     """
     a = np.minimum(alpha_x, alpha_y)
     a2 = np.minimum(a * a, 1.0)
-    s = np.sqrt(wo[0] * wo[0] + wo[1] * wo[1])
-    s += 1.0
-    s *= s
-    below = wo[2] * wo[2]
-    below *= a2
-    below += s
-    s *= 1.0 - a2
-    s /= below
-    return s
+    s2 = np.square(1.0 + np.sqrt(wo[0] * wo[0] + wo[1] * wo[1]))
+    return (1.0 - a2) * s2 / (s2 + a2 * wo[2] * wo[2])
 
 
 def sample_bounded(
@@ -136,43 +104,20 @@ def _sample_cap(
     """Stretch wo, add a point of the cap z > -k wo.z (`k` None: 1) to it, stretch the sum back."""
     if lambda_o is None:
         lambda_o = smith_lambda(wo, alpha_x, alpha_y)
-    m = np.empty((3, u1.shape[0]))
-    x = np.multiply(wo[0], alpha_x, out=m[0])
-    y = np.multiply(wo[1], alpha_y, out=m[1])
-    above = np.clip(wo[2], FLOOR, 1.0)
-    length = 2.0 * lambda_o  # that of the stretched wo is wo.z (1 + 2 Lambda)
-    length += 1.0
-    length *= above
-    x /= length
-    y /= length
-    above /= length
-    raised = None
-    if k is not None:
-        raised = above.copy()
-        above *= k
-        raised -= above
-    above += 1.0
-    # The cap's z is 1 - drop: its sine and the sum's z come out of drop without cancelling.
-    drop = np.multiply(above, u2, out=length)
-    sine = 2.0 - drop
-    sine *= drop
-    np.clip(sine, 0.0, 1.0, out=sine)
-    np.sqrt(sine, out=sine)
+    # The stretched wo, whose length is wo.z (1 + 2 Lambda), made a unit vector.
+    z = np.clip(wo[2], FLOOR, 1.0)
+    length = z * (1.0 + 2.0 * lambda_o)
+    x, y, z = wo[0] * alpha_x / length, wo[1] * alpha_y / length, z / length
+    # The cap's z is 1 - drop: its sine comes out of drop, and the sum's z out of 1 - u2, without cancelling.
+    height = 1.0 + (z if k is None else k * z)
+    drop = height * u2
+    sine = np.sqrt(np.clip(drop * (2.0 - drop), 0.0, 1.0))
     cap_x, cap_y = circle(u1)
-    cap_x *= sine
-    cap_y *= sine
-    x += cap_x
-    x *= alpha_x
-    y += cap_y
-    y *= alpha_y
-    z = np.minimum(u2, LARGEST_UNIFORM, out=m[2])
-    np.subtract(1.0, z, out=z)
-    z *= above
-    if raised is not None:
-        z += raised
-    np.multiply(x, x, out=cap_x)
-    cap_x += np.multiply(y, y, out=cap_y)
-    cap_x += np.multiply(z, z, out=cap_y)
-    np.sqrt(cap_x, out=cap_x)
-    m /= cap_x
-    return m
+    h = np.empty((3, u1.shape[0]))
+    np.multiply(x + sine * cap_x, alpha_x, out=h[0])
+    np.multiply(y + sine * cap_y, alpha_y, out=h[1])
+    np.multiply(height, 1.0 - np.minimum(u2, LARGEST_UNIFORM), out=h[2])
+    if k is not None:
+        h[2] += z - k * z
+    h /= np.sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2])
+    return h

@@ -21,28 +21,16 @@ def torrance_sparrow(wi: np.ndarray, wo: np.ndarray, m: np.ndarray) -> np.ndarra
     `wi`, `wo`, `m` (3, n) unit. Zero where wi or wo lies below the horizon or sees the facet from behind.
     """
     cos_im, cos_om = dot(wi, m), dot(wo, m)
-    behind = np.minimum(cos_im, cos_om) <= 0.0
-    np.maximum(cos_im, FLOOR, out=cos_im)
-    np.maximum(cos_om, FLOOR, out=cos_om)
-    g = np.divide(wi[2], cos_im, out=cos_im)
-    np.minimum(g, np.divide(wo[2], cos_om, out=cos_om), out=g)
-    g *= m[2]
-    g *= 2.0
-    np.clip(g, 0.0, 1.0, out=g)
-    if behind.any():
-        g[behind] = 0.0
-    return g
+    nearer = np.minimum(wi[2] / np.maximum(cos_im, FLOOR), wo[2] / np.maximum(cos_om, FLOOR))
+    g = np.clip(2.0 * (nearer * m[2]), 0.0, 1.0)
+    return np.where(np.minimum(cos_im, cos_om) > 0.0, g, 0.0)
 
 
 def separable(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
     """G = G1(i) G1(o) = 1 / ((1 + Lambda(i)) (1 + Lambda(o))), (n,) (documents; Ashikhmin, Premoze and Shirley 2000)."""
-    g = 1.0 + lambda_i
-    g *= 1.0 + lambda_o
-    return np.divide(1.0, g, out=g)
+    return 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o))
 
 
 def height_correlated(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
     """G = 1 / (1 + Lambda(i) + Lambda(o)), (n,): masking and shadowing agree on the facet's height (Heitz 2014, eq. 99)."""
-    g = lambda_i + lambda_o
-    g += 1.0
-    return np.divide(1.0, g, out=g)
+    return 1.0 / (1.0 + (lambda_i + lambda_o))

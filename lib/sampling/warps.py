@@ -15,20 +15,14 @@ def circle(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     t = np.tan(np.pi * u)
     square = t * t
     scale = 1.0 / (1.0 + square)
-    t *= scale
-    t *= 2.0
-    np.subtract(1.0, square, out=square)
-    square *= scale
-    return square, t
+    return (1.0 - square) * scale, t * scale * 2.0
 
 
 def uniform_disk(u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Point of the unit disk, density 1 / pi: angle from u1, radius sqrt(u2)."""
     x, y = circle(u1)
     radius = np.sqrt(u2)
-    x *= radius
-    y *= radius
-    return x, y
+    return x * radius, y * radius
 
 
 def cosine_hemisphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:

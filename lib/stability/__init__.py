@@ -2,7 +2,8 @@
 """The stability atlas: each equation of the reference against 50 digits over its whole domain, and what float32 makes of it.
 
 measure.py says what an error is, case.py what one line of the atlas holds, domain.py where errors are looked for. The truth, in
-mpmath, is in exact.py, exact_lobes.py and exact_inversions.py; the same equations in float32 in single.py, as the documents print them, and in
-cycles_single.py and cycles_inversions.py, as Cycles writes them. closed_forms.py, lobes.py, inversions.py, identities.py and watertight.py are
-the catalogue; atlas.py runs it and writes what it found.
+mpmath, is in exact.py, exact_lobes.py, exact_lights.py and exact_inversions.py; the same equations in float32 in single.py, as the documents
+print them, and in cycles_single.py and cycles_inversions.py, as Cycles writes them. closed_forms.py, lobes.py, lights.py, inversions.py,
+identities.py and watertight.py are the catalogue; atlas.py runs it and writes what it found. outside.py names the equations that the
+catalogue leaves out, and says why.
 """

@@ -17,6 +17,7 @@ from .case import Case
 from .closed_forms import closed_forms
 from .identities import identities
 from .inversions import inversions
+from .lights import lights_and_factors
 from .lobes import lobes
 from .measure import measure
 from .watertight import watertightness
@@ -29,7 +30,7 @@ VERSION = 1
 
 def equations(points: int = POINTS) -> Iterator[Case]:
     """Every closed form, inversion and identity, and rays at edges, as it is done; `points` places for each function."""
-    for function in (*closed_forms(), *lobes(), *inversions()):
+    for function in (*closed_forms(), *lobes(), *lights_and_factors(), *inversions()):
         yield measure(function, points)
     yield from identities()
     yield from watertightness()

@@ -17,7 +17,7 @@ _DIRECTIONS = tuple(f"{w}.{c}" for w in ("wi", "wo") for c in ("x", "y", "z"))
 _ALPHAS = ("alpha_x", "alpha_y")
 
 
-def _opposite(rng: np.random.Generator, count: int) -> np.ndarray:
+def opposite(rng: np.random.Generator, count: int) -> np.ndarray:
     """Wi and wo, (6, n): a third of them graze the surface from opposite sides, to within 1e-10 of each other's horizon."""
     pair = np.concatenate([domain.directions(rng, count), domain.directions(rng, count)])
     low = 10.0 ** rng.uniform(-10.0, 0.0, (2, count))
@@ -38,7 +38,7 @@ def _blender_alphas(rng: np.random.Generator, count: int) -> np.ndarray:
 
 def _powers(rng: np.random.Generator, count: int) -> np.ndarray:
     """wi, wo and alphas; half of the wi mirror wo about a normal where the lobe shines."""
-    pair, alpha = _opposite(rng, count), _blender_alphas(rng, count)
+    pair, alpha = opposite(rng, count), _blender_alphas(rng, count)
     m, wo = domain.lobe_normals(rng, alpha), pair[3:]
     mirrored = 2.0 * (wo * m).sum(axis=0) * m - wo
     mirrored[2] = np.abs(mirrored[2]) + 1e-300
@@ -55,7 +55,7 @@ def _rough(rng: np.random.Generator, count: int) -> np.ndarray:
     roughness = np.where(
         rng.random((1, count)) < 0.5, 10.0 ** rng.uniform(-12.0, 0.0, (1, count)), rng.random((1, count))
     )
-    return np.concatenate([_opposite(rng, count), roughness, rng.random((1, count))])
+    return np.concatenate([opposite(rng, count), roughness, rng.random((1, count))])
 
 
 def _dim_layers(rng: np.random.Generator, count: int) -> np.ndarray:

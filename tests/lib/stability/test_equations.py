@@ -5,10 +5,11 @@ import pytest
 from etalon.lib.stability.closed_forms import closed_forms
 from etalon.lib.stability.identities import identities
 from etalon.lib.stability.inversions import inversions
+from etalon.lib.stability.lights import lights_and_factors
 from etalon.lib.stability.lobes import lobes
 from etalon.lib.stability.measure import measure
 
-FUNCTIONS = {function.name: function for function in (*closed_forms(), *lobes(), *inversions())}
+FUNCTIONS = {function.name: function for function in (*closed_forms(), *lobes(), *lights_and_factors(), *inversions())}
 EVERY = pytest.mark.parametrize("name", FUNCTIONS)
 # Where float32 as Cycles writes it has at most one digit left at some place of the domain (1.7e7 ulp are an error of 100 %).
 CYCLES_LOSES_ALL = (
@@ -44,9 +45,11 @@ def test_bounds_are_those_of_the_atlas():
     assert {f.bound for f in closed_forms()} == {8.0}
     assert {f.bound for f in inversions()} == {32.0}
     assert {f.bound for f in lobes()} == {8.0, 32.0}
+    assert {f.bound for f in lights_and_factors()} == {8.0}
     excused = [name for name, f in FUNCTIONS.items() if f.excuse]
     assert set(excused) == {
         "Fresnel, F82",
+        "mean of F82",
         "GGX visible normals",
         "GGX bounded visible normals",
         "Beckmann visible normals",

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the integrator runs and the atlas does not measure, and why.
+
+The atlas holds closed forms and inversions. Everything else of microfacets, bsdfs, lights and sampling is one of these: a quadrature or
+a table, which a test compares with an integral; integer arithmetic, which is exact; a search in a table; a chi-square test's matter,
+since it only puts together factors that the atlas holds. `OUTSIDE` has all of them by name, and a test demands that every public
+function and class of these rooms is either here or called by a row of the atlas.
+"""
+
+from __future__ import annotations
+
+_QUADRATURE = "a quadrature, or a table made by one: tests/lib/microfacets compare it with an integral"
+_TABLE_OF_CYCLES = "a table of Cycles' own, read for a departure: tests/lib/departures compare it with Cycles"
+_INTEGERS = "integer arithmetic, exact: tests/lib/sampling/test_sobol.py"
+_SEARCH = "a search in a table of sums: tests/lib/sampling/test_tables.py compares frequencies"
+_FACTORS = "puts together factors that the atlas holds: chi-square and white furnace in tests/lib/bsdfs"
+_LIGHT = "puts together densities and directions that the atlas holds: chi-square and irradiance in tests/lib/lights"
+_NOTHING = "no equation: it chooses, copies or describes"
+
+OUTSIDE: dict[str, str] = {
+    "microfacets.visible_slope.step_by_definition": "the definition of a step that the atlas measures as it runs, in place: "
+    "tests/lib/microfacets/test_definitions.py binds the two",
+    **dict.fromkeys(
+        (
+            "microfacets.albedo.directional_albedo",
+            "microfacets.albedo.average_albedo",
+            "microfacets.albedo.integrate_albedo",
+            "microfacets.layers.layer_albedo",
+            "microfacets.layers.average_reflectance",
+            "microfacets.layers.glass_albedo",
+            "microfacets.layers.average_glass_albedo",
+            "microfacets.layers.integrate_glass",
+            "microfacets.layers.visible_normals",
+            "bsdfs.layered.layer_reflectance",
+            "bsdfs.layered.beneath_layer",
+            "bsdfs.fresnels.Conductor",
+        ),
+        _QUADRATURE,
+    ),
+    **dict.fromkeys(
+        (
+            "microfacets.albedo.directional_albedo_cycles",
+            "microfacets.albedo.average_albedo_cycles",
+            "microfacets.cycles_tables.layer_share_cycles",
+            "microfacets.cycles_tables.glass_albedo_cycles",
+            "microfacets.cycles_tables.average_glass_albedo_cycles",
+            "bsdfs.layered.layer_reflectance_cycles",
+        ),
+        _TABLE_OF_CYCLES,
+    ),
+    **dict.fromkeys(
+        (
+            "sampling.sobol.hash64",
+            "sampling.sobol.stream_key",
+            "sampling.sobol.sobol_pairs",
+            "sampling.sobol.owen_scramble",
+            "sampling.sobol.SobolSampler",
+            "sampling.sobol.SobolTile",
+            "sampling.sobol.RandomSampler",
+            "sampling.sobol.RandomTile",
+            "sampling.streams.Stream",
+            "sampling.streams.step_dimension",
+        ),
+        _INTEGERS,
+    ),
+    **dict.fromkeys(
+        (
+            "sampling.tables.Distribution2D",
+            "lights.selection.LightSelection",
+            "lights.environment.EnvironmentSampler",
+        ),
+        _SEARCH,
+    ),
+    **dict.fromkeys(
+        (
+            "bsdfs.compensated.Compensated",
+            "bsdfs.dielectric.Interface",
+            "bsdfs.dielectric.RoughDielectric",
+            "bsdfs.dielectric.SmoothInterface",
+            "bsdfs.fresnels.tinted_dielectric",
+            "bsdfs.fresnels.reflectance_at_normal",
+            "bsdfs.lambert.LambertTransmission",
+            "bsdfs.mixture.Mixture",
+            "bsdfs.rotated.Rotated",
+            "bsdfs.specular.Mirror",
+            "bsdfs.specular.SmoothDielectric",
+            "bsdfs.tilted.Tilted",
+            "sampling.warps.regular_polygon",
+        ),
+        _FACTORS,
+    ),
+    **dict.fromkeys(
+        (
+            "lights.beam.BeamSampler",
+            "lights.ellipse.EllipseSampler",
+            "lights.rectangle.ParallelogramSampler",
+            "lights.rectangle.RectangleSampler",
+            "lights.sky.SunnySampler",
+            "lights.sphere.Spheres",
+            "lights.spot.SpotSampler",
+            "lights.light.aimed_at_ball",
+        ),
+        _LIGHT,
+    ),
+    **dict.fromkeys(
+        (
+            "bsdfs.fresnels.Fresnel",
+            "bsdfs.fresnels.part_of",
+            "bsdfs.mixture.Lobe",
+            "lights.build.area_sampler",
+            "lights.build.light_sampler",
+            "lights.build.light_samplers",
+            "lights.light.LightSample",
+            "lights.light.LightSampler",
+            "lights.sky.suns_of",
+            "lights.triangles.TriangleSample",
+        ),
+        _NOTHING,
+    ),
+}
+"""Public names of lib/microfacets, lib/bsdfs, lib/lights and lib/sampling, and why they have no row."""
