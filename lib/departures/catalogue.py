@@ -15,7 +15,6 @@ from ..scene.scene import Scene
 from ..textures.fold import fold, is_constant, walk
 from .scene import NARROW
 
-
 ALL = Versions()
 
 
@@ -170,7 +169,8 @@ DEPARTURES: tuple[Departure, ...] = (
     Departure(
         "multiple-scattering tables",
         "The albedos behind Multiscatter GGX are read from tables, and the mean reflectance that colours it from fits. Up to Blender 5.2 "
-        "there are 32 x 32 nodes, for glass 16 x 16 x 16: up to 1 % off the integral, for glass 19 %, most at grazing. From 5.3 on the "
+        "there are 32 x 32 nodes, for glass 16 x 16 x 16: up to 1 % off the integral, for glass 19 % (from inside, where the reference "
+        "reproduces a part of it), most at grazing. From 5.3 on the "
         "nodes crowd there, for glass 32 x 32 x 32: up to 0.3 % off.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_reflects_by("MULTI_GGX"),

@@ -2,7 +2,8 @@
 """Albedos of dielectrics as Cycles tabulates them: linear between nodes of roughness, cosine and z = sqrt(|eta - 1| / (eta + 1)).
 
 Cycles' layout of the nodes changed with Blender 5.3 (`Tables`). The values at the nodes come from quadrature; at the lower ends the nodes stand
-for 1e-4, and at the upper end of z for 0.99 (Cycles, app/cycles_precompute.cpp). The exact forms are in layers.py.
+for 1e-4, and at the upper end of z for 0.99 (Cycles, app/cycles_precompute.cpp). One table of Blender up to 5.2 does not hold the integrals:
+that of glass from inside exceeds them near grazing, by up to 0.6; it is not reproduced. The exact forms are in layers.py.
 """
 
 from __future__ import annotations

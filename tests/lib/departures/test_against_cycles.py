@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import export
+from etalon.lib.blender_versions import Versions
 from etalon.lib.departures.catalogue import DEPARTURES, relevant
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -188,6 +189,8 @@ CASES = {
     window: (64, {"refraction from behind": ((0, 0), 0.3)}),
     soft_box: (4096, {"narrow spread": ((0, 0), 5e-4)}),
 }
+# Finer tables are too close to the integral to be told from noise here; test_without_noise.py tells them.
+COARSE_TABLES = Versions(None, "5.2")
 # Cells in which the cosine is too poor a way to sample: cosine-sampled Oren-Nayar under a grazing view.
 POOR = {furnace: [(2, 2)]}
 
@@ -215,5 +218,7 @@ def test_the_reference_departs_as_cycles_does(build):
     quantile = t.ppf(1.0 - 0.5 * sidak(LEVEL, gap.size), REPLICATES - 1)
     assert (np.abs(gap) <= quantile * error + 3e-5).all()
     gap, error = apart(())
+    if scene.blender not in COARSE_TABLES:
+        acting.pop("multiple-scattering tables", None)
     for cell, least in acting.values():
         assert (np.abs(gap[cell]) - quantile * error[cell] > least).all()
