@@ -150,7 +150,7 @@ SCENES = {
     soft_box: (3e-4, 4096, set()),
     documents: (5e-3, 512, set()),
     window: (2e-2, 4096, set()),
-    coats: (1e-3, 256, set()),
+    coats: (3e-3, 1024, set()),
     early: (5e-3, 64, set()),
 }
 
