@@ -29,18 +29,20 @@ class OrenNayar:
     """Fujii's "qualitative" Oren-Nayar with its multiple scattering, coloured by `color` (3, n) or (3, 1).
 
     Fujii 2012; Portsmouth, Kutz and Hill 2024, "EON". `roughness` in [0, 1]; sampled by the cosine. Light that is scattered
-    k times carries color^k, so the multiple scattering begins with color^`first`, first = 2 (Cycles multiplies by color once more).
+    k times carries color^k, so the multiple scattering begins with color^`first`, first = 2. Cycles departs from it: 3 multiplies by
+    color once more, None leaves the multiple scattering out.
     """
 
     delta = False
 
-    def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int = 2) -> None:
+    def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int | None = 2) -> None:
         self._wo, self._roughness, self._color, self._first = wo, np.asarray(roughness, np.float64), color, first
         self._a = 1.0 / (np.pi + self._roughness * _RANGE)
         self._b = self._roughness * self._a
         lost = self._b * _MEAN_LOST
         # (1 - E(wi)) (1 - E(wo)) / (1 - Eavg), where B comes out once.
-        self._multiple = color**first * (1.0 - lost) * self._b / (np.pi * _MEAN_LOST * (1.0 - color * lost))
+        begin = 0.0 * color if first is None else color**first
+        self._multiple = begin * (1.0 - lost) * self._b / (np.pi * _MEAN_LOST * (1.0 - color * lost))
         self._lost_o = lost_share(wo[2])
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

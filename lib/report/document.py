@@ -168,7 +168,7 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
                 "name": departure.name,
                 "statement": departure.statement,
                 "source": departure.source,
-                "versions": departure.versions,
+                "versions": str(departure.versions),
                 "chosen": departure.name in why.chosen,
                 "role": why.roles[k],
                 "share": None if shares is None else _interval(shares, where, is_shown(why, k)),

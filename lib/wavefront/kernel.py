@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..departures.catalogue import refuse_absent
 from ..departures.scene import departed
 from ..effects.names import Effect
 from ..effects.plan import Plan
@@ -15,6 +16,7 @@ from ..lights.environment import EnvironmentSampler
 from ..lights.light import LightSampler
 from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
+from ..microfacets.cycles_tables import cycles_tables
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from ..surfaces.materials import PreparedMaterial
@@ -42,6 +44,7 @@ class Kernel:
     """
 
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
+        refuse_absent(scene, options.departures)
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
@@ -52,7 +55,8 @@ class Kernel:
             self.camera_caster = like.camera_caster if same_mesh else CameraCaster(scene.mesh)
         self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
-        self.materials = [PreparedMaterial(m, self.images, options, plan.prunes) for m in self.scene.materials]
+        tables = cycles_tables(scene.blender) if "multiple-scattering tables" in options.departures else None
+        self.materials = [PreparedMaterial(m, self.images, options, plan.prunes, tables) for m in self.scene.materials]
         self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry
         self.lights = self._light_objects()
         self.environment = self._environment() if plan.needs(Effect.ENVIRONMENT_TABLE) else None

@@ -14,6 +14,7 @@ from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import SWITCHES, relevant
 from etalon.lib.departures.effects import Alternatives, alternatives
+from etalon.lib.errors import EtalonError
 from etalon.lib.report.words import sentences
 from etalon.lib.scene.expressions import (
     ONE,
@@ -59,7 +60,25 @@ def furnace():
     sun = SunLight("sun", (np.sin(twice), 0.0, np.cos(twice)), 0.0, (0.5, 0.5, 0.5))
     count = len(materials)
     geometry, camera = scenes.fan(ANGLES, count), scenes.fan_camera(ANGLES, count)
-    return scenes.scene(geometry, materials, camera, (sun,), 1.0, images=(Image("checker", checker, "SRGB"),))
+    scene = scenes.scene(geometry, materials, camera, (sun,), 1.0, images=(Image("checker", checker, "SRGB"),))
+    return replace(scene, blender=(5, 2))
+
+
+def coats():
+    """A rough coat over a white base, and a layer that is no coat, in a white world, as Blender 5.3 has them."""
+    coat = BeneathLayer(Constant(1.5), WHITE, Constant(0.8), ONE, "MULTI_GGX", coat=True)
+    layer = BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)
+    materials = [Material(name, (Lobe(Diffuse(), node),)) for name, node in (("coat", coat), ("layer", layer))]
+    scene = scenes.scene(scenes.fan(ANGLES, 2), materials, scenes.fan_camera(ANGLES, 2), world=1.0)
+    return replace(scene, blender=(5, 3))
+
+
+def early():
+    """A rough diffuse floor under a sun, as Blender 4.2 has it."""
+    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
+    camera = scenes.orthographic(2, 2, 1.0, (0.0, 0.0, 5.0))
+    scene = scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0), camera, (sun,))
+    return replace(scene, blender=(4, 2))
 
 
 def slope():
@@ -70,7 +89,9 @@ def slope():
     suns = [((np.cos(0.2), 0.0, -np.sin(0.2)), 0.05), ((0.0, 0.6, 0.8), 0.0)]
     suns = [SunLight(f"sun {k}", place, angle, (1.0, 1.0, 1.0)) for k, (place, angle) in enumerate(suns)]
     materials = [scenes.diffuse(0.8), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0)]
-    return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), suns)
+    return replace(
+        scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), suns), blender=(5, 2)
+    )
 
 
 def soft_box():
@@ -78,7 +99,8 @@ def soft_box():
     edges = (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)
     light = AreaLight("narrow", (0.0, 0.0, 4.0), *edges, (0.0, 0.0, -1.0), "RECTANGLE", (1.0, 1.0, 1.0), 0.1)
     camera = scenes.orthographic(2, 2, 1.0, (0.0, 0.0, 3.0))
-    return scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0), camera, (light,))
+    scene = scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0), camera, (light,))
+    return replace(scene, blender=(5, 2))
 
 
 def documents():
@@ -131,6 +153,8 @@ SCENES = {
     soft_box: (3e-4, 4096, set()),
     documents: (5e-3, 512, set()),
     window: (2e-2, 4096, set()),
+    coats: (3e-3, 1024, set()),
+    early: (5e-3, 64, set()),
 }
 
 
@@ -179,11 +203,22 @@ def test_attribution_names_exactly_what_was_planted(make, names, seed):
 
 
 def test_all_that_cycles_does_at_once(seed):
-    names = tuple(d.name for d in relevant(furnace()) if d.name != "separable masking")
+    names = tuple(d.name for d in relevant(furnace()))
     assert len(names) == 7
     found = judged(furnace, planted(furnace, names, seed))
     assert found.explanation.chosen == names
     assert found.verdict.outcome is Outcome.EXPLAINED
+
+
+def test_a_departure_of_another_blender_is_refused():
+    scene = replace(early(), blender=(5, 3))
+    told = "'Oren-Nayar colour' exists in Blender 4.3 to 5.2, and this scene comes from Blender 5.3; leave it out"
+    with pytest.raises(EtalonError, match=told):
+        ReferenceRenderer(scene, Options(departures=frozenset({"Oren-Nayar colour"})))
+    assert {d.name for d in relevant(scene)} == set()
+    for release, name in (((4, 2), "Oren-Nayar without multiple scattering"), ((4, 3), "Oren-Nayar colour")):
+        assert [d.name for d in relevant(replace(scene, blender=release))] == [name]
+    assert len(relevant(replace(scene, blender=None))) == 2
 
 
 def test_every_switch_is_planted():
