@@ -126,12 +126,12 @@ class Translucent(Closure):
 
 
 @dataclass(frozen=True)
-class Glass(Closure):
+class Glass(Anisotropic):
     """Dielectric interface with exact Fresnel; smooth where `roughness` is 0.
 
     `distribution`: 'BECKMANN', 'GGX' or 'MULTI_GGX', whose lost light is given back with the colour of many bounces `transmission`.
     `reflection` and `transmission` tint what is reflected and what is refracted; `tint` multiplies the reflectance at normal
-    incidence and fades towards grazing.
+    incidence and fades towards grazing. `anisotropy` as in Glossy, for what is refracted too.
     """
 
     color: Expression = WHITE
@@ -141,6 +141,9 @@ class Glass(Closure):
     reflection: Expression = WHITE
     transmission: Expression = WHITE
     tint: Expression = WHITE
+    anisotropy: Expression = ZERO
+    rotation: Expression = ZERO
+    tangent: Tangent = Tangent()
     normal: Expression | None = None
 
 

@@ -101,14 +101,22 @@ def _fresnel_reflection(closure: Metallic | Specular, curve: Fresnel, site: Site
     return _compensated(Reflected(lobe, site.wo, curve), closure.distribution, alpha, curve.average, site)
 
 
+def _alphas(
+    closure: Closure, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
+) -> tuple[np.ndarray, np.ndarray]:
+    """Roughness squared along x and y, each at most 1."""
+    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
+    return (alpha, alpha) if stretch is None else tuple(np.minimum(alpha * k, 1.0) for k in stretch)
+
+
 def _reflection(
     closure: Anisotropic, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
 ) -> tuple[Lobe, np.ndarray]:
     """White microfacet reflection, its alpha stretched by two factors, and the geometric mean of its alphas."""
-    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
-    alpha_x, alpha_y = (alpha, alpha) if stretch is None else (np.minimum(alpha * k, 1.0) for k in stretch)
+    alpha_x, alpha_y = _alphas(closure, stretch, site)
     if closure.distribution == "ASHIKHMIN_SHIRLEY":
-        return _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y)), alpha
+        lobe = _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y))
+        return lobe, np.sqrt(alpha_x * alpha_y)
     if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT):
         return Mirror(site.wo), np.sqrt(alpha_x * alpha_y)
     alpha_x, alpha_y = (
@@ -127,7 +135,7 @@ def _reflection(
     return _turned(closure, stretch, site, make), np.sqrt(alpha_x * alpha_y)
 
 
-def _turned(closure: Anisotropic, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
+def _turned(closure: Closure, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
     """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
     if stretch is None:
         return make(site.wo)
@@ -153,9 +161,12 @@ def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
     plain = np.all(tint == 1.0)
     curve = Dielectric(eta) if plain else tinted_dielectric(eta, np.maximum(tint, 0.0))
     interface = Interface(curve, reflection, transmission)
-    lobe = _interface(closure, interface, eta, site)
+    anisotropy = np.clip(site.read(closure.anisotropy), -0.99, 0.99)
+    stretch = glossy_stretch(anisotropy) if np.any(anisotropy) else None
+    lobe = _interface(closure, interface, eta, stretch, site)
     if closure.distribution == "MULTI_GGX" and not lobe.delta:
-        alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
+        alpha_x, alpha_y = _alphas(closure, stretch, site)
+        alpha = alpha_x if stretch is None else np.sqrt(alpha_x * alpha_y)
         lobe = Compensated(lobe, _glass_scattering(site, alpha, closure.ior, np.clip(transmission, 0.0, 1.0)))
     return lobe, color
 
@@ -164,24 +175,34 @@ def _refraction(closure: Refraction, site: Site) -> tuple[Lobe, np.ndarray]:
     ior = np.maximum(site.read(closure.ior), 1e-5)
     eta = np.where(site.points.backfacing, 1.0 / ior, ior)
     white = np.ones((3, 1))
-    return _interface(closure, Interface(None, white, white), eta, site), site.read(closure.color)
+    return _interface(closure, Interface(None, white, white), eta, None, site), site.read(closure.color)
 
 
-def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarray, site: Site) -> Lobe:
-    """A smooth or rough interface."""
-    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
-    if np.all(alpha * alpha <= MIRROR_ALPHA_PRODUCT) or np.all(np.abs(eta - 1.0) < _LEAST_CONTRAST):
+def _interface(
+    closure: Glass | Refraction,
+    interface: Interface,
+    eta: np.ndarray,
+    stretch: tuple[np.ndarray, np.ndarray] | None,
+    site: Site,
+) -> Lobe:
+    """A smooth or rough interface, its alpha stretched by two factors."""
+    alpha_x, alpha_y = _alphas(closure, stretch, site)
+    if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT) or np.all(np.abs(eta - 1.0) < _LEAST_CONTRAST):
         if interface.is_plain:
             return SmoothDielectric(site.wo, eta, interface.fresnel is not None)
         return SmoothInterface(site.wo, eta, interface)
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
-    alpha = np.maximum(alpha, _FLOOR)
+    alpha_x, alpha_y = np.maximum(alpha_x, _FLOOR), np.maximum(alpha_y, _FLOOR)
     backs = "refraction from behind" in site.options.departures
     how = (_distribution(closure, site.options), interface, _masking(site.options), backs)
-    lobe = RoughDielectric(site.wo, alpha, eta, *how)
-    if closure.distribution == "BECKMANN":
-        return with_stated_density(lobe, site.wo, alpha, alpha, site.options.departures)
-    return lobe
+
+    def make(wo: np.ndarray) -> Lobe:
+        lobe = RoughDielectric(wo, alpha_x, alpha_y, eta, *how)
+        if closure.distribution == "BECKMANN":
+            return with_stated_density(lobe, wo, alpha_x, alpha_y, site.options.departures)
+        return lobe
+
+    return _turned(closure, stretch, site, make)
 
 
 def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
@@ -213,7 +234,7 @@ def _distribution(closure: Closure, options: Options) -> object:
 
 
 def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Factors on alpha along x and y of Blender's Glossy BSDF for an anisotropy in (-1, 1) (Cycles, svm/closure.h)."""
+    """Factors on alpha along x and y of Blender's Glossy and Glass BSDF for an anisotropy in (-1, 1) (Cycles, svm/closure.h)."""
     stretch = np.where(anisotropy < 0.0, 1.0 / (1.0 + anisotropy), 1.0 - anisotropy)
     return stretch, 1.0 / stretch
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import is_constant
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from .shaders import ShaderReader
 
 _NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
+_STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
 
@@ -157,7 +159,14 @@ class _Principled:
         base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
         return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
 
+    def _refuse_dispersion(self) -> None:
+        """Refuse glass whose index depends on the wavelength, which is not simulated; Blender has the socket from 5.3 on."""
+        if self._socket("Transmission Dispersion Scale") != ex.ZERO:
+            what = ", socket 'Transmission Dispersion Scale',"
+            self._reader.values.refuse(self._node, self._scope, what, "set it to 0")
+
     def _glass(self) -> mt.Glass:
+        self._refuse_dispersion()
         ior = self._constant("IOR") if self._distribution == "MULTI_GGX" else self._socket("IOR")
         return mt.Glass(
             ex.WHITE,
@@ -167,7 +176,18 @@ class _Principled:
             transmission=ex.Gamma(self._base_in_range(), _HALF),
             tint=self._socket("Specular Tint", ex.WHITE),
             normal=self._normal,
+            **(self._glass_stretch() if bpy.app.version in _STRETCHES_GLASS else {}),
         )
+
+    def _glass_stretch(self) -> dict[str, object]:
+        """What turns and stretches the glass, as on the Glass BSDF: sqrt(1 - 0.9 a) - 1 divides alpha along x by the root."""
+        stretch = self._stretch()
+        del stretch["roughness"]
+        if stretch:
+            squared = ex.Math("MULTIPLY_ADD", stretch["anisotropy"], ex.Constant(-0.9), ex.ONE)
+            root = ex.Math("SQRT", squared, ex.ZERO, ex.ZERO)
+            stretch["anisotropy"] = ex.Math("SUBTRACT", root, ex.ONE, ex.ZERO)
+        return stretch
 
     def _base_in_range(self) -> ex.Expression:
         return ex.Mix(ex.ZERO, self._socket("Base Color"), ex.WHITE, clamp_result=True)

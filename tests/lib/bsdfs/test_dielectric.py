@@ -51,7 +51,7 @@ def viewer(cos_o, count=1):
 
 def lobe(distribution, eta, alpha, wo, glass=True, form="correlated"):
     interface = Interface(Dielectric(np.float64(eta)) if glass else None, WHITE, WHITE)
-    return RoughDielectric(wo, np.float64(alpha), np.float64(eta), distribution, interface, form)
+    return RoughDielectric(wo, *np.broadcast_to(np.float64(alpha), 2), np.float64(eta), distribution, interface, form)
 
 
 def density(distribution, eta, alpha, cos_o, glass=True):

@@ -70,7 +70,7 @@ def test_through_facets_seen_from_behind_glass_would_make_light():
     plain = Interface(Dielectric(np.full(measure.size, 1.5)), np.ones((3, 1)), np.ones((3, 1)))
     held, given = {}, {}
     for backs in (False, True):
-        lobe = RoughDielectric(wo, np.float64(0.64), np.float64(1.5), ggx, plain, "correlated", backs)
+        lobe = RoughDielectric(wo, np.float64(0.64), np.float64(0.64), np.float64(1.5), ggx, plain, "correlated", backs)
         value, pdf = lobe.evaluate(wi)
         held[backs], given[backs] = pdf @ measure, value[0] @ measure
     assert held[False] < 1.0
