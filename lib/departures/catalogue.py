@@ -78,6 +78,11 @@ def _rough_glass(scene: Scene) -> bool:
     return bool(sampled) and any(isinstance(c, Glass | Refraction) and _is_rough(c) for c in _closures(scene))
 
 
+def _disperses(glass: Glass) -> bool:
+    dispersion = fold(glass.dispersion)
+    return not (is_constant(dispersion) and float(dispersion.value) == 0.0)
+
+
 def _rough_facets(scene: Scene) -> bool:
     return _reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
 
@@ -140,6 +145,14 @@ DEPARTURES: tuple[Departure, ...] = (
         "there counts by its share in multiple importance sampling.",
         "kernel/closure/bsdf.h",
         relevant=_smooth,
+    ),
+    Departure(
+        "undispersed reflectance",
+        "What dispersive glass reflects at normal incidence is that of its index at Fraunhofer's line d, at every wavelength; by Fresnel's "
+        "equations it follows the index.",
+        "kernel/closure/bsdf_microfacet.h",
+        ("5.3",),
+        lambda scene: any(isinstance(c, Glass) and _disperses(c) for c in _closures(scene)),
     ),
     Departure(
         "texture interpolation",

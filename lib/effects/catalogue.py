@@ -19,7 +19,7 @@ from ..scene.materials import (
 )
 from ..textures.patterns import PATTERNS
 from . import surface, transport
-from .facts import is_smooth
+from .facts import is_smooth, is_zero
 from .surface import Question, closure, distribution, is_rough, socket
 from .transport import light
 
@@ -79,6 +79,13 @@ EFFECTS: tuple[Effect, ...] = (
         "samples facets that reflect or refract",
         _WEIGHT,
         closure((Glass, Refraction), is_rough),
+    ),
+    Effect(
+        "surface",
+        "dispersion",
+        "draws a wavelength for each path",
+        "an infinite Abbe number",
+        closure(Glass, lambda c: not is_zero(c.dispersion)),
     ),
     Effect("surface", "translucency", "samples the cosine on the far side", _WEIGHT, closure(Translucent)),
     Effect(

@@ -132,6 +132,7 @@ class Glass(Anisotropic):
     `distribution`: 'BECKMANN', 'GGX' or 'MULTI_GGX', whose lost light is given back with the colour of many bounces `transmission`.
     `reflection` and `transmission` tint what is reflected and what is refracted; `tint` multiplies the reflectance at normal
     incidence and fades towards grazing. `anisotropy` as in Glossy, for what is refracted too.
+    `dispersion` is the reciprocal of the Abbe number; `ior` is then the index at Fraunhofer's line d.
     """
 
     color: Expression = WHITE
@@ -144,6 +145,7 @@ class Glass(Anisotropic):
     anisotropy: Expression = ZERO
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
+    dispersion: Expression = ZERO
     normal: Expression | None = None
 
 

@@ -11,7 +11,15 @@ import numpy as np
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley
 from ..bsdfs.compensated import CYCLES, EXACT, Compensated, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
-from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
+from ..bsdfs.fresnels import (
+    F82,
+    Conductor,
+    Dielectric,
+    Fresnel,
+    TintedDielectric,
+    reflectance_at_normal,
+    tinted_dielectric,
+)
 from ..bsdfs.lambert import Lambert, LambertTransmission
 from ..bsdfs.microfacet import MicrofacetReflection
 from ..bsdfs.mixture import Lobe
@@ -23,6 +31,7 @@ from ..bsdfs.tilted import Tilted
 from ..departures.closures import beckmann_form, with_stated_density
 from ..microfacets import ggx
 from ..microfacets.cycles_tables import average_glass_albedo_cycles, glass_albedo_cycles
+from ..microfacets.dispersion import cauchy_index
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
@@ -154,13 +163,9 @@ def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.nda
 
 
 def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
-    ior = np.maximum(site.read(closure.ior), 1e-5)
     color, transmission = site.read(closure.color), site.read(closure.transmission)
-    tint, reflection = site.read(closure.tint), site.read(closure.reflection)
-    eta = np.where(site.points.backfacing, 1.0 / ior, ior)
-    plain = np.all(tint == 1.0)
-    curve = Dielectric(eta) if plain else tinted_dielectric(eta, np.maximum(tint, 0.0))
-    interface = Interface(curve, reflection, transmission)
+    eta, curve = _dielectric(closure, site)
+    interface = Interface(curve, site.read(closure.reflection), transmission)
     anisotropy = np.clip(site.read(closure.anisotropy), -0.99, 0.99)
     stretch = glossy_stretch(anisotropy) if np.any(anisotropy) else None
     lobe = _interface(closure, interface, eta, stretch, site)
@@ -169,6 +174,18 @@ def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
         alpha = alpha_x if stretch is None else np.sqrt(alpha_x * alpha_y)
         lobe = Compensated(lobe, _glass_scattering(site, alpha, closure.ior, np.clip(transmission, 0.0, 1.0)))
     return lobe, color
+
+
+def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
+    """The index of the far side over the near side's, (n,), at the light's wavelength where it matters, and the reflectance."""
+    ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
+    dispersion = site.read(closure.dispersion)
+    disperses = np.any(dispersion)
+    index = cauchy_index(ior, dispersion, site.points.wavelength) if disperses else ior
+    eta = np.where(site.points.backfacing, 1.0 / index, index)
+    if disperses and "undispersed reflectance" in site.options.departures:
+        return eta, TintedDielectric(eta, np.clip(reflectance_at_normal(ior) * tint, 0.0, 1.0))
+    return eta, Dielectric(eta) if np.all(tint == 1.0) else tinted_dielectric(eta, tint)
 
 
 def _refraction(closure: Refraction, site: Site) -> tuple[Lobe, np.ndarray]:

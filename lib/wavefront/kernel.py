@@ -86,6 +86,7 @@ class Kernel:
         self.last_hits, self.emission = plan.needs("last hits"), plan.needs("emission")
         self.second_hits, self.several_materials = plan.needs("second hits"), plan.needs("several materials")
         self.most_bounces = scene.transport.max_bounces if plan.needs("indirect light") else 0
+        self.disperses = plan.needs("dispersion")
         self.roulette = options.russian_roulette and plan.needs("Russian roulette")
 
     @cached_property

@@ -10,6 +10,7 @@ import numpy as np
 from ..effects.transport import ROULETTE_AFTER
 from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
+from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .camera_rays import camera_rays
@@ -23,8 +24,8 @@ from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
 from .visibility import transmittance
 
-# Dimensions of the sampler: two for the camera, then DIMENSIONS_PER_STEP for each step along the path.
-PIXEL, LENS, FIRST_STEP = 0, 1, 2
+# Dimensions of the sampler: one for the wavelength, two for the camera, then DIMENSIONS_PER_STEP for each step along the path.
+WAVELENGTH, PIXEL, LENS, FIRST_STEP = -1, 0, 1, 2
 BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
 DIMENSIONS_PER_STEP = 4
 
@@ -102,6 +103,9 @@ class Tracer:
         if self._transparent:
             paths.scatter_origin, paths.travelled = rays.origin, np.zeros(count)
             paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        if self._kernel.disperses:
+            paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
+            paths.awaits_color = np.ones(count, bool)
         self._clock.lap("camera")
         return paths, rays.reach
 
@@ -167,6 +171,8 @@ class Tracer:
         goes_on = kernel.samples_lobes and (kernel.last_rays or self._transparent or step < kernel.most_bounces)
         if not goes_on and not kernel.samples_lights:
             return paths.take(np.empty(0, np.intp))
+        if kernel.disperses:
+            self._take_color(paths, points, groups)
         dimension = FIRST_STEP + DIMENSIONS_PER_STEP * step
         # A single lobe and a single light leave nothing to pick; a zero serves as well then.
         pick = choice = np.zeros(paths.size)
@@ -186,6 +192,15 @@ class Tracer:
             return paths.take(np.empty(0, np.intp))
         fate = self._pair(dimension + FATE, paths)[1] if kernel.roulette and step >= ROULETTE_AFTER else None
         return self._advance(paths, origins, shaded, fate)
+
+    def _take_color(self, paths: Paths, points: SurfacePoints, groups: Groups) -> None:
+        """Give paths the colour of their wavelength where they first meet a material whose index depends on it."""
+        points.wavelength = paths.wavelength
+        for material, start, stop in groups:
+            if self._kernel.materials[material].disperses:
+                index = start + np.flatnonzero(paths.awaits_color[start:stop])
+                paths.throughput[:, index] *= color_weight(paths.wavelength[index])
+                paths.awaits_color[index] = False
 
     def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, direct: np.ndarray) -> None:
         """Ask for visibility where light would arrive, and add what does."""
@@ -233,6 +248,8 @@ class Tracer:
             throughput,
             shaded.pdf[index],
         )
+        if self._kernel.disperses:
+            following.wavelength, following.awaits_color = paths.wavelength[index], paths.awaits_color[index]
         if self._transparent:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
@@ -248,11 +265,11 @@ def _no_hits(hidden: np.ndarray) -> Hits:
 
 
 def _survival(throughput: np.ndarray) -> np.ndarray:
-    """Russian roulette's chance min(1, sqrt(largest throughput)), (n,); who survives carries its inverse, so that the mean stays.
+    """Russian roulette's chance min(1, sqrt(largest |throughput|)), (n,); who survives carries its inverse, so that the mean stays.
 
     The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
     """
-    return np.minimum(np.sqrt(throughput.max(axis=0)), 1.0)
+    return np.minimum(np.sqrt(np.abs(throughput).max(axis=0)), 1.0)
 
 
 class _Origins:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
+_SMOOTH_ROUGHNESS = 2e-10**0.25  # below it Cycles takes an interface for smooth
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
 
@@ -159,14 +160,21 @@ class _Principled:
         base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
         return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
 
-    def _refuse_dispersion(self) -> None:
-        """Refuse glass whose index depends on the wavelength, which is not simulated; Blender has the socket from 5.3 on."""
-        if self._socket("Transmission Dispersion Scale") != ex.ZERO:
-            what = ", socket 'Transmission Dispersion Scale',"
-            self._reader.values.refuse(self._node, self._scope, what, "set it to 0")
+    def _dispersion(self) -> ex.Expression:
+        """The reciprocal of the glass's Abbe number; none where scale or number is not positive. Blender 5.3 and later."""
+        scale, abbe = (self._socket(f"Transmission Dispersion {name}") for name in ("Scale", "Abbe Number"))
+        scale, abbe = (ex.Math("MAXIMUM", socket, ex.ZERO, ex.ZERO) for socket in (scale, abbe))
+        dispersion = self._reader.folder(ex.Math("DIVIDE", scale, abbe, ex.ZERO))  # by zero it gives zero
+        if dispersion != ex.ZERO and self._distribution == "MULTI_GGX" and not self._is_smooth():
+            what = ", socket 'Transmission Dispersion Scale', on rough Multiscatter GGX"
+            self._reader.values.refuse(self._node, self._scope, what, "set it to 0, or choose GGX")
+        return dispersion
+
+    def _is_smooth(self) -> bool:
+        roughness = self._socket("Roughness")
+        return is_constant(roughness) and roughness.value <= _SMOOTH_ROUGHNESS
 
     def _glass(self) -> mt.Glass:
-        self._refuse_dispersion()
         ior = self._constant("IOR") if self._distribution == "MULTI_GGX" else self._socket("IOR")
         return mt.Glass(
             ex.WHITE,
@@ -176,6 +184,7 @@ class _Principled:
             transmission=ex.Gamma(self._base_in_range(), _HALF),
             tint=self._socket("Specular Tint", ex.WHITE),
             normal=self._normal,
+            dispersion=self._dispersion(),
             **(self._glass_stretch() if bpy.app.version in _STRETCHES_GLASS else {}),
         )
 
