@@ -179,9 +179,9 @@ def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
 def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
     """The index of the far side over the near side's, (n,), at the light's wavelength where it matters, and the reflectance."""
     ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
-    dispersion = site.read(closure.dispersion)
-    disperses = np.any(dispersion)
-    index = cauchy_index(ior, dispersion, site.points.wavelength) if disperses else ior
+    dispersion, wavelength = site.read(closure.dispersion), site.points.wavelength
+    disperses = wavelength is not None and np.any(dispersion)
+    index = cauchy_index(ior, dispersion, wavelength) if disperses else ior
     eta = np.where(site.points.backfacing, 1.0 / index, index)
     if disperses and "undispersed reflectance" in site.options.departures:
         return eta, TintedDielectric(eta, np.clip(reflectance_at_normal(ior) * tint, 0.0, 1.0))
