@@ -33,7 +33,7 @@ from ..microfacets import ggx
 from ..microfacets.cycles_tables import average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
 from ..microfacets.layers import average_glass_albedo, glass_albedo
-from ..scene.expressions import Constant
+from ..sampling.wavelengths import NODES
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
 from ..textures.evaluate import Evaluator
 from ..vectors import dot, orthonormal_basis, to_local
@@ -172,7 +172,7 @@ def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
     if closure.distribution == "MULTI_GGX" and not lobe.delta:
         alpha_x, alpha_y = _alphas(closure, stretch, site)
         alpha = alpha_x if stretch is None else np.sqrt(alpha_x * alpha_y)
-        lobe = Compensated(lobe, _glass_scattering(site, alpha, closure.ior, np.clip(transmission, 0.0, 1.0)))
+        lobe = Compensated(lobe, _glass_scattering(closure, site, alpha, np.clip(transmission, 0.0, 1.0)))
     return lobe, color
 
 
@@ -222,13 +222,32 @@ def _interface(
     return _turned(closure, stretch, site, make)
 
 
-def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
-    """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n)."""
+def _glass_scattering(closure: Glass, site: Site, alpha: np.ndarray, color: np.ndarray) -> np.ndarray:
+    """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n).
+
+    Where the index depends on the wavelength, it is quadratic in the index through three that span the spectrum (Chebyshev's):
+    to 1e-4 for Abbe numbers from 20 on.
+    """
+    ior, dispersion, wavelength = closure.ior.value, closure.dispersion, site.points.wavelength
+    if wavelength is None or not dispersion.value:
+        return _scattering_of_index(site, alpha, ior, color)
+    first, last = cauchy_index(ior, dispersion.value, NODES[[-1, 0]])
+    nodes = 0.5 * (first + last) + 0.5 * (last - first) * np.cos(np.pi * np.array([1.0, 3.0, 5.0]) / 6.0)
+    index = cauchy_index(ior, dispersion.value, wavelength)
+    factor = np.zeros((3, site.points.size))
+    for node in nodes if first != last else nodes[:1]:  # an index of 1 stays 1
+        basis = [(index - other) / (node - other) for other in nodes if other != node]
+        factor += np.prod(basis, axis=0) * _scattering_of_index(site, alpha, node, color)
+    return factor
+
+
+def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.ndarray) -> np.ndarray:
+    """The factor of an interface of one index, (3, n)."""
     directional, mean = glass_albedo, average_glass_albedo
     if "multiple-scattering tables" in site.options.departures:
         directional, mean = glass_albedo_cycles, average_glass_albedo_cycles
     factor = np.ones((3, site.points.size))
-    outside = float(max(ior.value, 1e-5))
+    outside = float(max(ior, 1e-5))
     for side, eta in ((~site.points.backfacing, outside), (site.points.backfacing, 1.0 / outside)):
         index = np.flatnonzero(side)
         if index.size:

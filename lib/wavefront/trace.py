@@ -234,7 +234,8 @@ class Tracer:
         if self._transparent and not self._kernel.last_rays:
             going &= paths.scatterings < self._kernel.most_bounces
         if fate is not None:
-            survival = _survival(throughput)
+            # Colours of the spectrum may be negative.
+            survival = _survival(np.abs(throughput) if self._kernel.disperses else throughput)
             going &= ~(fate >= survival)  # what is not finite goes on, to be counted
         index = np.flatnonzero(going)
         throughput = np.take(throughput, index, axis=1)
@@ -265,11 +266,11 @@ def _no_hits(hidden: np.ndarray) -> Hits:
 
 
 def _survival(throughput: np.ndarray) -> np.ndarray:
-    """Russian roulette's chance min(1, sqrt(largest |throughput|)), (n,); who survives carries its inverse, so that the mean stays.
+    """Russian roulette's chance min(1, sqrt(largest throughput)), (n,); who survives carries its inverse, so that the mean stays.
 
     The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
     """
-    return np.minimum(np.sqrt(np.abs(throughput).max(axis=0)), 1.0)
+    return np.minimum(np.sqrt(throughput.max(axis=0)), 1.0)
 
 
 class _Origins:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 _NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
-_SMOOTH_ROUGHNESS = 2e-10**0.25  # below it Cycles takes an interface for smooth
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
 
@@ -165,14 +164,11 @@ class _Principled:
         scale, abbe = (self._socket(f"Transmission Dispersion {name}") for name in ("Scale", "Abbe Number"))
         scale, abbe = (ex.Math("MAXIMUM", socket, ex.ZERO, ex.ZERO) for socket in (scale, abbe))
         dispersion = self._reader.folder(ex.Math("DIVIDE", scale, abbe, ex.ZERO))  # by zero it gives zero
-        if dispersion != ex.ZERO and self._distribution == "MULTI_GGX" and not self._is_smooth():
-            what = ", socket 'Transmission Dispersion Scale', on rough Multiscatter GGX"
-            self._reader.values.refuse(self._node, self._scope, what, "set it to 0, or choose GGX")
+        if self._distribution == "MULTI_GGX" and not is_constant(dispersion):
+            what = ", sockets 'Transmission Dispersion' (textured),"
+            self._reader.values.refuse(self._node, self._scope, what, "unlink them, or choose GGX")
+            return ex.ZERO
         return dispersion
-
-    def _is_smooth(self) -> bool:
-        roughness = self._socket("Roughness")
-        return is_constant(roughness) and roughness.value <= _SMOOTH_ROUGHNESS
 
     def _glass(self) -> mt.Glass:
         ior = self._constant("IOR") if self._distribution == "MULTI_GGX" else self._socket("IOR")

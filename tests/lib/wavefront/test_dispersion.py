@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Dispersion in whole images: one face and a prism under a sky that varies, against quadrature over the spectrum."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from etalon.lib.microfacets.dispersion import cauchy_index
 from etalon.lib.microfacets.fresnel import dielectric
+from etalon.lib.microfacets.layers import integrate_glass
 from etalon.lib.sampling.wavelengths import COLORS, NODES
 from etalon.lib.scene.expressions import Constant, Coordinates, Math, ValueToColor, VectorToValue
 from etalon.lib.scene.materials import Diffuse, Glass
 from etalon.lib.scene.world import World
+from etalon.lib.surfaces.lobes import _glass_scattering
 from etalon.lib.wavefront.options import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.replicates import assert_mean, replicates
@@ -132,3 +136,20 @@ def test_roulette_spares_colours_that_are_negative(tint, seed):
         for k, one in enumerate(Glass(color(*tint), Constant(IOR), dispersion=Constant(d)) for d in (1e-6, 0.0))
     ]
     assert_mean(images[0][:, None, None], images[1].mean(axis=0), 0.01)
+
+
+def test_lost_light_is_given_back_at_each_wavelength():
+    """Multiscatter GGX, white, from outside: 1 / E of the index at the wavelength, E by quadrature over visible normals."""
+    wavelength = np.array([400.0, 460.0, 520.0, 590.0, 660.0, 750.0])
+    cos, alpha = np.repeat([0.1, 0.4, 0.9], 6), np.full(18, 0.5)
+    wo = np.stack([np.sqrt(1.0 - cos * cos), np.zeros_like(cos), cos])
+    points = SimpleNamespace(backfacing=np.zeros(18, bool), size=18, wavelength=np.tile(wavelength, 3))
+    glass = Glass(ior=Constant(IOR), dispersion=Constant(1.0 / 20.0))
+    site = SimpleNamespace(points=points, wo=wo, options=Options())
+    factor = _glass_scattering(glass, site, alpha, np.ones((3, 1)))
+    index = cauchy_index(np.float64(IOR), 1.0 / 20.0, points.wavelength)
+    expected = 1.0 / np.concatenate(
+        [integrate_glass(*(np.array([x]) for x in (c, 0.5)), n) for c, n in zip(cos, index, strict=True)]
+    )
+    assert np.ptp(expected[:6]) > 3e-3
+    np.testing.assert_allclose(factor, np.tile(expected, (3, 1)), rtol=1e-4)

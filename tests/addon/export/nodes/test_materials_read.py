@@ -261,13 +261,16 @@ def test_dispersion_is_scale_over_abbe_number():
 
 
 @SINCE_5_3
-def test_dispersion_of_rough_multiscatter_glass_is_refused():
-    sockets = {"Transmission_Weight": 1.0, "Transmission_Dispersion_Scale": 1.0}
-    (refusal,) = refused(principled(**sockets, Roughness=0.3))
-    assert "Principled BSDF), socket 'Transmission Dispersion Scale', on rough Multiscatter GGX" in refusal
-    assert refused(principled(**sockets, Roughness=0.0)) == []
-    ggx = {"Transmission Weight": 1.0, "Transmission Dispersion Scale": 1.0}
-    assert refused(lambda t: node(t, "BsdfPrincipled", ggx, distribution="GGX")) == []
+def test_textured_dispersion_of_multiscatter_glass_is_refused():
+    def build(tree, **more):
+        scale = node(tree, "LayerWeight")
+        return node(
+            tree, "BsdfPrincipled", {"Transmission Weight": 1.0, "Transmission Dispersion Scale": scale}, **more
+        )
+
+    (refusal,) = refused(build)
+    assert "Principled BSDF), sockets 'Transmission Dispersion' (textured)" in refusal
+    assert refused(lambda tree: build(tree, distribution="GGX")) == []
 
 
 def inside_group(tree):
