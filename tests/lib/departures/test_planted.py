@@ -97,9 +97,9 @@ def window():
 
 
 def prism():
-    """Dispersive glass that mirrors a lamp above the camera; what it refracts is dark."""
+    """Dispersive glass that mirrors a lamp above the camera and swallows what it refracts."""
     parts = [scenes.floor(5.0), scenes.floor(50.0, 9.0, 1)]
-    glass = scenes.material(Glass(ior=Constant(3.0), dispersion=Constant(1.0 / 3.0)))
+    glass = scenes.material(Glass(ior=Constant(1.5), dispersion=Constant(1.0 / 3.0), transmission=scenes.color(0.0)))
     camera = scenes.orthographic(2, 1, 1.0, (0.1, 0.0, 5.0))
     return scenes.scene(parts, [glass, scenes.emission(10.0)], camera)
 
@@ -136,7 +136,7 @@ SCENES = {
     soft_box: (3e-4, 4096, set()),
     documents: (5e-3, 512, set()),
     window: (2e-2, 4096, set()),
-    prism: (5e-2, 2048, set()),
+    prism: (2e-2, 512, set()),
 }
 
 
