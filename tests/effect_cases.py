@@ -136,7 +136,10 @@ CASES = {
     ),
     "multiple scattering": ([of(Glossy("MULTI_GGX", roughness=HALF))], [of(Glossy("GGX", roughness=HALF))]),
     "anisotropy": (
-        [with_uvs(of(Glossy("GGX", roughness=HALF, anisotropy=HALF)))],
+        [
+            with_uvs(of(Glossy("GGX", roughness=HALF, anisotropy=HALF))),
+            with_uvs(of(Glass(ior=Constant(1.5), roughness=HALF, anisotropy=HALF))),
+        ],
         [of(Glossy("GGX", roughness=HALF)), of(Glossy("GGX", roughness=HALF, anisotropy=Constant(1e-5)))],
     ),
     "Ashikhmin-Shirley": (
@@ -156,6 +159,10 @@ CASES = {
     "rough interfaces": (
         [of(Glass(ior=Constant(1.5), roughness=HALF)), of(Refraction(ior=Constant(1.5), roughness=HALF))],
         [of(Glass(ior=Constant(1.5)))],
+    ),
+    "dispersion": (
+        [of(Glass(ior=Constant(1.5), dispersion=Constant(0.05)))],
+        [of(Glass(ior=Constant(1.5))), of(Glass(color(0.0), ior=Constant(1.5), dispersion=HALF)), PLAIN],
     ),
     "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
     "glass": (

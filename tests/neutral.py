@@ -147,6 +147,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "glass": _lobe(Glass(ior=IOR)),
     "refraction": _lobe(Refraction(ior=IOR)),
     "rough interfaces": _lobe(Glass(ior=IOR, roughness=HALF)),
+    "dispersion": _lobe(Glass(ior=IOR, dispersion=ZERO)),
     "translucency": _lobe(Translucent()),
     "transparent surfaces": _lobe(Transparent(color(0.0))),
     "emission": _lobe(Emission(strength=ZERO)),

@@ -53,7 +53,7 @@ class Interface:
 
 
 class RoughDielectric:
-    """Isotropic microfacets of `alpha`, () or (n,), between media of relative index `eta`, () or (n,), far side over near, not 1.
+    """Microfacets of `alpha_x` and `alpha_y`, () or (n,), between media of relative index `eta`, () or (n,), far side over near, not 1.
 
     Reflection F D G / (4 |o.n|), refraction (1 - F) D G |i.m| |o.m| eta^2 / (|eta i + o|^2 |o.n|), the factor |i.n| included
     (Walter et al. 2007, eq. 20 and 21); radiance is not scaled by 1 / eta^2, as in Cycles. Visible normals are sampled, then reflection
@@ -67,19 +67,20 @@ class RoughDielectric:
     def __init__(
         self,
         wo: np.ndarray,
-        alpha: np.ndarray,
+        alpha_x: np.ndarray,
+        alpha_y: np.ndarray,
         eta: np.ndarray,
         distribution: ModuleType,
         interface: Interface,
         masking_form: str = "correlated",
         backs_refract: bool = False,
     ) -> None:
-        self._wo, self._alpha, self._eta = wo, alpha, eta
+        self._wo, self._alpha, self._eta = wo, (alpha_x, alpha_y), eta
         self._distribution, self._interface, self._form = distribution, interface, masking_form
         self._backs_refract = backs_refract
         self._above = wo[2] > 0.0
         self._cos_o = np.where(self._above, wo[2], 1.0)
-        self._lambda_o = distribution.smith_lambda(wo, alpha, alpha)
+        self._lambda_o = distribution.smith_lambda(wo, alpha_x, alpha_y)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value (3, n) and density (n,), over the whole sphere."""
@@ -96,7 +97,7 @@ class RoughDielectric:
             valid |= self._above & through
             cos_om = np.abs(cos_om)
         reflected, refracted, chance = self._interface.shares(np.clip(cos_om, 0.0, 1.0), eta)
-        d = np.where(valid, self._distribution.density(m, self._alpha, self._alpha), 0.0)
+        d = np.where(valid, self._distribution.density(m, *self._alpha), 0.0)
         d /= self._cos_o
         d *= np.where(through, _refraction_factor(cos_om, cos_im, eta, length), 0.25)
         pdf = d / (1.0 + self._lambda_o)
@@ -107,7 +108,7 @@ class RoughDielectric:
     def _masking(self, wi: np.ndarray, m: np.ndarray, through: np.ndarray) -> np.ndarray:
         """G of wo and of wi folded up to wo's side."""
         folded = np.stack([wi[0], wi[1], np.abs(wi[2])])
-        lambda_i = self._distribution.smith_lambda(folded, self._alpha, self._alpha)
+        lambda_i = self._distribution.smith_lambda(folded, *self._alpha)
         if self._form == "separable":
             return masking.separable(lambda_i, self._lambda_o)
         smith = masking.height_correlated(lambda_i, self._lambda_o)
@@ -121,7 +122,7 @@ class RoughDielectric:
         The digits of `u1` beyond the sixteenth serve again to choose between reflection and refraction.
         """
         wo, eta = self._wo, self._eta
-        m = self._distribution.sample_visible(wo, self._alpha, self._alpha, u1, u2, self._lambda_o)
+        m = self._distribution.sample_visible(wo, *self._alpha, u1, u2, self._lambda_o)
         cos_om = dot(wo, m)
         reflected, refracted, chance = self._interface.shares(np.clip(cos_om, 0.0, 1.0), eta)
         digits = u1 * _SPLIT
@@ -137,7 +138,7 @@ class RoughDielectric:
         share = np.where(through, 1.0 - chance, chance)
         weight *= np.where(valid, 1.0 / np.maximum(share, FLOOR), 0.0)
         length = np.abs(eta * cos_t - cos_om)  # |eta wi + wo|: the tangential parts cancel
-        pdf = self._distribution.density(m, self._alpha, self._alpha)
+        pdf = self._distribution.density(m, *self._alpha)
         pdf /= self._cos_o * (1.0 + self._lambda_o)
         pdf *= np.where(through, _refraction_factor(cos_om, cos_t, eta, length), 0.25) * share
         return wi, np.where(through, refracted, reflected) * weight, pdf
@@ -146,7 +147,7 @@ class RoughDielectric:
         """The same lobe at fewer points."""
         return RoughDielectric(
             np.take(self._wo, index, axis=1),
-            part_of(self._alpha, index),
+            *(part_of(alpha, index) for alpha in self._alpha),
             part_of(self._eta, index),
             self._distribution,
             self._interface.part(index),

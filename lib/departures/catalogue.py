@@ -102,6 +102,10 @@ def _rough_diffuse(scene: Scene) -> bool:
     return any(isinstance(c, Diffuse) and _is_rough(c) for c in _closures(scene))
 
 
+def _disperses(glass: Glass) -> bool:
+    return not (is_constant(glass.dispersion) and float(glass.dispersion.value) == 0.0)
+
+
 def _rough_facets(scene: Scene) -> bool:
     return _reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
 
@@ -157,6 +161,14 @@ DEPARTURES: tuple[Departure, ...] = (
         "there counts by its share in multiple importance sampling.",
         "kernel/closure/bsdf.h",
         relevant=_smooth,
+    ),
+    Departure(
+        "undispersed reflectance",
+        "What dispersive glass reflects at normal incidence is that of its index at Fraunhofer's line d, at every wavelength; by Fresnel's "
+        "equations it follows the index.",
+        "kernel/closure/bsdf_microfacet.h",
+        Versions("5.3"),
+        lambda scene: any(isinstance(c, Glass) and _disperses(c) for c in _closures(scene)),
     ),
     Departure(
         "texture interpolation",

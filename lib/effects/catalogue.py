@@ -14,6 +14,7 @@ from ..scene.materials import (
     Anisotropic,
     Diffuse,
     Glass,
+    Glossy,
     Metallic,
     Refraction,
     Specular,
@@ -21,7 +22,7 @@ from ..scene.materials import (
 )
 from ..textures.patterns import PATTERNS
 from . import surface, transport
-from .facts import is_smooth
+from .facts import is_smooth, is_zero
 from .names import Effect, Stage
 from .surface import Question, closure, distribution, is_rough, socket
 from .transport import light
@@ -46,7 +47,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.SEVERAL_LOBES, Stage.SHADE, surface.several_lobes),
     Entry(Effect.LAMBERT, Stage.SHADE, closure(Diffuse, lambda c: not is_rough(c))),
     Entry(Effect.OREN_NAYAR, Stage.SHADE, closure(Diffuse, is_rough)),
-    Entry(Effect.MIRRORS, Stage.SHADE, closure(Anisotropic, is_smooth)),
+    Entry(Effect.MIRRORS, Stage.SHADE, closure((Glossy, Metallic, Specular), is_smooth)),
     Entry(Effect.BECKMANN, Stage.SHADE, distribution("BECKMANN")),
     Entry(Effect.GGX, Stage.SHADE, distribution("GGX", "MULTI_GGX")),
     Entry(Effect.MULTIPLE_SCATTERING, Stage.SHADE, distribution("MULTI_GGX")),
@@ -58,6 +59,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.GLASS, Stage.SHADE, closure(Glass)),
     Entry(Effect.REFRACTION, Stage.SHADE, closure(Refraction)),
     Entry(Effect.ROUGH_INTERFACES, Stage.SHADE, closure((Glass, Refraction), is_rough)),
+    Entry(Effect.DISPERSION, Stage.SHADE, closure(Glass, lambda c: not is_zero(c.dispersion))),
     Entry(Effect.TRANSLUCENCY, Stage.SHADE, closure(Translucent)),
     Entry(Effect.TRANSPARENT_SURFACES, Stage.PASS_THROUGH, transport.transparency),
     Entry(Effect.EMISSION, Stage.EMISSION, transport.emission),

@@ -29,6 +29,7 @@ class Effect(StrEnum):
     GLASS = "glass"
     REFRACTION = "refraction"
     ROUGH_INTERFACES = "rough interfaces"
+    DISPERSION = "dispersion"
     TRANSLUCENCY = "translucency"
     TRANSPARENT_SURFACES = "transparent surfaces"
     EMISSION = "emission"

@@ -54,6 +54,8 @@ CYCLES_REPLICATES = 1 << 21
 PIXEL, LENS, FIRST_STEP = 0, 1, 2
 BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
 DIMENSIONS_PER_STEP = 4
+# The wavelength of a path where an index depends on it: beyond every step.
+WAVELENGTH = 1 << 30
 
 # Keys beside the dimensions: how pixels pick and shift point sets, and the generator of plain random numbers.
 PIXEL_KEYS, RANDOM_NUMBERS = -2, -1

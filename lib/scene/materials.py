@@ -126,12 +126,13 @@ class Translucent(Closure):
 
 
 @dataclass(frozen=True)
-class Glass(Closure):
+class Glass(Anisotropic):
     """Dielectric interface with exact Fresnel; smooth where `roughness` is 0.
 
     `distribution`: 'BECKMANN', 'GGX' or 'MULTI_GGX', whose lost light is given back with the colour of many bounces `transmission`.
     `reflection` and `transmission` tint what is reflected and what is refracted; `tint` multiplies the reflectance at normal
-    incidence and fades towards grazing.
+    incidence and fades towards grazing. `anisotropy` as in Glossy, for what is refracted too.
+    `dispersion` is the reciprocal of the Abbe number; `ior` is then the index at Fraunhofer's line d.
     """
 
     color: Expression = WHITE
@@ -141,6 +142,10 @@ class Glass(Closure):
     reflection: Expression = WHITE
     transmission: Expression = WHITE
     tint: Expression = WHITE
+    anisotropy: Expression = ZERO
+    rotation: Expression = ZERO
+    tangent: Tangent = Tangent()
+    dispersion: Expression = ZERO
     normal: Expression | None = None
 
 

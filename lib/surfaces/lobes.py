@@ -12,7 +12,15 @@ import numpy as np
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley
 from ..bsdfs.compensated import Compensated, albedos_of, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
-from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
+from ..bsdfs.fresnels import (
+    F82,
+    Conductor,
+    Dielectric,
+    Fresnel,
+    TintedDielectric,
+    reflectance_at_normal,
+    tinted_dielectric,
+)
 from ..bsdfs.lambert import Lambert, LambertTransmission
 from ..bsdfs.microfacet import MicrofacetReflection
 from ..bsdfs.mixture import Lobe
@@ -24,8 +32,9 @@ from ..bsdfs.tilted import Tilted
 from ..departures.closures import beckmann_form, oren_nayar_form, with_stated_density
 from ..microfacets import ggx
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
+from ..microfacets.dispersion import cauchy_index
 from ..microfacets.layers import average_glass_albedo, glass_albedo
-from ..scene.expressions import Constant
+from ..sampling.wavelengths import NODES
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator
@@ -107,14 +116,22 @@ def _fresnel_reflection(closure: Metallic | Specular, curve: Fresnel, site: Site
     return _compensated(Reflected(lobe, site.wo, curve), closure.distribution, alpha, average, site)
 
 
+def _alphas(
+    closure: Closure, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
+) -> tuple[np.ndarray, np.ndarray]:
+    """Roughness squared along x and y, each at most 1."""
+    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
+    return (alpha, alpha) if stretch is None else tuple(np.minimum(alpha * k, 1.0) for k in stretch)
+
+
 def _reflection(
     closure: Anisotropic, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
 ) -> tuple[Lobe, np.ndarray]:
     """White microfacet reflection, its alpha stretched by two factors, and the geometric mean of its alphas."""
-    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
-    alpha_x, alpha_y = (alpha, alpha) if stretch is None else (np.minimum(alpha * k, 1.0) for k in stretch)
+    alpha_x, alpha_y = _alphas(closure, stretch, site)
     if closure.distribution == "ASHIKHMIN_SHIRLEY":
-        return _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y)), alpha
+        lobe = _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y))
+        return lobe, np.sqrt(alpha_x * alpha_y)
     if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT):
         return Mirror(site.wo), np.sqrt(alpha_x * alpha_y)
     alpha_x, alpha_y = (
@@ -133,7 +150,7 @@ def _reflection(
     return _turned(closure, stretch, site, make), np.sqrt(alpha_x * alpha_y)
 
 
-def _turned(closure: Anisotropic, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
+def _turned(closure: Closure, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
     """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
     if stretch is None:
         return make(site.wo)
@@ -150,52 +167,92 @@ def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.nda
 
 
 def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
-    ior = np.maximum(site.read(closure.ior), 1e-5)
     color, transmission = site.read(closure.color), site.read(closure.transmission)
-    tint, reflection = site.read(closure.tint), site.read(closure.reflection)
-    eta = np.where(site.points.backfacing, 1.0 / ior, ior)
-    plain = np.all(tint == 1.0)
-    curve = Dielectric(eta) if plain else tinted_dielectric(eta, np.maximum(tint, 0.0))
-    interface = Interface(curve, reflection, transmission)
-    lobe = _interface(closure, interface, eta, site)
+    eta, curve = _dielectric(closure, site)
+    interface = Interface(curve, site.read(closure.reflection), transmission)
+    anisotropy = np.clip(site.read(closure.anisotropy), -0.99, 0.99)
+    stretch = glossy_stretch(anisotropy) if np.any(anisotropy) else None
+    lobe = _interface(closure, interface, eta, stretch, site)
     if closure.distribution == "MULTI_GGX" and not lobe.delta:
-        alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
-        lobe = Compensated(lobe, _glass_scattering(site, alpha, closure.ior, np.clip(transmission, 0.0, 1.0)))
+        alpha_x, alpha_y = _alphas(closure, stretch, site)
+        alpha = alpha_x if stretch is None else np.sqrt(alpha_x * alpha_y)
+        lobe = Compensated(lobe, _glass_scattering(closure, site, alpha, np.clip(transmission, 0.0, 1.0)))
     return lobe, color
+
+
+def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
+    """The index of the far side over the near side's, (n,), at the light's wavelength where it matters, and the reflectance."""
+    ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
+    dispersion, wavelength = site.read(closure.dispersion), site.points.wavelength
+    disperses = wavelength is not None and np.any(dispersion)
+    index = cauchy_index(ior, dispersion, wavelength) if disperses else ior
+    eta = np.where(site.points.backfacing, 1.0 / index, index)
+    if disperses and "undispersed reflectance" in site.options.departures:
+        return eta, TintedDielectric(eta, np.clip(reflectance_at_normal(ior) * tint, 0.0, 1.0))
+    return eta, Dielectric(eta) if np.all(tint == 1.0) else tinted_dielectric(eta, tint)
 
 
 def _refraction(closure: Refraction, site: Site) -> tuple[Lobe, np.ndarray]:
     ior = np.maximum(site.read(closure.ior), 1e-5)
     eta = np.where(site.points.backfacing, 1.0 / ior, ior)
     white = np.ones((3, 1))
-    return _interface(closure, Interface(None, white, white), eta, site), site.read(closure.color)
+    return _interface(closure, Interface(None, white, white), eta, None, site), site.read(closure.color)
 
 
-def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarray, site: Site) -> Lobe:
-    """A smooth or rough interface."""
-    alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
-    if np.all(alpha * alpha <= MIRROR_ALPHA_PRODUCT) or np.all(np.abs(eta - 1.0) < _LEAST_CONTRAST):
+def _interface(
+    closure: Glass | Refraction,
+    interface: Interface,
+    eta: np.ndarray,
+    stretch: tuple[np.ndarray, np.ndarray] | None,
+    site: Site,
+) -> Lobe:
+    """A smooth or rough interface, its alpha stretched by two factors."""
+    alpha_x, alpha_y = _alphas(closure, stretch, site)
+    if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT) or np.all(np.abs(eta - 1.0) < _LEAST_CONTRAST):
         if interface.is_plain:
             return SmoothDielectric(site.wo, eta, interface.fresnel is not None)
         return SmoothInterface(site.wo, eta, interface)
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
-    alpha = np.maximum(alpha, _FLOOR)
+    alpha_x, alpha_y = np.maximum(alpha_x, _FLOOR), np.maximum(alpha_y, _FLOOR)
     backs = "refraction from behind" in site.options.departures
     how = (_distribution(closure, site.options), interface, _masking(site.options), backs)
-    lobe = RoughDielectric(site.wo, alpha, eta, *how)
-    if closure.distribution == "BECKMANN":
-        return with_stated_density(lobe, site.wo, alpha, alpha, site.options.departures)
-    return lobe
+
+    def make(wo: np.ndarray) -> Lobe:
+        lobe = RoughDielectric(wo, alpha_x, alpha_y, eta, *how)
+        if closure.distribution == "BECKMANN":
+            return with_stated_density(lobe, wo, alpha_x, alpha_y, site.options.departures)
+        return lobe
+
+    return _turned(closure, stretch, site, make)
 
 
-def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
-    """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n)."""
+def _glass_scattering(closure: Glass, site: Site, alpha: np.ndarray, color: np.ndarray) -> np.ndarray:
+    """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n).
+
+    Where the index depends on the wavelength, it is quadratic in the index through three that span the spectrum (Chebyshev's):
+    to 1e-4 for Abbe numbers from 20 on.
+    """
+    ior, dispersion, wavelength = closure.ior.value, closure.dispersion, site.points.wavelength
+    if wavelength is None or not dispersion.value:
+        return _scattering_of_index(site, alpha, ior, color)
+    first, last = cauchy_index(ior, dispersion.value, NODES[[-1, 0]])
+    nodes = 0.5 * (first + last) + 0.5 * (last - first) * np.cos(np.pi * np.array([1.0, 3.0, 5.0]) / 6.0)
+    index = cauchy_index(ior, dispersion.value, wavelength)
+    factor = np.zeros((3, site.points.size))
+    for node in nodes if first != last else nodes[:1]:  # an index of 1 stays 1
+        basis = [(index - other) / (node - other) for other in nodes if other != node]
+        factor += np.prod(basis, axis=0) * _scattering_of_index(site, alpha, node, color)
+    return factor
+
+
+def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.ndarray) -> np.ndarray:
+    """The factor of an interface of one index, (3, n)."""
     directional, mean = glass_albedo, average_glass_albedo
     if site.tables is not None:
         directional = partial(glass_albedo_cycles, tables=site.tables)
         mean = partial(average_glass_albedo_cycles, tables=site.tables)
     factor = np.ones((3, site.points.size))
-    outside = float(max(ior.value, 1e-5))
+    outside = float(max(ior, 1e-5))
     for side, eta in ((~site.points.backfacing, outside), (site.points.backfacing, 1.0 / outside)):
         index = np.flatnonzero(side)
         if index.size:
@@ -217,7 +274,7 @@ def _distribution(closure: Closure, options: Options) -> object:
 
 
 def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Factors on alpha along x and y of Blender's Glossy BSDF for an anisotropy in (-1, 1) (Cycles, svm/closure.h)."""
+    """Factors on alpha along x and y of Blender's Glossy and Glass BSDF for an anisotropy in (-1, 1) (Cycles, svm/closure.h)."""
     stretch = np.where(anisotropy < 0.0, 1.0 / (1.0 + anisotropy), 1.0 - anisotropy)
     return stretch, 1.0 / stretch
 

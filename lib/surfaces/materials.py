@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..bsdfs.mixture import Mixture
-from ..effects.facts import adding_lobes
+from ..effects.facts import adding_lobes, is_zero
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import Closure, Emission, Glass, Material, Refraction, Translucent, Transparent
@@ -36,6 +36,7 @@ class PreparedMaterial:
         self.transparent = bool(self._transparencies)
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
+        self.disperses = any(isinstance(x, Glass) and not is_zero(x.dispersion) for _, x in self._scattering)
 
     def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:
         return evaluate(expression, points, self._images)

@@ -68,8 +68,11 @@ class SurfacePoints:
     """Points on triangles, seen from `wo`; the context in which expressions are evaluated.
 
     triangle (n,) int, barycentrics u, v (n,) of the second and third corner, position, ng and wo (3, n). The geometric normal is
-    turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where.
+    turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where. `wavelength` (n,), in nanometres, is
+    that of the light, where something depends on it.
     """
+
+    wavelength: np.ndarray | None = None
 
     def __init__(
         self,
@@ -106,6 +109,8 @@ class SurfacePoints:
         )
         points.backfacing, points.side = self.backfacing[start:stop], self.side[start:stop]
         points.n = self.n[:, start:stop]
+        if self.wavelength is not None:
+            points.wavelength = self.wavelength[start:stop]
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:

@@ -17,7 +17,7 @@ class Flow:
     transparent: light passes faces straight. second_hits, last_hits: what rays meet after the first face, and at their end, matters.
     emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
-    the first one. roulette: weak paths end at random.
+    the first one. disperses: an index depends on the wavelength. roulette: weak paths end at random.
     """
 
     has_lens: bool
@@ -32,6 +32,7 @@ class Flow:
     has_choices: bool
     asks_visibility: bool
     most_bounces: int
+    disperses: bool
     roulette: bool
 
     @staticmethod
@@ -51,5 +52,6 @@ class Flow:
             has_choices=needs(Effect.LIGHT_SELECTION) or needs(Effect.SEVERAL_LOBES),
             asks_visibility=needs(Effect.SHADOW_RAYS) or LIGHT_BELOW in options.departures,
             most_bounces=kernel.scene.transport.max_bounces if needs(Effect.INDIRECT_LIGHT) else 0,
+            disperses=needs(Effect.DISPERSION),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
         )

@@ -14,8 +14,9 @@ class Paths:
 
     pixel, sample: indices within the tile, intp. origin, direction, throughput (3, n). pdf (n,): the density with which the direction was
     sampled, inf for camera rays and delta lobes. The next four are kept only where surfaces can be transparent, else
-    None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. `at_camera`
-    says that these are the camera rays themselves.
+    None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. The next
+    two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
+    its colour (bool). `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray
@@ -28,6 +29,8 @@ class Paths:
     travelled: np.ndarray | None = None
     scatterings: np.ndarray | None = None
     passed: np.ndarray | None = None
+    wavelength: np.ndarray | None = None
+    awaits_color: np.ndarray | None = None
     at_camera: bool = False
 
     @property

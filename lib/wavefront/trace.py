@@ -11,7 +11,8 @@ from ..effects.names import Stage
 from ..effects.transport import ROULETTE_AFTER
 from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
-from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, step_dimension
+from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, step_dimension
+from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .camera_rays import camera_rays
@@ -100,6 +101,9 @@ class Tracer:
         if self._flow.transparent:
             paths.scatter_origin, paths.travelled = rays.origin, np.zeros(count)
             paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        if self._flow.disperses:
+            paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
+            paths.awaits_color = np.ones(count, bool)
         self._clock.lap(Stage.CAMERA)
         return paths, rays.reach
 
@@ -167,6 +171,8 @@ class Tracer:
         )
         if not goes_on and not self._sampling.runs:
             return paths.take(np.empty(0, np.intp))
+        if self._flow.disperses:
+            self._take_color(paths, points, groups)
         # A single lobe and a single light leave nothing to pick; a zero serves as well then.
         pick = choice = np.zeros(paths.size)
         if self._flow.has_choices:
@@ -189,6 +195,15 @@ class Tracer:
             self._pair(step_dimension(step, FATE), paths)[1] if self._flow.roulette and step >= ROULETTE_AFTER else None
         )
         return self._advance(paths, origins, shaded, fate)
+
+    def _take_color(self, paths: Paths, points: SurfacePoints, groups: Groups) -> None:
+        """Give paths the colour of their wavelength where they first meet a material whose index depends on it."""
+        points.wavelength = paths.wavelength
+        for material, start, stop in groups:
+            if self._kernel.materials[material].disperses:
+                index = start + np.flatnonzero(paths.awaits_color[start:stop])
+                paths.throughput[:, index] *= color_weight(paths.wavelength[index])
+                paths.awaits_color[index] = False
 
     def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, direct: np.ndarray) -> None:
         """Ask for visibility where light would arrive, and add what does."""
@@ -224,7 +239,8 @@ class Tracer:
         if self._flow.transparent and not self._flow.last_rays:
             going &= paths.scatterings < self._flow.most_bounces
         if fate is not None:
-            survival = _survival(throughput)
+            # Colours of the spectrum may be negative.
+            survival = _survival(np.abs(throughput) if self._flow.disperses else throughput)
             going &= ~(fate >= survival)  # what is not finite goes on, to be counted
         index = np.flatnonzero(going)
         throughput = np.take(throughput, index, axis=1)
@@ -238,6 +254,8 @@ class Tracer:
             throughput,
             shaded.pdf[index],
         )
+        if self._flow.disperses:
+            following.wavelength, following.awaits_color = paths.wavelength[index], paths.awaits_color[index]
         if self._flow.transparent:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]

@@ -84,7 +84,7 @@ class Interfaces:
     """A rough interface: what it refracts."""
 
     distribution: str
-    alpha: float
+    alpha: tuple[float, float]
     eta: float
     glass: bool
     degrees: float
@@ -93,13 +93,14 @@ class Interfaces:
         module = DISTRIBUTIONS[self.distribution]
         fresnel = Dielectric(np.float64(self.eta)) if self.glass else None
         interface = Interface(fresnel, np.ones((3, 1)), np.ones((3, 1)))
-        alpha, eta = np.float64(self.alpha), np.float64(self.eta)
-        return RoughDielectric(view(self.degrees, count), alpha, eta, module, interface)
+        return RoughDielectric(
+            view(self.degrees, count), *np.array(self.alpha), np.float64(self.eta), module, interface
+        )
 
     def test(self, rng):
         wi, weight, _ = self.lobe(COUNT).sample(*rng.random((2, COUNT)))
         wi[:, (wi[2] >= 0.0) | ~(weight[0] > 0.0)] = np.nan
-        chart = Refractions(view(self.degrees)[:, 0], self.eta, Tangents(self.alpha, self.alpha))
+        chart = Refractions(view(self.degrees)[:, 0], self.eta, Tangents(*self.alpha))
         return wi, self.density, chart, COARSE
 
     def density(self, wi):
@@ -223,7 +224,7 @@ def grid():
         cases += [Lobe(name, strategy, (0.3, 0.3), degrees) for strategy in ("cosine", "uniform") for degrees in ANGLES]
         cases += [
             Interfaces(name, alpha, eta, glass, degrees)
-            for alpha in (1e-3, 0.05, 0.3, 1.0)
+            for alpha in (*((a, a) for a in (1e-3, 0.05, 0.3, 1.0)), (0.3, 0.05), (0.1, 1.0), (1.0, 1e-3))
             for eta in (1.5, 1.0 / 1.5)
             for glass in (True, False)
             for degrees in (0.0, 45.0, 80.0, 89.9)
@@ -267,7 +268,7 @@ PLANTED = [
     Lobe("ggx", "visible", (1e-4, 1e-4), 45.0),
     Lobe("ggx", "bounded", (0.3, 0.3), 20.0),
     Lobe("beckmann", "d_cos", (0.1, 0.1), 45.0),
-    Interfaces("beckmann", 0.3, 1.5, True, 45.0),
+    Interfaces("beckmann", (0.3, 0.3), 1.5, True, 45.0),
     Towards("rectangle", "aside"),
     Towards("sphere", "very far"),
     World("hot", 8),
@@ -287,7 +288,8 @@ def test_a_planted_factor_fails(case, factor, rng):
         (Lobe("ggx", "bounded", (0.6, 0.6), 45.0), Lobe("ggx", "visible", (0.6, 0.6), 45.0)),
         (Normals("ggx", (0.3, 0.3), 45.0), Normals("beckmann", (0.3, 0.3), 45.0)),
         (Lobe("beckmann", "visible", (0.3, 0.05), 45.0), Lobe("beckmann", "visible", (0.05, 0.3), 45.0)),
-        (Interfaces("ggx", 0.3, 1.5, True, 45.0), Interfaces("ggx", 0.3, 1.5, False, 45.0)),
+        (Interfaces("ggx", (0.3, 0.3), 1.5, True, 45.0), Interfaces("ggx", (0.3, 0.3), 1.5, False, 45.0)),
+        (Interfaces("ggx", (0.3, 0.1), 1.5, True, 45.0), Interfaces("ggx", (0.1, 0.3), 1.5, True, 45.0)),
     ],
     ids=str,
 )

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .shaders import ShaderReader
 
 _NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
+_STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
 # Light passes a coat of weight w, albedo A and transmittance T by 1 - w + w (1 - A) T; before, by (1 - w A) (1 - w + w T).
@@ -168,6 +169,17 @@ class _Principled:
         base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
         return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
 
+    def _dispersion(self) -> ex.Expression:
+        """The reciprocal of the glass's Abbe number; none where scale or number is not positive. Blender 5.3 and later."""
+        scale, abbe = (self._socket(f"Transmission Dispersion {name}") for name in ("Scale", "Abbe Number"))
+        scale, abbe = (ex.Math("MAXIMUM", socket, ex.ZERO, ex.ZERO) for socket in (scale, abbe))
+        dispersion = self._reader.folder(ex.Math("DIVIDE", scale, abbe, ex.ZERO))  # by zero it gives zero
+        if self._distribution == "MULTI_GGX" and not is_constant(dispersion):
+            what = ", sockets 'Transmission Dispersion' (textured),"
+            self._reader.values.refuse(self._node, self._scope, what, "unlink them, or choose GGX")
+            return ex.ZERO
+        return dispersion
+
     def _glass(self) -> mt.Glass:
         ior = self._constant("IOR") if self._distribution == "MULTI_GGX" else self._socket("IOR")
         return mt.Glass(
@@ -178,7 +190,19 @@ class _Principled:
             transmission=ex.Gamma(self._base_in_range(), _HALF),
             tint=self._socket("Specular Tint", ex.WHITE),
             normal=self._normal,
+            dispersion=self._dispersion(),
+            **(self._glass_stretch() if bpy.app.version in _STRETCHES_GLASS else {}),
         )
+
+    def _glass_stretch(self) -> dict[str, object]:
+        """What turns and stretches the glass, as on the Glass BSDF: sqrt(1 - 0.9 a) - 1 divides alpha along x by the root."""
+        stretch = self._stretch()
+        del stretch["roughness"]
+        if stretch:
+            squared = ex.Math("MULTIPLY_ADD", stretch["anisotropy"], ex.Constant(-0.9), ex.ONE)
+            root = ex.Math("SQRT", squared, ex.ZERO, ex.ZERO)
+            stretch["anisotropy"] = ex.Math("SUBTRACT", root, ex.ONE, ex.ZERO)
+        return stretch
 
     def _base_in_range(self) -> ex.Expression:
         return ex.Mix(ex.ZERO, self._socket("Base Color"), ex.WHITE, clamp_result=True)

@@ -145,13 +145,18 @@ def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.
     normal = reader.normal(node, scope)
     if is_smooth(roughness):
         return [reader.lobe(mt.Glass(color, ior, normal=normal), weight)]
+    glass = mt.Glass(color, ior, roughness, node.distribution, normal=normal)
+    if "Anisotropy" in node.inputs:  # Blender 5.3 and later
+        anisotropy = reader.read(node, "Anisotropy", scope)
+        if not (is_constant(anisotropy) and abs(anisotropy.value) <= _LEAST_ANISOTROPY):
+            rotation = reader.read(node, "Rotation", scope)
+            glass = replace(glass, anisotropy=anisotropy, rotation=rotation, tangent=reader.tangent(node, scope))
     if node.distribution != "MULTI_GGX":
-        return [reader.lobe(mt.Glass(color, ior, roughness, node.distribution, normal=normal), weight)]
+        return [reader.lobe(glass, weight)]
     if not is_constant(ior):
         reader.values.refuse(node, scope, ", socket 'IOR' (textured),", "unlink IOR, or choose GGX")
-        ior = ex.ONE
-    glass = mt.Glass(ex.WHITE, ior, roughness, "MULTI_GGX", reflection=color, transmission=color, normal=normal)
-    return [reader.lobe(glass, weight)]
+        glass = replace(glass, ior=ex.ONE)
+    return [reader.lobe(replace(glass, color=ex.WHITE, reflection=color, transmission=color), weight)]
 
 
 def _refraction(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:

@@ -10,13 +10,13 @@ from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.specular import refract
 from etalon.lib.microfacets import beckmann, fresnel, ggx
-from etalon.tests.chi2 import Sphere, chi_square, integrals, sidak
+from etalon.tests.chi2 import Sphere, Tangents, chi_square, integrals, sidak
 
 CASES = [
     (distribution, eta, alpha, cos_o)
     for distribution in (ggx, beckmann)
     for eta in (1.5, 1.0 / 1.5)
-    for alpha, cos_o in ((0.3, 0.9), (0.6, 0.5), (1.0, 0.25))
+    for alpha, cos_o in ((0.3, 0.9), (0.6, 0.5), (1.0, 0.25), ((0.2, 0.8), 0.5), ((0.9, 0.3), 0.25))
 ]
 WHITE = np.ones((3, 1))
 
@@ -50,8 +50,9 @@ def viewer(cos_o, count=1):
 
 
 def lobe(distribution, eta, alpha, wo, glass=True, form="correlated"):
+    """Alpha is a number, or a pair along x and y."""
     interface = Interface(Dielectric(np.float64(eta)) if glass else None, WHITE, WHITE)
-    return RoughDielectric(wo, np.float64(alpha), np.float64(eta), distribution, interface, form)
+    return RoughDielectric(wo, *np.broadcast_to(np.float64(alpha), 2), np.float64(eta), distribution, interface, form)
 
 
 def density(distribution, eta, alpha, cos_o, glass=True):
@@ -113,7 +114,8 @@ def test_forms_of_masking(distribution, form, rng):
 
 @pytest.mark.parametrize("distribution", [ggx, beckmann])
 @pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5])
-def test_exchange_of_light_and_viewer(distribution, eta, rng):
+@pytest.mark.parametrize("alpha", [0.5, (0.2, 0.9)])
+def test_exchange_of_light_and_viewer(distribution, eta, alpha, rng):
     """f(i, o) / eta^2 = f(o, i) across the interface, f(i, o) = f(o, i) on one side (Walter et al. 2007, sec. 5.3)."""
     direction = rng.normal(size=(2, 3, 5000))
     wo, wi = direction / np.sqrt((direction**2).sum(axis=1, keepdims=True))
@@ -121,11 +123,11 @@ def test_exchange_of_light_and_viewer(distribution, eta, rng):
     wi[:, ::2] -= 0.9 * (wi + wo)[:, ::2]  # half of them near straight on, where refraction is
     wi /= np.sqrt((wi**2).sum(axis=0))
     through = wi[2] < 0.0
-    forth = lobe(distribution, eta, 0.5, wo).evaluate(wi)[0][0] / np.abs(wi[2])
+    forth = lobe(distribution, eta, alpha, wo).evaluate(wi)[0][0] / np.abs(wi[2])
     upright = np.stack([np.ones_like(wi[2]), np.ones_like(wi[2]), np.where(through, -1.0, 1.0)])
     back = np.empty_like(forth)
     for side, eta_there in ((through, 1.0 / eta), (~through, eta)):
-        swapped = lobe(distribution, eta_there, 0.5, (wi * upright)[:, side])
+        swapped = lobe(distribution, eta_there, alpha, (wi * upright)[:, side])
         back[side] = swapped.evaluate((wo * upright)[:, side])[0][0] / wo[2, side]
     assert (forth[through] > 0.0).sum() > 500
     np.testing.assert_allclose(forth, back * np.where(through, eta**2, 1.0), rtol=1e-9, atol=1e-12)
@@ -134,7 +136,9 @@ def test_exchange_of_light_and_viewer(distribution, eta, rng):
 @pytest.mark.parametrize("distribution", [ggx, beckmann])
 def test_no_energy_from_nowhere(distribution):
     """Reflected and refracted light together never exceed what arrives, and nothing comes through facets seen from behind."""
-    for eta, alpha, cos_o in itertools.product((1.2, 1.5, 2.4, 1.0 / 1.2, 1.0 / 1.5), (0.5, 1.0), (0.1, 0.6, 0.99)):
+    for eta, alpha, cos_o in itertools.product(
+        (1.2, 1.5, 2.4, 1.0 / 1.2, 1.0 / 1.5), (0.5, 1.0, (0.3, 1.0)), (0.1, 0.6, 0.99)
+    ):
 
         def value(wi, eta=eta, alpha=alpha, cos_o=cos_o):
             return lobe(distribution, eta, alpha, viewer(cos_o, wi.shape[1])).evaluate(wi)[0][0]
@@ -157,3 +161,68 @@ def test_smooth_limit_is_snell_and_fresnel(eta, rng):
     reflectance = float(fresnel.dielectric(np.array([0.8]), eta)[0])
     spread = np.sqrt(reflectance * (1.0 - reflectance) / wo.shape[1])
     assert abs((~through).mean() - reflectance) < 4.5 * spread
+
+
+STRETCHED = [(0.2, 0.8), (0.9, 0.3), (1.0, 0.05)]
+
+
+def given_by_facets(alpha, eta, wo):
+    """What an interface gives back, over its facets: D G1 (o.m) / (o.n) dm, each share times G2 / G1 of where its ray leaves."""
+
+    def value(m):
+        here = np.repeat(wo, m.shape[1], axis=1)
+        cos = (here * m).sum(axis=0)
+        share = fresnel.dielectric(np.clip(cos, 0.0, 1.0), eta)
+        sine2 = (1.0 - cos * cos) / eta**2
+        bent = m * (cos / eta - np.sqrt(np.maximum(1.0 - sine2, 0.0))) - here / eta
+        kept = np.zeros_like(cos)
+        lambda_o = ggx.smith_lambda(wo, *alpha)
+        for wi, part, side in (
+            (2.0 * cos * m - here, share, 1.0),
+            (bent, np.where(sine2 < 1.0, 1.0 - share, 0.0), -1.0),
+        ):
+            upright = np.stack([wi[0], wi[1], side * wi[2]])
+            kept += part * np.where(upright[2] > 0.0, 1.0 / (1.0 + lambda_o + ggx.smith_lambda(upright, *alpha)), 0.0)
+        return ggx.density(m, *alpha) * np.where(cos > 0.0, cos, 0.0) / wo[2] * kept
+
+    return integrals(value, Tangents(*alpha), (12, 12), tolerance=1e-5).sum()
+
+
+@pytest.mark.parametrize("alpha", STRETCHED[:2])
+@pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5])
+def test_stretched_glass_gives_back_what_its_facets_do(alpha, eta):
+    """A white furnace: value over all directions against the integral over facets, which knows no Jacobian."""
+    wo = viewer(0.6)
+
+    def value(wi):
+        return lobe(ggx, eta, alpha, np.repeat(wo, wi.shape[1], axis=1)).evaluate(wi)[0][0]
+
+    expected = given_by_facets(alpha, eta, wo)
+    assert 0.5 < expected < 1.0
+    assert integrals(value, Banded(-0.6 / eta), (16, 12), tolerance=1e-4).sum() == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("distribution", [ggx, beckmann])
+def test_stretching_the_other_axis_turns_the_lobe(distribution, rng):
+    """Alphas swapped and all turned by a quarter: the same; the alphas swapped alone: not."""
+    wo, wi = viewer(0.5, 2000), rng.normal(size=(3, 2000))
+    wi /= np.sqrt((wi**2).sum(axis=0))
+    turned = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    plain = lobe(distribution, 1.5, (0.2, 0.7), wo).evaluate(wi)[0]
+    np.testing.assert_allclose(lobe(distribution, 1.5, (0.7, 0.2), turned @ wo).evaluate(turned @ wi)[0], plain, 1e-9)
+    assert np.abs(lobe(distribution, 1.5, (0.7, 0.2), wo).evaluate(wi)[0] - plain).max() > 0.1 * plain.max()
+
+
+@pytest.mark.parametrize("distribution", [ggx, beckmann])
+@pytest.mark.parametrize("alpha", [(1e-4, 1.0), (1.0, 1e-4), (1.5e-5, 1.5e-5)])
+@pytest.mark.parametrize("cos_o", [1.0, 0.5, 1e-3])
+def test_an_axis_that_is_hardly_rough(distribution, alpha, cos_o, rng):
+    """Weights stay finite and at most 1, and weight times density is the value, as far as the direction's own digits carry."""
+    made = lobe(distribution, 1.5, alpha, viewer(cos_o, 4000))
+    wi, weight, pdf = made.sample(*rng.random((2, 4000)))
+    assert np.isfinite(wi).all()
+    assert np.isfinite(weight).all()
+    assert weight.max() < 1.0 + 1e-9
+    kept = (weight[0] > 0.0) & np.isfinite(pdf)
+    assert kept.mean() > 0.3
+    np.testing.assert_allclose(made.evaluate(wi)[0][0, kept], (weight[0] * pdf)[kept], rtol=1e-4)

@@ -44,9 +44,9 @@ def test_glass_albedo_is_what_samples_weigh(eta, rng):
     for alpha, cos_o in ((0.3, 0.9), (0.8, 0.4)):
         wo = np.repeat(np.array([[np.sqrt(1.0 - cos_o**2)], [0.0], [cos_o]]), 200_000, axis=1)
         interface = Interface(Dielectric(np.float64(eta)), np.ones((3, 1)), np.ones((3, 1)))
-        _, weight, _ = RoughDielectric(wo, np.float64(alpha), np.float64(eta), ggx, interface).sample(
-            *rng.random((2, wo.shape[1]))
-        )
+        _, weight, _ = RoughDielectric(
+            wo, np.float64(alpha), np.float64(alpha), np.float64(eta), ggx, interface
+        ).sample(*rng.random((2, wo.shape[1])))
         error = weight[0].std() / np.sqrt(weight.shape[1])
         expected = layers.glass_albedo(np.array([cos_o]), np.float64(alpha), eta)[0]
         assert weight[0].mean() == pytest.approx(expected, abs=4.5 * error + 5e-4)

@@ -8,7 +8,8 @@ from etalon.lib.comparison import meter as module
 from etalon.lib.comparison.compare import ASIDE_SHARE, CompareOptions, compare
 from etalon.lib.comparison.meter import ASIDE_AT_MOST
 from etalon.lib.departures.catalogue import Departure
-from etalon.lib.departures.effects import FIRST, Alternatives
+from etalon.lib.departures.effects import Alternatives
+from etalon.lib.sampling.streams import DEPARTURES
 from etalon.lib.verdict.causes import State
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
@@ -55,7 +56,7 @@ def test_time_is_shared_out_evenly_among_departures(monkeypatch, cost):
     counts = Counter(name for name, _ in pairs)
     assert set(counts) == set(NAMES)
     assert max(counts.values()) - min(counts.values()) <= 1
-    assert all(replicate >= FIRST for _, replicate in pairs)
+    assert all(replicate >= DEPARTURES.first for _, replicate in pairs)
 
 
 def test_a_look_after_the_time_set_aside_is_overdrawn_is_not_the_last(monkeypatch):

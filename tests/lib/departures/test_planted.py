@@ -121,6 +121,14 @@ def window():
     return scenes.scene(parts, [glass, scenes.glossy(0.6, 0.9)], camera, (sun,), 1.0)
 
 
+def prism():
+    """Dispersive glass that mirrors a lamp above the camera and swallows what it refracts."""
+    parts = [scenes.floor(5.0), scenes.floor(50.0, 9.0, 1)]
+    glass = scenes.material(Glass(ior=Constant(1.5), dispersion=Constant(1.0 / 3.0), transmission=scenes.color(0.0)))
+    camera = scenes.orthographic(2, 1, 1.0, (0.1, 0.0, 5.0))
+    return scenes.scene(parts, [glass, scenes.emission(10.0)], camera)
+
+
 class Cached:
     """A renderer that remembers its replicates, so that cases share what they have in common."""
 
@@ -155,6 +163,7 @@ SCENES = {
     window: (2e-2, 4096, set()),
     coats: (3e-3, 1024, set()),
     early: (5e-3, 64, set()),
+    prism: (2e-2, 512, set()),
 }
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which side is right: each departure against quadrature, a closed form or a law of conservation, never against a renderer."""
 
+from types import SimpleNamespace
+
 import mpmath
 import numpy as np
 import pytest
@@ -16,7 +18,10 @@ from etalon.lib.microfacets.cycles_tables import COARSE, FINE
 from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
+from etalon.lib.scene.materials import Glass
 from etalon.lib.scene.world import World
+from etalon.lib.settings.reference import Options
+from etalon.lib.surfaces.lobes import _dielectric
 from etalon.lib.textures.color_spaces import srgb_decode
 from etalon.lib.textures.images import ImageSet
 from etalon.lib.textures.ramp import color_ramp
@@ -71,13 +76,30 @@ def test_through_facets_seen_from_behind_glass_would_make_light():
     plain = Interface(Dielectric(np.full(measure.size, 1.5)), np.ones((3, 1)), np.ones((3, 1)))
     held, given = {}, {}
     for backs in (False, True):
-        lobe = RoughDielectric(wo, np.float64(0.64), np.float64(1.5), ggx, plain, "correlated", backs)
+        lobe = RoughDielectric(wo, np.float64(0.64), np.float64(0.64), np.float64(1.5), ggx, plain, "correlated", backs)
         value, pdf = lobe.evaluate(wi)
         held[backs], given[backs] = pdf @ measure, value[0] @ measure
     assert held[False] < 1.0
     assert given[False] < 1.0
     assert held[True] > 1.6
     assert given[True] > 1.3
+
+
+def test_what_glass_reflects_follows_its_index():
+    """At normal incidence ((n - 1) / (n + 1))^2 of the index at the wavelength, by Fresnel's equations; the departure has n_d's."""
+    wavelength = np.array([430.0, 587.56, 700.0])
+    points = SimpleNamespace(backfacing=np.zeros(3, bool), wavelength=wavelength)
+    glass = Glass(ior=Constant(1.5), dispersion=Constant(0.2))
+    read = lambda socket: np.asarray(socket.value if np.ndim(socket.value) == 0 else np.array(socket.value)[:, None])  # noqa: E731
+    shown = {}
+    for departures in ((), ("undispersed reflectance",)):
+        site = SimpleNamespace(points=points, read=read, options=Options(departures=frozenset(departures)))
+        shown[departures] = np.broadcast_to(_dielectric(glass, site)[1](np.ones(3)), (3, 3))[0]
+    steps = wavelength**-2.0 - 587.56**-2.0
+    index = 1.5 + 0.5 * 0.2 * steps / (486.13**-2.0 - 656.27**-2.0)
+    assert shown[()] == pytest.approx(((index - 1.0) / (index + 1.0)) ** 2, rel=1e-12)
+    assert shown[("undispersed reflectance",)] == pytest.approx(0.04, rel=1e-12)
+    assert shown[()][0] > 0.05
 
 
 def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():

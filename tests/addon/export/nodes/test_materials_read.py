@@ -225,6 +225,54 @@ def principled(**inputs):
     return lambda t: node(t, "BsdfPrincipled", {name.replace("_", " "): value for name, value in inputs.items()})
 
 
+SINCE_5_3 = pytest.mark.skipif(bpy.app.version < (5, 3), reason="Blender has these sockets from 5.3 on")
+
+
+@SINCE_5_3
+def test_stretched_glass():
+    """As on the Glossy BSDF: what is not stretched reads no tangent."""
+    sockets = {"Roughness": 0.5, "Anisotropy": 0.4, "Rotation": 0.25}
+    (lobe,) = lobes(lambda t: node(t, "BsdfGlass", {**sockets, "Tangent": node(t, "Tangent", axis="X")}))
+    assert (lobe.closure.anisotropy, lobe.closure.rotation) == (constant(0.4), constant(0.25))
+    assert lobe.closure.tangent == mt.Tangent("RADIAL", "X")
+    assert requirements([mt.Material("Gold", (lobe,))]).generated
+    for smooth in ({**sockets, "Anisotropy": 0.0}, {**sockets, "Roughness": 0.0}):
+        (lobe,) = lobes(lambda t, inputs=smooth: node(t, "BsdfGlass", inputs))
+        assert (lobe.closure.anisotropy, lobe.closure.rotation) == (ex.ZERO, ex.ZERO)
+
+
+def test_anisotropic_stretches_transmission_since_5_3():
+    """Principled: alpha over and times sqrt(1 - 0.9 a); Glass, Glossy: alpha over and times 1 + a for a below 0."""
+    (lobe,) = lobes(principled(Transmission_Weight=1.0, Anisotropic=0.6, Roughness=0.5))
+    root = (1.0 - 0.9 * 0.6) ** 0.5
+    expected = root - 1.0 if bpy.app.version >= (5, 3) else 0.0
+    assert lobe.closure.anisotropy == constant(expected)
+
+
+@SINCE_5_3
+def test_dispersion_is_scale_over_abbe_number():
+    def read(scale, abbe):
+        sockets = {"Transmission Dispersion Scale": scale, "Transmission Dispersion Abbe Number": abbe}
+        return lobes(principled(Transmission_Weight=1.0, Roughness=0.0, **sockets))[0].closure.dispersion
+
+    assert read(0.5, 20.0) == constant(0.025)
+    for scale, abbe in ((0.0, 20.0), (-1.0, 20.0), (1.0, 0.0), (1.0, -20.0)):
+        assert read(scale, abbe) == ex.ZERO
+
+
+@SINCE_5_3
+def test_textured_dispersion_of_multiscatter_glass_is_refused():
+    def build(tree, **more):
+        scale = node(tree, "LayerWeight")
+        return node(
+            tree, "BsdfPrincipled", {"Transmission Weight": 1.0, "Transmission Dispersion Scale": scale}, **more
+        )
+
+    (refusal,) = refused(build)
+    assert "Principled BSDF), sockets 'Transmission Dispersion' (textured)" in refusal
+    assert refused(lambda tree: build(tree, distribution="GGX")) == []
+
+
 def inside_group(tree):
     group = bpy.data.node_groups.new("Brass", "ShaderNodeTree")
     group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketShader")
