@@ -94,6 +94,7 @@ def _read_tree(
         return []
     scope = Scope()
     values = TreeReader(owner, is_world, images, refusals, VALUES, pass_index)
+    values.check(output, scope)
     volume, displacement = output.inputs.get("Volume"), output.inputs.get("Displacement")
     if volume is not None and valid_link(volume):
         refusals.append(Refusal(owner, f"a volume (node '{output.name}', socket 'Volume')", "unlink Volume"))
