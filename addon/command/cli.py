@@ -56,8 +56,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     from .console import ended_by_interrupt
 
     with ended_by_interrupt():
+        from ..blender_at_hand import require_supported_blender
         from . import commands
     try:
+        require_supported_blender()
         return commands.COMMANDS[arguments.command](arguments)
     except Refused as refused:
         for refusal in refused.refusals:

@@ -140,7 +140,9 @@ def test_a_changed_input_of_a_shader_changes_the_export_or_is_idle(kind):
                         target.default_value + 0.1 if name in AWAKE and target.type == "VALUE" else value
                     )
                 elif "Tangent" in name:
-                    tree.links.new(tree.nodes.new("ShaderNodeTangent").outputs[0], target)
+                    turned = tree.nodes.new("ShaderNodeTangent")
+                    turned.axis = "X"
+                    tree.links.new(turned.outputs[0], target)
                 else:
                     tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Incoming"], target)
 
