@@ -29,6 +29,7 @@ from ..lib.settings.words import repeating_command
 from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
+from .blender_at_hand import require_readable_file
 from .cycles.renderer import CyclesRenderer, neutral
 from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
@@ -45,6 +46,7 @@ def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
 
     Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
     """
+    require_readable_file()
     return render_skies(with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial)))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from .blender_at_hand import require_supported_blender
 from .command import cli
 from .ui import operators, panels, properties
 
@@ -21,7 +22,8 @@ _commands: list[object] = []
 
 
 def register() -> None:
-    """Add the settings, the panel and the command `etalon`."""
+    """Add the settings, the panel and the command `etalon`; raise EtalonError in a Blender that is too old."""
+    require_supported_blender()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.etalon = bpy.props.PointerProperty(type=properties.EtalonSettings)

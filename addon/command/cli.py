@@ -81,6 +81,9 @@ def _run(arguments: argparse.Namespace) -> int:
             from ..blender import load_blender
 
             load_blender()
+            from ..blender_at_hand import require_supported_blender
+
+            require_supported_blender()
         module = importlib.import_module(f".{command.name}", __package__)
     tune_process()
     return int(module.run(*settings))

@@ -18,7 +18,7 @@ from ...lib.errors import EtalonError
 # The length of the sample sequence of a pixel. Persistent data keeps the first length it met, so it is one for all renders.
 SEQUENCE = 8192
 
-_CYCLES = {
+CYCLES = {
     "device": "CPU",
     "feature_set": "SUPPORTED",  # until 4.5: experimental dicing of meshes
     "shading_system": False,  # no OSL
@@ -83,7 +83,7 @@ _OBJECT = {
     "shadow_terminator_normal_offset": 0.0,
     "shadow_terminator_shading_offset": 0.0,
 }
-_OBJECT_CYCLES = {
+OBJECT_CYCLES = {
     "shadow_terminator_geometry_offset": 0.0,
     "shadow_terminator_offset": 0.0,
     "use_adaptive_subdivision": False,
@@ -91,10 +91,10 @@ _OBJECT_CYCLES = {
 }
 _MODIFIER = {"use_adaptive_subdivision": False}
 _MATERIAL = {"use_transparent_shadow": True}
-_MATERIAL_CYCLES = {"use_bump_map_correction": False}
+MATERIAL_CYCLES = {"use_bump_map_correction": False}
 _LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
-_LIGHT_CYCLES = {"max_bounces": 1024, "use_multiple_importance_sampling": True, "is_caustics_light": False}
-_WORLD_CYCLES = {"max_bounces": 1024, "is_caustics_light": False}
+LIGHT_CYCLES = {"max_bounces": 1024, "use_multiple_importance_sampling": True, "is_caustics_light": False}
+WORLD_CYCLES = {"max_bounces": 1024, "is_caustics_light": False}
 
 
 @dataclass
@@ -174,7 +174,7 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
     cycles, render = scene.cycles, scene.render
     if cycles.samples != SEQUENCE:
         changes.set(render, "use_persistent_data", False)
-    changes.set_all("cycles", [cycles], _CYCLES)
+    changes.set_all("cycles", [cycles], CYCLES)
     bounces = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces")
     changes.set_all("cycles", [cycles], dict.fromkeys(bounces, max_bounces))
     changes.set_all("cycles", [cycles], {"transparent_max_bounces": max(cycles.transparent_max_bounces, 64)})
@@ -189,13 +189,13 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
 def _set_data(changes: Changes) -> None:
     data = bpy.data
     changes.set_all("object", data.objects, _OBJECT)
-    changes.set_all("object.cycles", (o.cycles for o in data.objects), _OBJECT_CYCLES)
+    changes.set_all("object.cycles", (o.cycles for o in data.objects), OBJECT_CYCLES)
     changes.set_all("modifier", (m for o in data.objects for m in o.modifiers), _MODIFIER)
     changes.set_all("material", data.materials, _MATERIAL)
-    changes.set_all("material.cycles", (m.cycles for m in data.materials), _MATERIAL_CYCLES)
+    changes.set_all("material.cycles", (m.cycles for m in data.materials), MATERIAL_CYCLES)
     changes.set_all("light", data.lights, _LIGHT)
-    changes.set_all("light.cycles", (light.cycles for light in data.lights), _LIGHT_CYCLES)
-    changes.set_all("world.cycles", (w.cycles for w in data.worlds), _WORLD_CYCLES)
+    changes.set_all("light.cycles", (light.cycles for light in data.lights), LIGHT_CYCLES)
+    changes.set_all("world.cycles", (w.cycles for w in data.worlds), WORLD_CYCLES)
 
 
 def _check_animation(changes: Changes, scene: bpy.types.Scene) -> None:

@@ -64,6 +64,7 @@ def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]
     if output is None:
         return np.zeros(3)
     reader = TreeReader(owner, False, ImageTable(), refusals, VALUES)
+    reader.check(output, Scope())
     source = reader.trace(output.inputs["Surface"], Scope())
     emission = source.socket.node
     if not source.linked:
@@ -71,6 +72,7 @@ def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]
     if emission.bl_idname != "ShaderNodeEmission":
         reader.refuse(emission, source.scope, "", "use one plain Emission node")
         return np.zeros(3)
+    reader.check(emission, source.scope)
     product = np.ones(3)
     for name in ("Color", "Strength"):
         content = fold(reader.read(emission.inputs[name], source.scope))

@@ -16,6 +16,7 @@ from .nodes.images import ImageTable
 from .nodes.shaders import ShaderReader
 from .nodes.tree import Scope, TreeReader, valid_link
 from .nodes.values import VALUES
+from .properties import refuse_undeclared
 
 _GREY = Diffuse(ex.Constant((0.8, 0.8, 0.8)))
 _INDEX, _HALF = ex.Constant(1.5), ex.Constant(0.5)
@@ -46,6 +47,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
         r, g, b, _ = material.diffuse_color
         return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
     owner = f"material '{material.name}'"
+    refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
     bump_only = material.displacement_method == "BUMP"
     lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
     if not material.use_transparent_shadow and any(isinstance(lobe.closure, Transparent) for lobe in lobes):
@@ -58,6 +60,7 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
     if world is None:
         return World(ex.BLACK, _NO_TABLE)
     owner = f"world '{world.name}'"
+    refuse_undeclared(owner, "world.cycles", world.cycles, refusals)
     for ray in ("camera", "diffuse", "glossy", "transmission"):
         if not getattr(world.cycles_visibility, ray):
             refusals.append(Refusal(owner, f"ray visibility without '{ray}'", "switch all rays on"))
@@ -94,6 +97,7 @@ def _read_tree(
         return []
     scope = Scope()
     values = TreeReader(owner, is_world, images, refusals, VALUES, pass_index)
+    values.check(output, scope)
     volume, displacement = output.inputs.get("Volume"), output.inputs.get("Displacement")
     if volume is not None and valid_link(volume):
         refusals.append(Refusal(owner, f"a volume (node '{output.name}', socket 'Volume')", "unlink Volume"))

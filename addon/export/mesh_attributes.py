@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ...lib.errors import Refusal, Refused
+
 # Data type -> the property that holds it, its width, its dtype.
 _STORED = {
     "FLOAT": ("value", 1, np.float32),
@@ -24,12 +26,18 @@ def read_attribute(
     """(3, 6, t) red, green, blue, alpha, factor and presence (0 or 1) at the triangles' corners; alpha alone 1 where there is nothing.
 
     '' is the active render colour. `corners` (t, 3) are the triangles' loops, `triangles` (3, t) their vertices, `polygon` (t,) their faces.
+    Raises Refused for a type or domain that is not read.
     """
     attribute = mesh.attributes.get(name) if name else _render_color(mesh)
     values = np.zeros((3, 6, corners.shape[0]), np.float32)
     values[:, 3] = 1.0
-    if attribute is None or attribute.data_type not in _STORED or attribute.domain not in ("POINT", "CORNER", "FACE"):
+    if attribute is None:
         return values
+    if attribute.data_type not in _STORED or attribute.domain not in ("POINT", "CORNER", "FACE"):
+        kind = attribute.data_type.replace("_", " ").lower()
+        what = f"attribute '{attribute.name}' of type {kind} on domain {attribute.domain.lower()}"
+        remedy = "convert it to a float, vector or colour of points, corners or faces"
+        raise Refused([Refusal(f"mesh '{mesh.name}'", what, remedy)])
     field, width, dtype = _STORED[attribute.data_type]
     stored = np.empty(len(attribute.data) * width, dtype)
     attribute.data.foreach_get(field, stored)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import bpy
 
 from ...lib.errors import Refusal
+from .properties import refuse_undeclared
 
 # Object types that Cycles renders and the reference does not.
 _TYPES = {
@@ -31,9 +32,11 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
     }
     owner = f"scene '{scene.name}'"
     refusals.extend(Refusal(owner, what, "switch it off") for what, on in settings.items() if on)
+    refuse_undeclared(owner, "cycles", scene.cycles, refusals)
     filters = {"its environment": layer.use_sky, "its surfaces": layer.use_solid}
     owner = f"view layer '{layer.name}'"
     refusals.extend(Refusal(owner, f"leaving out {what}", "include it again") for what, on in filters.items() if not on)
+    refuse_undeclared(owner, "view_layer.cycles", layer.cycles, refusals)
 
 
 def refuse_object(
@@ -46,6 +49,7 @@ def refuse_object(
         refusals.append(Refusal(owner, "particle hair", "convert it to a mesh, or do not render it"))
     if not instance.show_self:
         return
+    refuse_undeclared(owner, "object.cycles", thing.cycles, refusals)
     kind = _unsupported_kind(thing)
     if kind:
         refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it"))
@@ -83,6 +87,7 @@ def refuse_light_rays(
         "light linking": _is_linked(light),
     }
     owner = f"light '{light.name}'"
+    refuse_undeclared(owner, "light.cycles", cycles, refusals)
     refusals.extend(Refusal(owner, what, "set it back to its default") for what, on in switches.items() if on)
 
 

@@ -9,6 +9,8 @@ from typing import TypeVar
 import bpy
 
 from ...lib.errors import EtalonError
+from .nodes.declarations import DECLARATIONS
+from .nodes.declared import remember_defaults
 
 Result = TypeVar("Result")
 
@@ -19,6 +21,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
     An engine that renders nothing is registered for the time of the call. The scene's settings come back, and whatever
     `function` raises is raised here; EtalonError where the scene renders no view layer.
     """
+    remember_defaults(DECLARATIONS)
     results: list[Result] = []
     errors: list[BaseException] = []
 

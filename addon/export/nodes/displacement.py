@@ -23,6 +23,7 @@ def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) ->
     node = source.socket.node
     if not source.linked or node.bl_idname != "ShaderNodeDisplacement" or valid_link(node.inputs["Normal"]):
         return None
+    values.check(node, source.scope)
     height, middle, scale = (values.read(node.inputs[name], source.scope) for name in ("Height", "Midlevel", "Scale"))
     raised = ex.Math("MULTIPLY", ex.Math("SUBTRACT", height, middle, ex.ZERO), scale, ex.ZERO)
     if node.space == "OBJECT":

@@ -16,12 +16,11 @@ from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import is_constant
-from .tree import Scope, valid_link
+from .tree import Scope
 
 if TYPE_CHECKING:
     from .shaders import ShaderReader
 
-_NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
@@ -83,17 +82,7 @@ class _Principled:
     def _share(self, name: str) -> ex.Expression:
         return self._reader.folder(_clamped(self._socket(name)))
 
-    def _refuse(self) -> None:
-        values = self._reader.values
-        for name, neutral in _NOT_SIMULATED.items():
-            if self._socket(name) != ex.Constant(neutral):
-                values.refuse(self._node, self._scope, f", socket '{name}',", f"set it to {neutral:g}")
-        thin = self._node.inputs.get("Thin Wall")
-        if thin is not None and (valid_link(thin) or thin.default_value):
-            values.refuse(self._node, self._scope, ", socket 'Thin Wall',", "switch it off")
-
     def lobes(self, weight: ex.Expression) -> list[mt.Lobe]:
-        self._refuse()
         found: list[mt.Lobe] = []
         fold = self._reader.folder
 

@@ -11,7 +11,7 @@ from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import Folder, is_constant
 from .principled import read_principled
-from .tree import Scope, TreeReader, valid_link
+from .tree import Scope, TreeReader, remedy_for_unread, valid_link
 
 # Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
 _LEAST_ANISOTROPY = 1e-4
@@ -40,8 +40,10 @@ class ShaderReader:
         reader = (_WORLD_SHADERS if self.values.is_world else _SHADERS).get(node.bl_idname)
         if reader is None:
             home = "world" if self.values.is_world else "surface"
-            self.values.refuse(node, source.scope, f" on a {home}", "replace it by a supported shader")
+            remedy = remedy_for_unread(node, "replace it by a supported shader")
+            self.values.refuse(node, source.scope, f" on a {home}", remedy)
             return []
+        self.values.check(node, source.scope)
         return reader(self, node, source.scope, weight)
 
     def lobe(self, closure: mt.Closure, weight: ex.Expression) -> mt.Lobe:
@@ -67,6 +69,7 @@ class ShaderReader:
         if tangent.bl_idname != "ShaderNodeTangent":
             self.values.refuse(node, scope, ", socket 'Tangent' (linked),", "link a Tangent node to it, or nothing")
             return mt.Tangent()
+        self.values.check(tangent, source.scope)
         if tangent.direction_type == "RADIAL":
             return mt.Tangent("RADIAL", axis=tangent.axis)
         return mt.Tangent("UV", uv_map=tangent.uv_map)
@@ -100,7 +103,6 @@ def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex
 
 
 def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    _refuse_film(reader, node, scope)
     conductor = node.fresnel_type == "PHYSICAL_CONDUCTOR"
     closure = mt.Metallic(
         node.distribution,
@@ -132,15 +134,7 @@ def _transparent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weigh
     return [reader.lobe(mt.Transparent(reader.read(node, "Color", scope)), weight)]
 
 
-def _refuse_film(reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
-    reader.values.refuse_linked(node, scope, "Thin Film Thickness")
-    film = node.inputs.get("Thin Film Thickness")
-    if film is not None and film.default_value != 0:
-        reader.values.refuse(node, scope, ", socket 'Thin Film Thickness',", "set it to 0")
-
-
 def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    _refuse_film(reader, node, scope)
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
     normal = reader.normal(node, scope)
     if is_smooth(roughness):

@@ -10,6 +10,9 @@ import bpy
 
 from ....lib.errors import Refusal
 from ....lib.scene import expressions as ex
+from ....lib.textures.fold import fold
+from .declarations import DECLARATIONS
+from .declared import changed_unknowns, unknown_values
 from .images import ImageTable
 
 _COLORS = ("RGBA", "VECTOR")
@@ -71,6 +74,7 @@ class TreeReader:
     """Image nodes whose colour was read on the ground that their alpha is in use too."""
     alpha_read: set[tuple] = field(default_factory=set)
     _known: dict[tuple, ex.Expression] = field(default_factory=dict)
+    _checked: set[tuple] = field(default_factory=set)
 
     def refuse(self, node: bpy.types.Node, scope: Scope, what: str, remedy: str) -> None:
         """Record that `what` of `node` is not simulated."""
@@ -78,6 +82,33 @@ class TreeReader:
         refusal = Refusal(self.owner, f"{inside}node '{node.name}' ({node.bl_label}){what}", remedy)
         if refusal not in self.refusals:
             self.refusals.append(refusal)
+
+    def check(self, node: bpy.types.Node, scope: Scope) -> None:
+        """Refuse what of `node` its reader does not declare and is not as Blender makes it; once per node."""
+        key = (*scope.path, node.as_pointer())
+        if key in self._checked:
+            return
+        self._checked.add(key)
+        declaration = DECLARATIONS[node.bl_idname]
+        for socket in node.inputs:
+            if not socket.enabled or not hasattr(socket, "default_value"):
+                continue
+            if socket.identifier in declaration.neutral:
+                self._check_neutral(node, socket, declaration.neutral[socket.identifier], scope)
+            elif socket.identifier not in declaration.sockets and valid_link(socket):
+                self.refuse_linked(node, scope, socket.name)
+        for what, remedy in (*changed_unknowns(node, declaration), *unknown_values(node, declaration)):
+            self.refuse(node, scope, what, remedy)
+
+    def _check_neutral(self, node: bpy.types.Node, socket: bpy.types.NodeSocket, neutral: float, scope: Scope) -> None:
+        """Refuse the content of an input that is not simulated, unless it is the `neutral` one wherever it is linked."""
+        if valid_link(socket):
+            changed = socket.type != "VALUE" or fold(self.read(socket, scope)) != ex.Constant(neutral)
+        else:
+            changed = socket.default_value != neutral
+        if changed:
+            remedy = "switch it off" if socket.type == "BOOLEAN" else f"set it to {neutral:g}"
+            self.refuse(node, scope, f", socket '{socket.name}',", remedy)
 
     def trace(self, socket: bpy.types.NodeSocket, scope: Scope) -> Source:
         """Follow links from the input `socket` to where its content comes from."""
@@ -140,8 +171,14 @@ class TreeReader:
         if key not in self._known:
             reader = self.readers.get(node.bl_idname)
             if reader is None:
-                self.refuse(node, source.scope, "", "replace it by a supported node or bake it to an image")
+                self.refuse(
+                    node,
+                    source.scope,
+                    "",
+                    remedy_for_unread(node, "replace it by a supported node or bake it to an image"),
+                )
                 return _stand_in(socket.type)
+            self.check(node, source.scope)
             self._known[key] = reader(self, node, socket.identifier, source.scope)
         return self._known[key]
 
@@ -170,6 +207,13 @@ class TreeReader:
         what = f", socket '{source.socket.name}', whose {have.lower()} feeds a {want.lower()},"
         self.refuse(source.socket.node, source.scope, what, "unlink it")
         return _stand_in(want)
+
+
+def remedy_for_unread(node: bpy.types.Node, remedy: str) -> str:
+    """What to do about a node that has no reader; a type that this Blender lacks is a file's from another one."""
+    if node.bl_idname != "NodeUndefined":
+        return remedy
+    return f"this Blender ({bpy.app.version_string}) lacks its type; use the version that made it, or delete it"
 
 
 def _stand_in(kind: str) -> ex.Expression:

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the readers know of shaders, outputs and what only they read: one row per node type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .declared import Declaration
+
+SHADER_DECLARATIONS: Mapping[str, Declaration] = {
+    "ShaderNodeAddShader": Declaration(reads=("Shader", "Shader_001")),
+    "ShaderNodeBackground": Declaration(reads=("Color", "Strength")),
+    "ShaderNodeBsdfAnisotropic": Declaration(
+        reads=("Color", "Roughness", "Anisotropy", "Rotation", "Normal", "Tangent"),
+        properties={"distribution": ("BECKMANN", "GGX", "ASHIKHMIN_SHIRLEY", "MULTI_GGX")},
+    ),
+    "ShaderNodeBsdfDiffuse": Declaration(reads=("Color", "Roughness", "Normal")),
+    "ShaderNodeBsdfGlass": Declaration(
+        reads=("Color", "Roughness", "IOR", "Normal", "Anisotropy", "Rotation", "Tangent"),
+        neutral={"Thin Film Thickness": 0.0},
+        idle=("Thin Film IOR",),
+        properties={"distribution": ("BECKMANN", "GGX", "MULTI_GGX")},
+    ),
+    "ShaderNodeBsdfGlossy": Declaration(
+        reads=("Color", "Roughness", "Anisotropy", "Rotation", "Normal", "Tangent"),
+        properties={"distribution": ("BECKMANN", "GGX", "ASHIKHMIN_SHIRLEY", "MULTI_GGX")},
+    ),
+    "ShaderNodeBsdfMetallic": Declaration(
+        reads=(
+            "Base Color",
+            "Edge Tint",
+            "IOR",
+            "Extinction",
+            "Roughness",
+            "Anisotropy",
+            "Rotation",
+            "Normal",
+            "Tangent",
+        ),
+        neutral={"Thin Film Thickness": 0.0},
+        idle=("Thin Film IOR",),
+        properties={"distribution": ("BECKMANN", "GGX", "MULTI_GGX"), "fresnel_type": ("PHYSICAL_CONDUCTOR", "F82")},
+    ),
+    "ShaderNodeBsdfPrincipled": Declaration(
+        reads=(
+            "Base Color",
+            "Metallic",
+            "Roughness",
+            "IOR",
+            "Alpha",
+            "Normal",
+            "Diffuse Roughness",
+            "Specular IOR Level",
+            "Specular Tint",
+            "Anisotropic",
+            "Anisotropic Rotation",
+            "Tangent",
+            "Transmission Weight",
+            "Transmission Dispersion Scale",
+            "Transmission Dispersion Abbe Number",
+            "Coat Weight",
+            "Coat Roughness",
+            "Coat IOR",
+            "Coat Tint",
+            "Coat Normal",
+            "Emission Color",
+            "Emission Strength",
+        ),
+        neutral={
+            "Thin Film Thickness": 0.0,
+            "Subsurface Weight": 0.0,
+            "Sheen Weight": 0.0,
+            "Thin Wall": 0.0,
+        },
+        idle=(
+            "Thin Film IOR",
+            "Subsurface Radius",
+            "Subsurface Scale",
+            "Subsurface IOR",
+            "Subsurface Anisotropy",
+            "Sheen Roughness",
+            "Sheen Tint",
+        ),
+        properties={"distribution": ("GGX", "MULTI_GGX")},
+        unused=("subsurface_method",),
+    ),
+    "ShaderNodeBsdfRefraction": Declaration(
+        reads=("Color", "Roughness", "IOR", "Normal"), properties={"distribution": ("BECKMANN", "GGX")}
+    ),
+    "ShaderNodeBsdfTranslucent": Declaration(reads=("Color", "Normal")),
+    "ShaderNodeBsdfTransparent": Declaration(reads=("Color",)),
+    "ShaderNodeDisplacement": Declaration(
+        reads=("Height", "Midlevel", "Scale", "Normal"), properties={"space": ("OBJECT", "WORLD")}
+    ),
+    "ShaderNodeEmission": Declaration(reads=("Color", "Strength")),
+    "ShaderNodeMixShader": Declaration(reads=("Fac", "Shader", "Shader_001")),
+    "ShaderNodeOutputLight": Declaration(reads=("Surface",), properties={"target": None, "is_active_output": None}),
+    "ShaderNodeOutputMaterial": Declaration(
+        reads=("Surface", "Volume", "Displacement"),
+        idle=("Thickness",),
+        properties={"target": None, "is_active_output": None},
+    ),
+    "ShaderNodeOutputWorld": Declaration(
+        reads=("Surface", "Volume"), properties={"target": None, "is_active_output": None}
+    ),
+    "ShaderNodeTangent": Declaration(
+        properties={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("X", "Y", "Z"), "uv_map": None}
+    ),
+}
+"""Node type by Blender's identifier -> what its reader knows of it."""
