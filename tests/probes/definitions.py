@@ -54,7 +54,7 @@ def tilts(light):
 RED, BLUE, WHITE = (0.9, 0.3, 0.15, 1.0), (0.3, 0.5, 0.9, 1.0), (1.0, 1.0, 1.0, 1.0)
 F82 = {"Base Color": RED, "Edge Tint": BLUE}
 CONDUCTOR = {"IOR": (0.2, 0.9, 1.3), "Extinction": (3.9, 2.4, 1.9)}
-MAPPED = ((0.62, 0.42, 0.93, 1.0), 0.8)
+MAPPED = ((0.62, 0.42, 0.93, 1.0), 0.5)  # the viewer sees the front of every turned normal
 STRETCH = {"Anisotropy": 0.6, "Rotation": 0.1}
 
 
@@ -72,9 +72,11 @@ def _metallic(fact, fresnel, distribution, roughness, **inputs):
 
 
 def _interface(fact, node, distribution, roughness, ior):
+    # Refraction by Beckmann's facets shows nothing of light on the viewer's side.
+    lights = ("back",) if (node, distribution) == ("BsdfRefraction", "BECKMANN") else SUNS
     inputs = {"Color": BLUE, "Roughness": roughness, "IOR": ior}
     name = f"{node.removeprefix('Bsdf')} {distribution} {roughness} {ior}"
-    return [Probe(fact, name, light, node, inputs, distribution) for light in SUNS]
+    return [Probe(fact, name, light, node, inputs, distribution) for light in lights]
 
 
 def _principled(fact, name, distribution="GGX", *lights, **inputs):
@@ -91,7 +93,7 @@ def _mapped(name, node, distribution="", **inputs):
 
 
 GLASSY = {"Transmission_Weight": 1.0, "Specular_Tint": BLUE, "Roughness": 0.6}
-COAT = {"Coat_Weight": 0.8, "Coat_IOR": 1.7}
+COAT = {"Coat_Weight": 0.8, "Coat_IOR": 1.5}
 
 PROBES = (
     Probe("Lambert", "Diffuse", "front", "BsdfDiffuse", {"Color": RED}),

@@ -14,6 +14,7 @@ from etalon.lib.scene.expressions import (
     CoatTint,
     Constant,
     Gamma,
+    Math,
     Mix,
     NormalMap,
     ValueToColor,
@@ -27,6 +28,10 @@ from etalon.tests.scenes import orthographic, quad, scene
 UV = mt.Tangent("UV", uv_map="UVMap")
 
 
+def _single(value):
+    return float(np.float32(value))
+
+
 class Sockets:
     """The sockets of a probe as expressions."""
 
@@ -34,16 +39,16 @@ class Sockets:
         self._probe = probe
 
     def __call__(self, name, default):
-        """The socket `name`, or what Blender's default for it is."""
+        """The socket `name`, or what Blender's default for it is; sockets are float32."""
         value = self._probe.inputs.get(name, default)
-        return Constant(tuple(value[:3]) if isinstance(value, tuple) else value)
+        return Constant(tuple(_single(v) for v in value[:3]) if isinstance(value, tuple) else _single(value))
 
     @property
     def normal(self):
         if self._probe.normal is None:
             return None
         color, strength = self._probe.normal
-        return NormalMap(Constant(color[:3]), Constant(strength))
+        return NormalMap(Constant(tuple(_single(v) for v in color[:3])), Constant(_single(strength)))
 
     def stretch(self, anisotropy="Anisotropy", rotation="Rotation"):
         """What an anisotropic lobe has besides its roughness."""
@@ -91,34 +96,41 @@ def _refraction(probe, read):
     )
 
 
+def _times(weight, factor):
+    """The product of two weights, either of which may be a colour."""
+    if weight == ONE:
+        return factor
+    if isinstance(factor, CoatTint):
+        return Mix(ONE, factor, ValueToColor(weight), blend="MULTIPLY")
+    if isinstance(weight, Mix):
+        return Mix(ONE, weight, ValueToColor(factor), blend="MULTIPLY")
+    return Math("MULTIPLY", weight, factor, ZERO)
+
+
 def _principled(probe, read):
     """The layers that the probes use: a coat over metal, glass, or a dielectric with its diffuse base."""
     base, tint, roughness = read("Base Color", GREY), read("Specular Tint", ONES), read("Roughness", 0.5)
-    lobes, weight, color = [], ONE, None
-    coat = read("Coat Weight", 0.0)
+    lobes, weight, coat = [], ONE, read("Coat Weight", 0.0)
     if coat != ZERO:
         ior, rough = read("Coat IOR", 1.5), read("Coat Roughness", 0.03)
         lobes.append(mt.Lobe(mt.Specular("MULTI_GGX", ior, WHITE, rough), coat))
         weight = BeneathLayer(ior, WHITE, rough, coat, "MULTI_GGX")
         if "Coat Tint" in probe.inputs:
-            color = CoatTint(ior, read("Coat Tint", ONES), coat)
+            weight = _times(weight, CoatTint(ior, read("Coat Tint", ONES), coat))
     if read("Metallic", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
-        lobes.append(mt.Lobe(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how)))
+        lobes.append(mt.Lobe(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
     elif read("Transmission Weight", 0.0) == ONE:
         root = Gamma(base, Constant(0.5))
-        lobes.append(
-            mt.Lobe(mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, transmission=root, tint=tint))
-        )
+        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, transmission=root, tint=tint)
+        lobes.append(mt.Lobe(glass, weight))
     else:
-        level = read("Specular IOR Level", 0.5).value
+        ior, level = read("IOR", 1.5).value, read("Specular IOR Level", 0.5).value
         if level:
-            root = (read("IOR", 1.5).value - 1.0) / (read("IOR", 1.5).value + 1.0) * (2.0 * level) ** 0.5
+            root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             ior = Constant((1.0 + root) / (1.0 - root))
-            lobes.append(mt.Lobe(mt.Specular(probe.distribution, ior, tint, roughness)))
-            weight = BeneathLayer(ior, tint, roughness, ONE, probe.distribution)
-        if color is not None:
-            weight = Mix(ONE, color, ValueToColor(weight), blend="MULTIPLY")
+            lobes.append(mt.Lobe(mt.Specular(probe.distribution, ior, tint, roughness), weight))
+            weight = _times(weight, BeneathLayer(ior, tint, roughness, ONE, probe.distribution))
         lobes.append(mt.Lobe(mt.Diffuse(base, read("Diffuse Roughness", 0.0)), weight))
     return lobes
 
