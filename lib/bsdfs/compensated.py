@@ -7,17 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..microfacets.albedo import (
-    average_albedo,
-    average_albedo_cycles,
-    directional_albedo,
-    directional_albedo_cycles,
-)
+from ..microfacets.albedo import average_albedo, directional_albedo
+from ..microfacets.cycles_tables import Tables
 from .mixture import Lobe
 
 Albedos = tuple[Callable[..., np.ndarray], Callable[..., np.ndarray]]
 EXACT: Albedos = (directional_albedo, average_albedo)
-CYCLES: Albedos = (directional_albedo_cycles, average_albedo_cycles)
 
 
 def multiple_scattering(
@@ -36,6 +31,11 @@ def multiple_scattering(
     factor = color * average / (1.0 - color * (1.0 - average)) * lost
     factor += 1.0
     return factor
+
+
+def albedos_of(tables: Tables | None) -> Albedos:
+    """E and Eavg: by a layout of Cycles' tables, or the integrals themselves."""
+    return EXACT if tables is None else (tables.directional_albedo, tables.average_albedo)
 
 
 class Compensated:

@@ -5,39 +5,50 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..microfacets.cycles_tables import layer_share_cycles
+from ..microfacets.albedo import directional_albedo
+from ..microfacets.cycles_tables import Tables, layer_share_cycles
 from ..microfacets.layers import layer_albedo
-from .compensated import CYCLES, multiple_scattering
+from .compensated import albedos_of, multiple_scattering
 from .fresnels import tinted_dielectric
 
 
 def layer_reflectance(
-    cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool
+    cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool, lossless: bool = False
 ) -> np.ndarray:
     """Directional albedo (3, n) of a glossy layer of index `eta` and `tint`, (3, 1) or (3, n); `cos_o` (n,), `alpha` () or (n,).
 
-    It is that of the lobe itself, `compensated` for multiple scattering where the lobe is: nothing is lost between layers.
+    It is that of the lobe itself, `compensated` for multiple scattering where the lobe is: nothing is lost between layers. `lossless`
+    takes the light that facets hand to each other for reflected: the albedo divided by E + Fms (1 - E), a departure of Cycles.
     """
     if eta == 1.0:
         return np.zeros((3, cos_o.size))
     curve = tinted_dielectric(np.float64(eta), tint)
     from_normal, to_grazing = layer_albedo(cos_o, alpha, eta)
     albedo = curve.f0 * from_normal + to_grazing
+    if lossless:
+        return albedo / directional_albedo(cos_o, alpha)
     return albedo * multiple_scattering(cos_o, alpha, curve.average) if compensated else albedo
 
 
 def layer_reflectance_cycles(
-    cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool
+    cos_o: np.ndarray,
+    alpha: np.ndarray,
+    eta: float,
+    tint: np.ndarray,
+    compensated: bool,
+    lossless: bool,
+    tables: Tables,
 ) -> np.ndarray:
-    """The same as Cycles estimates it, from tables: f0 + (1 - f0) times `layer_share_cycles`, as if single scattering lost nothing.
+    """The same as Cycles estimates it, from `tables`: f0 + (1 - f0) times `layer_share_cycles`, as if single scattering lost nothing.
 
-    What the compensation takes from coloured light is taken off again.
+    What the compensation takes from coloured light, 1 less E + Fms (1 - E), is taken off again, unless `lossless`.
     """
     curve = tinted_dielectric(np.float64(eta), tint)
-    albedo = curve.f0 + (1.0 - curve.f0) * layer_share_cycles(cos_o, alpha, eta)
-    if not compensated:
+    albedo = curve.f0 + (1.0 - curve.f0) * layer_share_cycles(cos_o, alpha, eta, tables)
+    if lossless or not compensated:
         return albedo
-    return albedo * multiple_scattering(cos_o, alpha, curve.average, CYCLES) * CYCLES[0](cos_o, alpha)
+    scattering = multiple_scattering(cos_o, alpha, curve.average_cycles, albedos_of(tables))
+    return albedo * scattering * tables.directional_albedo(cos_o, alpha)
 
 
 def beneath_layer(
@@ -47,16 +58,20 @@ def beneath_layer(
     roughness: np.ndarray,
     weight: np.ndarray,
     cos_wo: np.ndarray,
-    tabulated: bool = False,
+    tables: Tables | None = None,
+    lossless: bool = False,
 ) -> np.ndarray:
     """1 - weight times the largest colour of the layer's albedo, (n,), at least 0.
 
-    The largest, so that a tinted layer leaves no tint of its complement below (Blender's choice). `tabulated`: the albedo is Cycles'
-    estimate.
+    The largest, so that a tinted layer leaves no tint of its complement below (Blender's choice). With `tables` the albedo is Cycles'
+    estimate; `lossless` as in `layer_reflectance`.
     """
     alpha = np.clip(roughness, 0.0, 1.0) ** 2
-    reflectance = layer_reflectance_cycles if tabulated else layer_reflectance
-    albedo = reflectance(cos_wo, alpha, eta, tint, distribution == "MULTI_GGX")
+    compensated = distribution == "MULTI_GGX"
+    if tables is None:
+        albedo = layer_reflectance(cos_wo, alpha, eta, tint, compensated, lossless)
+    else:
+        albedo = layer_reflectance_cycles(cos_wo, alpha, eta, tint, compensated, lossless, tables)
     return np.maximum(1.0 - weight * albedo.max(axis=0), 0.0)
 
 

@@ -21,19 +21,21 @@ class OrenNayar:
     """Fujii's "qualitative" Oren-Nayar with its multiple scattering, coloured by `color` (3, n) or (3, 1).
 
     Fujii 2012; Portsmouth, Kutz and Hill 2024, "EON". `roughness` in [0, 1]; sampled by the cosine. Light that is scattered
-    k times carries color^k, so the multiple scattering begins with color^`first`, first = 2 (Cycles multiplies by color once more).
+    k times carries color^k, so the multiple scattering begins with color^`first`, first = 2. Cycles departs from it: 3 multiplies by
+    color once more, None leaves the multiple scattering out.
     """
 
     delta = False
 
-    def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int = 2) -> None:
+    def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int | None = 2) -> None:
         self._wo, self._roughness, self._color, self._first = wo, np.asarray(roughness, np.float64), color, first
         self._a = 1.0 / (np.pi + self._roughness * (np.pi / 2.0 - 2.0 / 3.0))
         self._b = self._roughness * self._a
         average = np.pi * self._a + self._b * (2.0 * np.pi - 5.6) / 3.0
         self._average = average
         lost = 1.0 - average
-        self._multiple = color**first * average / (np.pi * np.maximum(lost, 1e-300) * (1.0 - color * lost))
+        begin = 0.0 * color if first is None else color**first
+        self._multiple = begin * average / (np.pi * np.maximum(lost, 1e-300) * (1.0 - color * lost))
         self._lost_o = 1.0 - _albedo_term(wo[2], self._a, self._b)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 
+from ..blender_versions import Versions, format_release
+from ..errors import EtalonError
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
@@ -13,30 +15,50 @@ from ..scene.scene import Scene
 from ..textures.fold import fold, is_constant, walk
 from .scene import NARROW
 
-SEEN = ("4.5", "5.2")
+
+ALL = Versions()
 
 
 @dataclass(frozen=True)
 class Departure:
     """One departure.
 
-    `statement` says what Cycles does and what the book has; `source` is the file in Cycles' tree, `versions` the Blender releases it
-    was seen in. `relevant` asks a scene whether it can change anything. `neutralised` names the setting by which Étalon's
-    neutral state removes it from Cycles; such a departure has no switch in the reference.
+    `statement` says what Cycles does and what is right; `source` is the file in Cycles' tree, `versions` the Blender releases that depart
+    so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a scene whether it can change anything.
+    `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
     """
 
     name: str
     statement: str
     source: str
-    versions: tuple[str, ...] = SEEN
+    versions: Versions = ALL
     relevant: Callable[[Scene], bool] = lambda scene: False
     neutralised: str = ""
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
-    """The departures with a switch that can change the image of `scene` where the reference has this form of masking."""
-    same = {"correlated": "correlated masking", "separable": "separable masking"}.get(masking)
-    return tuple(d for d in DEPARTURES if not d.neutralised and d.name != same and d.relevant(scene))
+    """The departures with a switch that can change the image of `scene` where the reference has this form of masking.
+
+    Those of the Blender that exported the scene; of any release where none did.
+    """
+    same = "correlated masking" if masking == "correlated" else None
+    return tuple(d for d in _switches(scene) if d.name != same and d.relevant(scene))
+
+
+def refuse_absent(scene: Scene, names: Set[str]) -> None:
+    """Raise EtalonError if one of the departures `names` does not exist in the Blender that exported `scene`."""
+    present = {d.name for d in _switches(scene)}
+    for departure in DEPARTURES:
+        if departure.name in names - present:
+            raise EtalonError(
+                f"departure '{departure.name}' exists in Blender {departure.versions}, and this scene comes from Blender "
+                f"{format_release(scene.blender)}; leave it out"
+            )
+
+
+def _switches(scene: Scene) -> Iterator[Departure]:
+    """The departures with a switch that the Blender of `scene` has."""
+    return (d for d in DEPARTURES if not d.neutralised and (scene.blender is None or scene.blender in d.versions))
 
 
 def _closures(scene: Scene) -> Iterator[Closure]:
@@ -78,6 +100,10 @@ def _rough_glass(scene: Scene) -> bool:
     return bool(sampled) and any(isinstance(c, Glass | Refraction) and _is_rough(c) for c in _closures(scene))
 
 
+def _rough_diffuse(scene: Scene) -> bool:
+    return any(isinstance(c, Diffuse) and _is_rough(c) for c in _closures(scene))
+
+
 def _rough_facets(scene: Scene) -> bool:
     return _reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
 
@@ -100,13 +126,6 @@ def _narrow_spread(scene: Scene) -> bool:
 
 
 DEPARTURES: tuple[Departure, ...] = (
-    Departure(
-        "separable masking",
-        "Masking and shadowing are taken as independent, G1(i) G1(o); the reference, like Cycles, correlates them by the facet's height.",
-        "kernel/closure/bsdf_microfacet.h",
-        (),
-        _rough_facets,
-    ),
     Departure(
         "correlated masking",
         "Masking and shadowing are correlated by the facet's height, 1 / (1 + Lambda(i) + Lambda(o)), which is exact for Smith's surfaces; "
@@ -150,24 +169,42 @@ DEPARTURES: tuple[Departure, ...] = (
     ),
     Departure(
         "multiple-scattering tables",
-        "The albedos behind Multiscatter GGX are read from 32 x 32 nodes, those of glass from 16 x 16 x 16: up to 0.9 % "
-        "and 8 % off the integral, most at grazing.",
+        "The albedos behind Multiscatter GGX are read from tables, and the mean reflectance that colours it from fits. Up to Blender 5.2 "
+        "there are 32 x 32 nodes, for glass 16 x 16 x 16: up to 1 % off the integral, for glass 19 %, most at grazing. From 5.3 on the "
+        "nodes crowd there, for glass 32 x 32 x 32: up to 0.3 % off.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_reflects_by("MULTI_GGX"),
     ),
     Departure(
         "layer albedo table",
-        "What a glossy layer leaves to those beneath it is estimated from 16 x 16 x 16 nodes that leave masking between facets out: "
-        "light is taken from below that the layer itself does not give, or the other way round.",
+        "What a glossy layer leaves to those beneath it is estimated from a table that leaves masking between facets out, with "
+        "16 x 16 x 16 nodes up to Blender 5.2 and 32 x 32 x 32 from 5.3 on: light is taken from below that the layer itself does not "
+        "give, or the other way round. An index below 1 is read as its reciprocal, without total reflection, so that light is made.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=lambda scene: any(isinstance(n, BeneathLayer) for n in _nodes(scene)),
+    ),
+    Departure(
+        "lossless coat albedo",
+        "What a coat takes from the layers beneath it is estimated as if its facets lost no light between each other: a factor "
+        "E + Fms (1 - E) is missing, and light is lost, up to 1.7 times of what the coat reflects.",
+        "kernel/closure/bsdf.h",
+        Versions("5.3"),
+        lambda scene: any(isinstance(n, BeneathLayer) and n.coat for n in _nodes(scene)),
+    ),
+    Departure(
+        "Oren-Nayar without multiple scattering",
+        "A rough diffuse surface reflects what leaves after one scattering; the light that is scattered again is lost.",
+        "kernel/closure/bsdf_oren_nayar.h",
+        Versions(None, "4.2"),
+        _rough_diffuse,
     ),
     Departure(
         "Oren-Nayar colour",
         "Light that a rough diffuse surface scatters k times carries its colour k times; Cycles multiplies all but the first by the "
         "colour once more.",
         "kernel/closure/bsdf_oren_nayar.h",
-        relevant=lambda scene: any(isinstance(c, Diffuse) and _is_rough(c) for c in _closures(scene)),
+        Versions("4.3", "5.2"),
+        _rough_diffuse,
     ),
     Departure(
         "colour-ramp table",
@@ -186,42 +223,36 @@ DEPARTURES: tuple[Departure, ...] = (
         "corrected glossy normal",
         "Glossy closures turn the shading normal until the mirror direction rises above the face.",
         "kernel/closure/bsdf_util.h",
-        ("5.2",),
         neutralised="material.cycles.use_bump_map_correction",
     ),
     Departure(
         "disk for sphere",
         "Point and spot lights with a radius are disks turned to the shading point.",
         "kernel/light/point.h",
-        ("5.0", "5.2"),
         neutralised="light.use_soft_falloff",
     ),
     Departure(
         "shadow terminator offset",
         "Shadow rays from smooth meshes start off the surface.",
         "kernel/light/sample.h",
-        ("5.2",),
         neutralised="object.shadow_terminator_geometry_offset",
     ),
     Departure(
         "sample 0",
         "The first sample of each pixel goes through its centre, whatever the seed.",
         "kernel/integrator/init_from_camera.h",
-        ("5.0", "5.2"),
         neutralised="cycles.use_sample_subset",
     ),
     Departure(
         "filter table",
         "Pixel filters but the box are read from a table whose last entry is 0: one sample in 1023 per axis is displaced.",
         "scene/film.cpp",
-        ("5.2",),
         neutralised="cycles.pixel_filter_type",
     ),
     Departure(
         "float32 accumulation",
         "Samples are added up in single precision: 5e-5 after 4,096, 6e-4 after 65,536.",
         "kernel/film/write.h",
-        ("5.0", "5.2"),
         neutralised="cycles.samples, partial sums of at most 4,096 added up in double precision",
     ),
 )

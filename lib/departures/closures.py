@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -46,6 +47,13 @@ class Misstated:
 def beckmann_form(departures: frozenset[str]) -> ModuleType | SimpleNamespace:
     """Beckmann's distribution with the Lambda by which it masks."""
     return RATIONAL if "rational Beckmann Lambda" in departures else beckmann
+
+
+def oren_nayar_form(departures: Set[str]) -> int | None:
+    """The power of the colour with which Oren-Nayar's multiple scattering begins, or None where there is none."""
+    if "Oren-Nayar without multiple scattering" in departures:
+        return None
+    return 3 if "Oren-Nayar colour" in departures else 2
 
 
 def with_stated_density(

@@ -6,9 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence, Set
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from ..microfacets.cycles_tables import Tables, cycles_tables
 from ..scene.expressions import BeneathLayer, ColorRamp, Expression
 from ..scene.lights import AreaLight, Light
 from ..scene.materials import Material
@@ -22,8 +24,13 @@ NARROW = float(np.float32(0.1))
 
 
 def departed(scene: Scene, departures: Set[str]) -> Scene:
-    """`scene` as it stands after the named departures; names that change no scene are passed over."""
+    """`scene` as it stands after the named departures; names that change no scene are passed over.
+
+    Where Blender's releases depart in several forms, that of `scene.blender` is taken; of the newest one without it.
+    """
     changes = [change for name, change in _NODES.items() if name in departures]
+    if "layer albedo table" in departures:
+        changes.append(partial(tabulated_layer, tables=cycles_tables(scene.blender)))
     if changes:
         changed = _Rewriter(changes)
         materials = tuple(_with_sockets(material, changed) for material in scene.materials)
@@ -48,14 +55,19 @@ def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
     )
 
 
-def tabulated_layer(layer: BeneathLayer) -> BeneathLayer:
-    """The layer with its albedo from Cycles' table."""
-    return replace(layer, tabulated=True)
+def tabulated_layer(node: Expression, tables: Tables) -> Expression:
+    """A layer with its albedo from Cycles' tables; other nodes as they are."""
+    return replace(node, tables=tables.nodes) if isinstance(node, BeneathLayer) else node
+
+
+def lossless_coat(node: Expression) -> Expression:
+    """A coat that takes from below what its facets hand to each other; other nodes as they are."""
+    return replace(node, lossless=True) if isinstance(node, BeneathLayer) and node.coat else node
 
 
 _NODES: dict[str, Callable[[Expression], Expression]] = {
     "colour-ramp table": lambda node: tabulated_ramp(node) if isinstance(node, ColorRamp) else node,
-    "layer albedo table": lambda node: tabulated_layer(node) if isinstance(node, BeneathLayer) else node,
+    "lossless coat albedo": lossless_coat,
 }
 
 

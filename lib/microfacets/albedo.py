@@ -3,7 +3,7 @@
 
 E(mu, alpha) = integral of D G / (4 mu) over wi, mu = cos(theta_o); isotropic, alpha in [0, 1]. For an anisotropic lobe Blender takes
 alpha = sqrt(alpha_x alpha_y). The exact form is a table worked out once from quadrature and read to about 5e-6 everywhere;
-beside it stands the coarser table that Cycles reads, up to 0.7 % away from it.
+beside it stand the coarser tables that Cycles reads, up to 1 % away from it.
 """
 
 from __future__ import annotations
@@ -39,13 +39,15 @@ def average_albedo(alpha: float | np.ndarray) -> np.ndarray:
     return np.interp(alpha, np.linspace(0.0, 1.0, _CELLS + 1), _average())
 
 
-def directional_albedo_cycles(cos_o: np.ndarray, alpha: float | np.ndarray) -> np.ndarray:
-    """E as Cycles approximates it, (n,): bilinear between 32 x 32 nodes evenly in cos_o and in roughness = sqrt(alpha).
+def directional_albedo_cycles(cos_o: np.ndarray, alpha: float | np.ndarray, power: int = 1) -> np.ndarray:
+    """E as Cycles approximates it, (n,): bilinear between 32 x 32 nodes.
 
-    The nodes themselves come from quadrature; at both lower ends they stand for 1e-4 (Cycles, app/cycles_precompute.cpp).
+    The nodes lie evenly in roughness = sqrt(alpha) and in cos_o^(1 / power). `power` is 1 up to Blender 5.2 and 2 from 5.3 on. Their
+    values come from quadrature; at both lower ends they stand for 1e-4 (Cycles, app/cycles_precompute.cpp).
     """
     last = _CYCLES_NODES - 1
-    return _bilinear(_cycles_table(), np.sqrt(np.asarray(alpha, np.float64)) * last, cos_o * float(last))
+    column = (np.asarray(cos_o, np.float64) if power == 1 else np.power(cos_o, 1.0 / power)) * float(last)
+    return _bilinear(_cycles_table(power), np.sqrt(np.asarray(alpha, np.float64)) * last, column)
 
 
 def average_albedo_cycles(alpha: float | np.ndarray) -> np.ndarray:
@@ -59,10 +61,12 @@ def integrate_albedo(
     radii: int = 24,
     turns: int = 16,
     reflectance: Callable[[np.ndarray], np.ndarray] = np.ones_like,
+    shadowed: bool = True,
 ) -> np.ndarray:
     """E by quadrature to 2e-7, (n,); `cos_o` and `alpha` (n,) in (0, 1]; `radii` x 2 `turns` points each.
 
-    The integrand carries `reflectance` at the cosine between light and microfacet.
+    The integrand carries `reflectance` at the cosine between light and microfacet. Without `shadowed` light reaches every facet that
+    wo sees: the mean over visible normals, those that reflect below the surface counting 0.
 
     Over the tangents alpha x (cos phi, sin phi) of the microfacets, dm = alpha^2 x dx dphi cos^3, each turn out to the radius at
     which the reflected direction meets the horizon, where the integrand ends at zero. Points crowd towards that end (the tail
@@ -92,7 +96,8 @@ def integrate_albedo(
     lambda_o, lambda_i = (
         0.5 * (np.sqrt(1.0 + alpha * alpha * np.maximum(1.0 - c * c, 0.0) / (c * c)) - 1.0) for c in (mu, cos_i)
     )
-    ring = facing / mu * x * dx / (np.pi * (1.0 + x * x) ** 2 * (1.0 + lambda_o + lambda_i))
+    hidden = lambda_o + lambda_i if shadowed else lambda_o
+    ring = facing / mu * x * dx / (np.pi * (1.0 + x * x) ** 2 * (1.0 + hidden))
     ring *= reflectance(np.clip(facing / np.sqrt(secant2), 0.0, 1.0))
     return 2.0 * (ring.sum(axis=2) * weight_turn).sum(axis=1)
 
@@ -157,10 +162,11 @@ def _average() -> np.ndarray:
 
 
 @functools.cache
-def _cycles_table() -> np.ndarray:
-    """E at roughness i / 31 (rows) and cosine j / 31 (columns)."""
-    node = np.maximum(np.linspace(0.0, 1.0, _CYCLES_NODES), _CYCLES_LEAST)
-    roughness, mu = (grid.ravel() for grid in np.meshgrid(node, node, indexing="ij"))
+def _cycles_table(power: int) -> np.ndarray:
+    """E at roughness i / 31 (rows) and cosine (j / 31)^power (columns)."""
+    node = np.linspace(0.0, 1.0, _CYCLES_NODES)
+    lines = np.maximum(node, _CYCLES_LEAST), np.maximum(node**power, _CYCLES_LEAST)
+    roughness, mu = (grid.ravel() for grid in np.meshgrid(*lines, indexing="ij"))
     return _frozen(integrate_albedo(mu, roughness**2).reshape(_CYCLES_NODES, _CYCLES_NODES))
 
 

@@ -1,110 +1,157 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Albedos of dielectrics as Cycles tabulates them: linear between 16 nodes each of roughness, cosine and z = sqrt(|eta - 1| / (eta + 1)).
+"""Albedos of dielectrics as Cycles tabulates them: linear between nodes of roughness, cosine and z = sqrt(|eta - 1| / (eta + 1)).
 
-The nodes themselves come from quadrature; at their ends they stand for 1e-4 and, along z, 0.99 (Cycles, app/cycles_precompute.cpp).
-The exact forms are in layers.py.
+Cycles' layout of the nodes changed with Blender 5.3 (`Tables`). The values at the nodes come from quadrature; at the lower ends the nodes stand
+for 1e-4, and at the upper end of z for 0.99 (Cycles, app/cycles_precompute.cpp). The exact forms are in layers.py.
 """
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import map_coordinates
 from scipy.special import roots_legendre
 
+from ..blender_versions import Release, Versions
+from .albedo import average_albedo_cycles, directional_albedo_cycles, integrate_albedo
 from .fresnel import dielectric
-from .layers import integrate_glass, visible_normals
+from .layers import integrate_glass
 
-_NODES = 16
-_LAST = _NODES - 1
 _LEAST = 1e-4
-_POINTS = 48
 
 
-def layer_share_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:
+@dataclass(frozen=True)
+class Tables:
+    """A layout of Cycles' tables: `nodes` each of roughness, cosine and z, node k at the cosine (k / (nodes - 1))^`power`.
+
+    Tables of GGX without Fresnel have 32 nodes of roughness and cosine in every layout.
+    """
+
+    nodes: int
+    power: int
+
+    @property
+    def last(self) -> int:
+        """The number of the last node."""
+        return self.nodes - 1
+
+    @property
+    def roughness(self) -> np.ndarray:
+        """What the nodes of roughness stand for, (nodes,)."""
+        return np.maximum(np.linspace(0.0, 1.0, self.nodes), _LEAST)
+
+    @property
+    def cosine(self) -> np.ndarray:
+        """What the nodes of the cosine stand for, (nodes,)."""
+        return np.maximum(np.linspace(0.0, 1.0, self.nodes) ** self.power, _LEAST)
+
+    def index(self, node: int) -> float:
+        """The index of refraction (1 + z^2) / (1 - z^2) that a node of z stands for."""
+        z = float(np.clip(node / self.last, _LEAST, 0.99))
+        return (1.0 + z * z) / (1.0 - z * z)
+
+    def directional_albedo(self, cos_o: np.ndarray, alpha: float | np.ndarray) -> np.ndarray:
+        """E of white GGX reflection, (n,)."""
+        return directional_albedo_cycles(cos_o, alpha, self.power)
+
+    average_albedo = staticmethod(average_albedo_cycles)
+
+
+COARSE, FINE = Tables(16, 1), Tables(32, 2)
+LAYOUTS = {COARSE: Versions(None, "5.2"), FINE: Versions("5.3")}
+"""The layouts, and the Blender releases that have them; measured on 4.5, 5.2 and 5.3."""
+
+
+def tables_with(nodes: int) -> Tables | None:
+    """The layout of so many nodes; None for 0."""
+    return next((tables for tables in LAYOUTS if tables.nodes == nodes), None)
+
+
+def cycles_tables(blender: Release | None) -> Tables:
+    """The layout of a Blender release; of the newest one for None."""
+    return FINE if blender is None else next(tables for tables, versions in LAYOUTS.items() if blender in versions)
+
+
+def layer_share_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float, tables: Tables) -> np.ndarray:
     """How far a layer's reflectance lies from f0 towards 1, on the average over what wo sees, (n,).
 
-    The mean of (F - F0) / (1 - F0) over visible normals whose mirror direction rises above the surface, the others counting 0: masking
-    between facets is left out. `cos_o` (n,) and `alpha`, () or (n,), in [0, 1].
+    The mean of (F - F0) / (1 - F0), at least 0, over visible normals whose mirror direction rises above the surface, the others counting
+    0: masking between facets is left out. The nodes stand for indices above 1 and are read by z alone: a layer of index below 1 gets the
+    share of one of 1 / `eta`, which reflects nothing totally. `cos_o` (n,) and `alpha`, () or (n,), in [0, 1].
     """
-    return _read(_between(_layer_table, eta), cos_o, alpha)
+    return _read(_between(_layer_table, eta, tables), cos_o, alpha, tables)
 
 
-def glass_albedo_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:
+def glass_albedo_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float, tables: Tables) -> np.ndarray:
     """What a white interface of index `eta` reflects and refracts together after one scattering, (n,)."""
-    return _read(_between(_inside_table if eta < 1.0 else _outside_table, eta), cos_o, alpha)
+    return _read(_between(_inside_table if eta < 1.0 else _outside_table, eta, tables), cos_o, alpha, tables)
 
 
-def average_glass_albedo_cycles(alpha: np.ndarray, eta: float) -> np.ndarray:
+def average_glass_albedo_cycles(alpha: np.ndarray, eta: float, tables: Tables) -> np.ndarray:
     """Integral of 2 mu times the exact albedo over mu, linear between the nodes, shaped as `alpha`."""
-    average = _between(_inside_average if eta < 1.0 else _outside_average, eta)
-    return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, _NODES), average)
+    average = _between(_inside_average if eta < 1.0 else _outside_average, eta, tables)
+    return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, tables.nodes), average)
 
 
-def _between(table: Callable[[int], np.ndarray], eta: float) -> np.ndarray:
+def _between(table: Callable[[Tables, int], np.ndarray], eta: float, tables: Tables) -> np.ndarray:
     """The slice at the z of `eta`, between the two of its neighbouring nodes."""
-    z = np.sqrt(abs(eta - 1.0) / (eta + 1.0)) * _LAST
-    first = min(int(z), _LAST - 1)
-    low, high = table(first), table(first + 1)
+    z = np.sqrt(abs(eta - 1.0) / (eta + 1.0)) * tables.last
+    first = min(int(z), tables.last - 1)
+    low, high = table(tables, first), table(tables, first + 1)
     return low + (high - low) * (z - first)
 
 
-def _read(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+def _read(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray, tables: Tables) -> np.ndarray:
     """A slice, rows of roughness and columns of the cosine, at both."""
-    row = np.broadcast_to(np.sqrt(alpha), cos_o.shape) * _LAST
-    return map_coordinates(table, [row, np.clip(cos_o, 0.0, 1.0) * _LAST], order=1, mode="nearest")
+    row = np.broadcast_to(np.sqrt(alpha), cos_o.shape) * tables.last
+    column = np.clip(cos_o, 0.0, 1.0) ** (1.0 / tables.power) * tables.last
+    return map_coordinates(table, [row, column], order=1, mode="nearest")
 
 
-def _index(node: int) -> float:
-    """The index (1 + z^2) / (1 - z^2) of a node of z."""
-    z = float(np.clip(node / _LAST, _LEAST, 0.99))
-    return (1.0 + z * z) / (1.0 - z * z)
-
-
-def _grid() -> tuple[np.ndarray, np.ndarray]:
+def _grid(tables: Tables) -> tuple[np.ndarray, np.ndarray]:
     """Cosine and alpha of a slice's nodes, row by row."""
-    node = np.maximum(np.linspace(0.0, 1.0, _NODES), _LEAST)
-    roughness, mu = (grid.ravel() for grid in np.meshgrid(node, node, indexing="ij"))
+    roughness, mu = (grid.ravel() for grid in np.meshgrid(tables.roughness, tables.cosine, indexing="ij"))
     return mu, roughness**2
 
 
 @functools.cache
-def _layer_table(node: int) -> np.ndarray:
-    eta = _index(node)
+def _layer_table(tables: Tables, node: int) -> np.ndarray:
+    eta = tables.index(node)
     normal = ((eta - 1.0) / (eta + 1.0)) ** 2
-    m, weight, wo, _ = visible_normals(*_grid(), _POINTS)
-    cos_om = np.clip(wo[0] * m[0] + wo[2] * m[2], 0.0, 1.0)
-    share = np.where(2.0 * cos_om * m[2] > wo[2], (dielectric(cos_om, eta) - normal) / (1.0 - normal), 0.0)
-    return (share.reshape(-1, weight.size) * weight).sum(axis=1).reshape(_NODES, _NODES)
+
+    def share(cos: np.ndarray) -> np.ndarray:
+        return np.clip((dielectric(cos, eta) - normal) / (1.0 - normal), 0.0, 1.0)
+
+    return integrate_albedo(*_grid(tables), reflectance=share, shadowed=False).reshape(tables.nodes, tables.nodes)
 
 
 @functools.cache
-def _outside_table(node: int) -> np.ndarray:
-    return integrate_glass(*_grid(), _index(node), _POINTS).reshape(_NODES, _NODES)
+def _outside_table(tables: Tables, node: int) -> np.ndarray:
+    return integrate_glass(*_grid(tables), tables.index(node)).reshape(tables.nodes, tables.nodes)
 
 
 @functools.cache
-def _inside_table(node: int) -> np.ndarray:
-    return integrate_glass(*_grid(), 1.0 / _index(node), _POINTS).reshape(_NODES, _NODES)
+def _inside_table(tables: Tables, node: int) -> np.ndarray:
+    return integrate_glass(*_grid(tables), 1.0 / tables.index(node)).reshape(tables.nodes, tables.nodes)
 
 
 @functools.cache
-def _outside_average(node: int) -> np.ndarray:
-    return _average(_index(node))
+def _outside_average(tables: Tables, node: int) -> np.ndarray:
+    return _average(tables, tables.index(node))
 
 
 @functools.cache
-def _inside_average(node: int) -> np.ndarray:
-    return _average(1.0 / _index(node))
+def _inside_average(tables: Tables, node: int) -> np.ndarray:
+    return _average(tables, 1.0 / tables.index(node))
 
 
-def _average(eta: float) -> np.ndarray:
+def _average(tables: Tables, eta: float) -> np.ndarray:
     """The average over the cosine at each node of roughness; quadrature in the root of the cosine, as the albedo goes at grazing."""
     x, weight = roots_legendre(24)
     root = 0.5 + 0.5 * x
-    roughness = np.maximum(np.linspace(0.0, 1.0, _NODES), _LEAST)
-    mu, alpha = np.tile(root**2, _NODES), np.repeat(roughness**2, root.size)
-    values = integrate_glass(mu, alpha, eta, _POINTS).reshape(_NODES, root.size)
+    mu, alpha = np.tile(root**2, tables.nodes), np.repeat(tables.roughness**2, root.size)
+    values = integrate_glass(mu, alpha, eta).reshape(tables.nodes, root.size)
     return (values * (2.0 * weight * root**3)).sum(axis=1)

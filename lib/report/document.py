@@ -120,7 +120,7 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
                 "name": departure.name,
                 "statement": departure.statement,
                 "source": departure.source,
-                "versions": departure.versions,
+                "versions": str(departure.versions),
                 "chosen": departure.name in why.chosen,
                 "share": why.share[k, where],
                 "largest": {"region": where, "channel": "RGB"[channel], "effect": why.effect[k, where, channel]},

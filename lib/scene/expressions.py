@@ -199,7 +199,9 @@ class BeneathLayer(Expression):
     """What a glossy layer leaves for the layers below it, a value: 1 - `weight` times the largest colour of its albedo at |n.wo|.
 
     The layer is a `lib.scene.materials.Specular` of the same `ior`, `tint`, `roughness` and `distribution`; the first must be
-    constant. Anisotropy leaves the albedo's estimate as it is. `tabulated`: that of Cycles, from a table (lib/departures).
+    constant. Anisotropy leaves the albedo's estimate as it is. `coat`: the layer is a coat of Blender's Principled BSDF. Two departures
+    (lib/departures): `tables`, the nodes along each axis of the tables from which Cycles estimates the albedo (0: the integral itself), and
+    `lossless`, as if no light were lost between facets.
     """
 
     ior: Constant
@@ -208,7 +210,9 @@ class BeneathLayer(Expression):
     weight: Expression
     distribution: str = "GGX"
     normal: Expression | None = None
-    tabulated: bool = False
+    coat: bool = False
+    tables: int = 0
+    lossless: bool = False
 
 
 @dataclass(frozen=True)

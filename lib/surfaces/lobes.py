@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley
-from ..bsdfs.compensated import CYCLES, EXACT, Compensated, multiple_scattering
+from ..bsdfs.compensated import Compensated, albedos_of, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
 from ..bsdfs.fresnels import F82, Conductor, Dielectric, Fresnel, tinted_dielectric
 from ..bsdfs.lambert import Lambert, LambertTransmission
@@ -20,9 +21,9 @@ from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
 from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
-from ..departures.closures import beckmann_form, with_stated_density
+from ..departures.closures import beckmann_form, oren_nayar_form, with_stated_density
 from ..microfacets import ggx
-from ..microfacets.cycles_tables import average_glass_albedo_cycles, glass_albedo_cycles
+from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..scene.expressions import Constant
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
@@ -40,7 +41,10 @@ _LEAST_CONTRAST = 1e-4
 
 @dataclass(frozen=True)
 class Site:
-    """Points of one material: `read` evaluates sockets there, `wo` (3, n) is local to the frame (t, s, n), (3, n) each."""
+    """Points of one material: `read` evaluates sockets there, `wo` (3, n) is local to the frame (t, s, n), (3, n) each.
+
+    `tables`: those of Cycles, where multiple scattering departs by them.
+    """
 
     points: SurfacePoints
     read: Evaluator
@@ -49,6 +53,7 @@ class Site:
     s: np.ndarray
     n: np.ndarray
     options: Options
+    tables: Tables | None = None
 
 
 def build(closure: Closure, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -67,7 +72,7 @@ def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:
     roughness, color = np.clip(site.read(closure.roughness), 0.0, 1.0), site.read(closure.color)
     if not np.any(roughness):
         return Lambert(), color
-    first = 3 if "Oren-Nayar colour" in site.options.departures else 2
+    first = oren_nayar_form(site.options.departures)
     return OrenNayar(site.wo, roughness, np.clip(color, 0.0, 1.0), first), np.ones((3, 1))
 
 
@@ -98,7 +103,8 @@ def _fresnel_reflection(closure: Metallic | Specular, curve: Fresnel, site: Site
     anisotropy = np.clip(site.read(closure.anisotropy), 0.0, 1.0)
     stretch = np.sqrt(1.0 - 0.9 * anisotropy) if np.any(anisotropy) else None
     lobe, alpha = _reflection(closure, None if stretch is None else (1.0 / stretch, stretch), site)
-    return _compensated(Reflected(lobe, site.wo, curve), closure.distribution, alpha, curve.average, site)
+    average = curve.average if site.tables is None else curve.average_cycles
+    return _compensated(Reflected(lobe, site.wo, curve), closure.distribution, alpha, average, site)
 
 
 def _reflection(
@@ -140,9 +146,7 @@ def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.nda
     """The lobe with its lost light given back where the distribution is Multiscatter GGX; `color` is that of one bounce."""
     if distribution != "MULTI_GGX" or lobe.delta:
         return lobe
-    tabulated = "multiple-scattering tables" in site.options.departures
-    albedos = CYCLES if tabulated else EXACT
-    return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color, albedos))
+    return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color, albedos_of(site.tables)))
 
 
 def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -187,8 +191,9 @@ def _interface(closure: Glass | Refraction, interface: Interface, eta: np.ndarra
 def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.ndarray) -> np.ndarray:
     """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n)."""
     directional, mean = glass_albedo, average_glass_albedo
-    if "multiple-scattering tables" in site.options.departures:
-        directional, mean = glass_albedo_cycles, average_glass_albedo_cycles
+    if site.tables is not None:
+        directional = partial(glass_albedo_cycles, tables=site.tables)
+        mean = partial(average_glass_albedo_cycles, tables=site.tables)
     factor = np.ones((3, site.points.size))
     outside = float(max(ior.value, 1e-5))
     for side, eta in ((~site.points.backfacing, outside), (site.points.backfacing, 1.0 / outside)):
@@ -204,8 +209,7 @@ def _glass_scattering(site: Site, alpha: np.ndarray, ior: Constant, color: np.nd
 
 def _masking(options: Options) -> str:
     """The form of masking, by departure or by choice."""
-    departed = {form for form in ("separable", "correlated") if f"{form} masking" in options.departures}
-    return min(departed, default=options.masking)
+    return "correlated" if "correlated masking" in options.departures else options.masking
 
 
 def _distribution(closure: Closure, options: Options) -> object:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..bsdfs.mixture import Mixture
 from ..effects.facts import adding_lobes
+from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import Closure, Emission, Glass, Material, Refraction, Translucent, Transparent
 from ..textures.evaluate import Evaluator, evaluate
@@ -17,11 +18,16 @@ from .surface import SurfacePoints
 
 
 class PreparedMaterial:
-    """One material, ready to be asked at points. With `prunes` its sockets are folded, and lobes that add nothing left out."""
+    """One material, ready to be asked at points. With `prunes` its sockets are folded, and lobes that add nothing left out.
 
-    def __init__(self, material: Material, images: ImageSet, options: Options, prunes: bool) -> None:
+    `tables`: those of Cycles, by which multiple scattering departs, or None.
+    """
+
+    def __init__(
+        self, material: Material, images: ImageSet, options: Options, prunes: bool, tables: Tables | None = None
+    ) -> None:
         self.name, self.unknown = material.name, bool(material.unknown)
-        self._images, self._options = images, options
+        self._images, self._options, self._tables = images, options, tables
         lobes = [(x.weight, x.closure) for x in (adding_lobes(material) if prunes else material.lobes)]
         self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
@@ -62,7 +68,7 @@ class PreparedMaterial:
 
     def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
         """The scattering lobes for local directions `wo` in the frame (t, s, n)."""
-        site = Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options)
+        site = Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options, self._tables)
         lobes, colors = [], []
         for weight, closure in self._scattering:
             lobe, color = build(closure, site)

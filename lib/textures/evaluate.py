@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from ..bsdfs.layered import beneath_layer, coat_tint
+from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
 from ..scene.sky import Sky
 from ..vectors import dot
@@ -151,7 +152,8 @@ def _cos_wo(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     cos_wo = _cos_wo(node.normal, read)
-    return beneath_layer(node.distribution, float(node.ior.value), tint, roughness, weight, cos_wo, node.tabulated)
+    tables, ior = tables_with(node.tables), float(node.ior.value)
+    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless)
 
 
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:

@@ -7,12 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
+from ..departures.catalogue import refuse_absent
 from ..departures.scene import departed
 from ..effects.plan import Plan
 from ..lights.build import light_sampler, light_samplers
 from ..lights.environment import EnvironmentSampler
 from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
+from ..microfacets.cycles_tables import cycles_tables
 from ..scene.scene import Scene
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints, SurfaceTables
@@ -37,6 +39,7 @@ class Kernel:
     """
 
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
+        refuse_absent(scene, options.departures)
         scene = departed(scene, options.departures)
         self.scene, self.plan, self.options = scene, plan, options
         same_mesh = like is not None and like.scene.mesh is scene.mesh
@@ -47,7 +50,8 @@ class Kernel:
             self.camera_caster = like.camera_caster if same_mesh else CameraCaster(scene.mesh)
         self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
-        self.materials = [PreparedMaterial(m, self.images, options, plan.prunes) for m in scene.materials]
+        tables = cycles_tables(scene.blender) if "multiple-scattering tables" in options.departures else None
+        self.materials = [PreparedMaterial(m, self.images, options, plan.prunes, tables) for m in scene.materials]
         self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry
         radius = self.caster.radius
         if plan.prunes:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import is_constant
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 _NOT_SIMULATED = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Thin Film Thickness": 0.0}
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
+# Light passes a coat of weight w, albedo A and transmittance T by 1 - w + w (1 - A) T; before, by (1 - w A) (1 - w + w T).
+_COATS_THAT_COVER = Versions("5.3")
 
 
 @dataclass(frozen=True)
@@ -130,8 +133,16 @@ class _Principled:
         tint = self._socket("Coat Tint")
         normal = self._reader.normal(self._node, self._scope, "Coat Normal")
         add(mt.Specular("MULTI_GGX", ior, ex.WHITE, roughness, normal=normal), rest.times(weight))
-        rest = rest.times(ex.BeneathLayer(ior, ex.WHITE, roughness, weight, "MULTI_GGX", normal))
-        return rest if tint == ex.WHITE else replace(rest, color=ex.CoatTint(ior, tint, weight, normal))
+
+        def beneath(share: ex.Expression) -> ex.Expression:
+            return ex.BeneathLayer(ior, ex.WHITE, roughness, share, "MULTI_GGX", normal, coat=True)
+
+        if tint == ex.WHITE:
+            return rest.times(beneath(weight))
+        if bpy.app.version[:2] in _COATS_THAT_COVER:
+            through = _tinted(ex.CoatTint(ior, tint, ex.ONE, normal), ex.ValueToColor(beneath(ex.ONE)))
+            return replace(rest, color=ex.Mix(weight, ex.WHITE, through))
+        return replace(rest.times(beneath(weight)), color=ex.CoatTint(ior, tint, weight, normal))
 
     def _constant(self, name: str) -> ex.Constant:
         """The content of a socket that may not vary from point to point."""
