@@ -123,9 +123,10 @@ PROBES = (
     ),
     *(
         probe
-        for roughness, ior in ((0.3, 1.5), (0.6, 1.5), (0.7, 0.7))
-        for probe in _interface("glass table", "BsdfGlass", "MULTI_GGX", roughness, ior)
+        for roughness in (0.3, 0.6)
+        for probe in _interface("glass table", "BsdfGlass", "MULTI_GGX", roughness, 1.5)
     ),
+    *_interface("glass table, index below 1", "BsdfGlass", "MULTI_GGX", 0.7, 0.7),
     *_principled("layer albedo", "layer 0.5"),
     *_principled("layer albedo", "layer 0.2", Roughness=0.2),
     *_principled("layer albedo", "layer 1.0 1.8", Roughness=1.0, IOR=1.8),

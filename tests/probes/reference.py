@@ -4,6 +4,7 @@
 from dataclasses import replace
 
 import numpy as np
+from etalon.lib.blender_versions import Versions
 from etalon.lib.departures.catalogue import relevant
 from etalon.lib.scene import materials as mt
 from etalon.lib.scene.expressions import (
@@ -100,23 +101,32 @@ def _times(weight, factor):
     """The product of two weights, either of which may be a colour."""
     if weight == ONE:
         return factor
-    if isinstance(factor, CoatTint):
-        return Mix(ONE, factor, ValueToColor(weight), blend="MULTIPLY")
     if isinstance(weight, Mix):
         return Mix(ONE, weight, ValueToColor(factor), blend="MULTIPLY")
     return Math("MULTIPLY", weight, factor, ZERO)
 
 
-def _principled(probe, read):
+def _beneath_coat(probe, read, release):
+    """What a coat of weight w, albedo A and tint T leaves: 1 - w + w (1 - A) T from Blender 5.3 on, before (1 - w A) (1 - w + w T)."""
+    ior, roughness, weight = read("Coat IOR", 1.5), read("Coat Roughness", 0.03), read("Coat Weight", 0.0)
+    covers = release in Versions("5.3")
+    tinted = "Coat Tint" in probe.inputs
+    share = ONE if covers and tinted else weight
+    below = BeneathLayer(ior, WHITE, roughness, share, "MULTI_GGX", coat=True)
+    if not tinted:
+        return below
+    colored = Mix(ONE, CoatTint(ior, read("Coat Tint", ONES), share), ValueToColor(below), blend="MULTIPLY")
+    return Mix(weight, WHITE, colored) if covers else colored
+
+
+def _principled(probe, read, release):
     """The layers that the probes use: a coat over metal, glass, or a dielectric with its diffuse base."""
     base, tint, roughness = read("Base Color", GREY), read("Specular Tint", ONES), read("Roughness", 0.5)
     lobes, weight, coat = [], ONE, read("Coat Weight", 0.0)
     if coat != ZERO:
-        ior, rough = read("Coat IOR", 1.5), read("Coat Roughness", 0.03)
-        lobes.append(mt.Lobe(mt.Specular("MULTI_GGX", ior, WHITE, rough), coat))
-        weight = BeneathLayer(ior, WHITE, rough, coat, "MULTI_GGX")
-        if "Coat Tint" in probe.inputs:
-            weight = _times(weight, CoatTint(ior, read("Coat Tint", ONES), coat))
+        closure = mt.Specular("MULTI_GGX", read("Coat IOR", 1.5), WHITE, read("Coat Roughness", 0.03))
+        lobes.append(mt.Lobe(closure, coat))
+        weight = _beneath_coat(probe, read, release)
     if read("Metallic", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
         lobes.append(mt.Lobe(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
@@ -142,14 +152,15 @@ _CLOSURES = {
     "BsdfMetallic": _metallic,
     "BsdfGlass": _glass,
     "BsdfRefraction": _refraction,
-    "BsdfPrincipled": _principled,
 }
 
 
-def material(probe):
-    """The probe's material, as the exporter should write it."""
-    found = _CLOSURES[probe.node](probe, Sockets(probe))
-    return mt.Material(probe.name, tuple(found) if isinstance(found, list) else (mt.Lobe(found),))
+def material(probe, release):
+    """The probe's material, as the exporter should write it in a release of Blender."""
+    read = Sockets(probe)
+    if probe.node == "BsdfPrincipled":
+        return mt.Material(probe.name, tuple(_principled(probe, read, release)))
+    return mt.Material(probe.name, (mt.Lobe(_CLOSURES[probe.node](probe, read)),))
 
 
 def strips(materials, tilt, light):
@@ -175,7 +186,7 @@ def strips(materials, tilt, light):
 
 def departures_of(made, release):
     """Names of the departures that Cycles of `release` has in the scene `made`."""
-    return frozenset(d.name for d in relevant(replace(made, blender=release)) if release in d.versions)
+    return frozenset(departure.name for departure in relevant(replace(made, blender=release)))
 
 
 def shown(light, materials, release=None, samples=1):
