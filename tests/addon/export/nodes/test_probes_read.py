@@ -45,10 +45,8 @@ def test_a_mix_of_two_nodes_weighs_their_lobes():
     tree.links.new(principled.outputs[0], mix.inputs[1])
     tree.links.new(diffuse.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
-    parts = [
-        reference.material(coated),
-        reference.material(Probe("", "diffuse", "front", "BsdfDiffuse", {"Color": RED})),
-    ]
+    plain = Probe("", "diffuse", "front", "BsdfDiffuse", {"Color": RED})
+    parts = [reference.material(probe, RELEASE) for probe in (coated, plain)]
     got = reference.shown("front", [read(material)])
     one, other = reference.shown("front", parts)
     np.testing.assert_allclose(got[0], 0.7 * one + 0.3 * other, rtol=1e-7)
