@@ -16,20 +16,30 @@ from etalon.lib.film.windows import Windows
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
 from etalon.reference_scenes import building
+from etalon.tests.planted import plant_bright_rough_diffuse
 
 PROGRAM = """#!{python}
 import runpy, sys
 import bpy
+{plant}
 bpy.ops.wm.open_mainfile(filepath=sys.argv[4], use_scripts=False)
 runpy.run_path(sys.argv[6], run_name="__main__")
 """
 
 
+PLANT = "from etalon.tests.planted import plant_bright_rough_diffuse as plant; plant()"
+
+
+def write_program(path, plant=""):
+    """The program at `path`, with an error planted in its reference where there is one to plant."""
+    path.write_text(PROGRAM.format(python=sys.executable, plant=plant))
+    path.chmod(0o755)
+
+
 @pytest.fixture
 def program(tmp_path):
     path = tmp_path / "blender"
-    path.write_text(PROGRAM.format(python=sys.executable))
-    path.chmod(0o755)
+    write_program(path)
     before, bpy.app.binary_path = bpy.app.binary_path, str(path)
     yield path
     bpy.app.binary_path = before
@@ -38,7 +48,7 @@ def program(tmp_path):
 def floor():
     """A rough diffuse floor under a sun."""
     scene = building.start("floor", 36, 20, 0)
-    rough = building.diffuse("rough", (0.8, 0.6, 0.4))
+    rough = building.diffuse("rough", (1.0, 1.0, 1.0))  # white: no release departs
     rough.node_tree.nodes["Diffuse BSDF"].inputs["Roughness"].default_value = 1.0
     building.rectangle("floor", rough, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
     sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
@@ -65,7 +75,10 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
 
 
 def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch):
+    """The reference of both processes shows the rough floor too bright, for no reason in the catalogue."""
     monkeypatch.setattr(job, "alternatives", lambda reference: Alternatives((), lambda names: reference))
+    plant_bright_rough_diffuse(monkeypatch.setattr)
+    write_program(program, PLANT)
     scene = floor()
     settings = Settings(tolerance=0.01, time=60, samples=8, replicates=8, threads=1)
     with quiet():

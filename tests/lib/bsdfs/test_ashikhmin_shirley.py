@@ -9,7 +9,8 @@ from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.bsdfs.tilted import Tilted
 from etalon.lib.microfacets import ggx
 from etalon.lib.vectors import orthonormal_basis
-from etalon.tests.chi2 import Reflections, Sphere, Tangents, chi_square, sidak
+from etalon.tests.chi2 import Reflections, Sphere, Tangents, chi_square, integrals, sidak
+from scipy.integrate import quad
 
 COUNT = 100_000
 LEVEL = 1e-3
@@ -89,3 +90,37 @@ def test_tilted_lobes_follow_their_density(normal, rng):
     value, density = lobe(COUNT).evaluate(wi)
     np.testing.assert_allclose(density[kept], pdf[kept], rtol=1e-9)
     np.testing.assert_allclose(value[kept], (weight * pdf)[kept], rtol=1e-9)
+
+
+def normal_incidence_albedo(alpha_x, alpha_y):
+    """Albedo seen along the normal: the paper's density of half vectors times cos(2 theta), a turn about the normal by quadrature.
+
+    Integral of sqrt((nx + 1)(ny + 1)) / (2 pi) c^e (2 c^2 - 1) over theta < 45 degrees (closed form in c) and phi.
+    """
+    nx, ny = (2.0 / alpha**2 - 2.0 for alpha in (alpha_x, alpha_y))
+    low = np.sqrt(0.5)
+
+    def ring(phi):
+        e = nx * np.cos(phi) ** 2 + ny * np.sin(phi) ** 2
+        return 2.0 * (1.0 - low ** (e + 3.0)) / (e + 3.0) - (1.0 - low ** (e + 1.0)) / (e + 1.0)
+
+    turn = quad(ring, 0.0, 0.5 * np.pi, epsabs=1e-12, epsrel=1e-10, limit=200)[0]
+    return np.sqrt((nx + 1.0) * (ny + 1.0)) / (2.0 * np.pi) * 4.0 * turn
+
+
+@pytest.mark.parametrize(("alpha_x", "alpha_y"), [(0.2, 0.2), (0.6, 0.6), (1.0, 1.0), (0.2, 0.7)])
+def test_ashikhmin_shirley_is_normalised(alpha_x, alpha_y):
+    """Along the normal max(i.n, o.n) is 1, so that the lobe is its density times the cosine: its integral is known."""
+    wo = np.array([0.0, 0.0, 1.0])
+
+    def value(wi):
+        lobe = AshikhminShirley(repeated(wo, wi.shape[1]), np.float64(alpha_x), np.float64(alpha_y))
+        return lobe.evaluate(wi)[0]
+
+    chart = Reflections(wo, Tangents(alpha_x, alpha_y))
+    total = integrals(value, chart, (16, 24), tolerance=1e-5).sum()
+    assert total == pytest.approx(normal_incidence_albedo(alpha_x, alpha_y), abs=1e-4)
+
+
+def test_narrow_ashikhmin_shirley_reflects_all_light_along_the_normal():
+    assert normal_incidence_albedo(0.01, 0.01) == pytest.approx(1.0, abs=3e-4)

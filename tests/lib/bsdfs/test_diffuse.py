@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lambert and Oren-Nayar: densities, reciprocity, and where the energy of each bounce goes."""
 
+import itertools
+
 import numpy as np
 import pytest
 from etalon.lib.bsdfs.lambert import Lambert
@@ -122,3 +124,38 @@ def test_oren_nayar_keeps_its_arguments(rng):
     some = lobe.part(np.array([3, 7]))
     np.testing.assert_allclose(some.evaluate(wi[:, [3, 7]])[0], value[:, [3, 7]], rtol=1e-13)
     assert np.isfinite(weight).all()
+
+
+def single_scattering(wi, wo, roughness):
+    """f of light that was scattered once, (n,): what is left of f / colour for a colour near black."""
+    color = np.full((3, 1), 1e-9)
+    return OrenNayar(wo, roughness, color).evaluate(wi)[0][0] / (1e-9 * wi[2])
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESS)
+def test_oren_nayar_scatters_all_light_once_at_grazing(roughness):
+    """Fujii's constant pi / 2 - 2 / 3 makes the albedo of a white surface 1 where its view grazes, for every roughness, and less elsewhere."""
+    wi, weight = hemisphere(400)
+    found = [(single_scattering(wi, view(cos, 1), roughness) * wi[2]) @ weight for cos in (1e-7, 0.2, 0.6, 1.0)]
+    assert found[0] == pytest.approx(1.0, abs=2e-4)
+    assert all(a > b for a, b in itertools.pairwise(found))
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESS)
+def test_oren_nayar_shines_back_to_the_light_by_its_roughness(roughness):
+    """f(n, w) = A whatever w, and towards the light itself f = A (1 + roughness sin^2 / cos): Fujii 2012 for s > 0."""
+    angle = np.radians([20.0, 50.0, 75.0])
+    w = np.stack([np.sin(angle), np.zeros(3), np.cos(angle)])
+    level = single_scattering(w, view(1.0, 3), roughness)
+    np.testing.assert_allclose(level, level[0], rtol=2e-9)  # the near black has other orders, too
+    back = single_scattering(w, w, roughness)
+    np.testing.assert_allclose((back / level - 1.0) * np.cos(angle) / np.sin(angle) ** 2, roughness, rtol=1e-6)
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESS)
+def test_oren_nayar_keeps_no_less_and_no_more_than_white(roughness):
+    """The mean albedo of all directions, by which the lost light comes back (the constant 5.6), is its integral: white loses nothing."""
+    node, weight = roots_legendre(24)
+    mu = 0.5 * (node + 1.0)
+    total = [albedo(lambda wo: OrenNayar(wo, roughness, np.ones((3, 1))), m, 200)[0] for m in mu]
+    assert (weight * mu) @ np.array(total) == pytest.approx(1.0, abs=2e-5)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers over a white diffuse base in a white furnace: nothing is lost between them, nothing is won; albedos and means of Fresnel curves."""
 
+import mpmath
 import numpy as np
 import pytest
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import F82, Conductor, Dielectric, tinted_dielectric
-from etalon.lib.bsdfs.layered import beneath_layer
+from etalon.lib.bsdfs.layered import beneath_layer, coat_tint
 from etalon.lib.microfacets import ggx, layers
 from etalon.lib.microfacets.albedo import directional_albedo
 from etalon.lib.microfacets.fresnel import dielectric
@@ -106,3 +107,17 @@ def test_nothing_beneath_a_perfect_layer():
         beneath_layer("GGX", 1.5, np.ones((3, 1)), np.float64(0.5), np.float64(0.0), cos), 1.0
     )
     np.testing.assert_array_equal(beneath_layer("GGX", 1.0, np.ones((3, 1)), np.float64(0.5), ONE.value, cos), 1.0)
+
+
+@pytest.mark.parametrize("ior", [1.0, 1.5, 2.2])
+@pytest.mark.parametrize("weight", [0.3, 1.0])
+def test_coat_tint_absorbs_along_the_refracted_path(ior, weight):
+    """Beer's law through a coat of thickness 1 that light crosses under Snell's angle, from the angles themselves (mpmath)."""
+    tint = np.array([[0.9], [0.5], [0.1]])
+    angles = np.radians([0.0, 30.0, 60.0, 80.0])
+    found = coat_tint(np.float64(ior), tint, np.float64(weight), np.cos(angles))
+    for k, angle in enumerate(angles):
+        path = 1 / mpmath.cos(mpmath.asin(mpmath.sin(angle) / ior))
+        for channel in range(3):
+            exact = 1 - weight + weight * mpmath.exp(mpmath.log(float(tint[channel, 0])) * path)
+            assert found[channel, k] == pytest.approx(float(exact), rel=1e-9)

@@ -6,7 +6,7 @@ import pytest
 from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.bsdfs.rotated import Rotated
 from etalon.lib.microfacets import beckmann, ggx
-from etalon.tests.chi2 import Reflections, Tangents, chi_square, sidak
+from etalon.tests.chi2 import Reflections, Tangents, chi_square, integrals, sidak
 
 STRATEGIES = ["visible", "bounded", "d_cos", "cosine", "uniform"]
 MASKING = ["correlated", "separable", "torrance_sparrow"]
@@ -193,3 +193,43 @@ def test_frozen_arguments_and_parts(distribution, strategy, rng):
     np.testing.assert_allclose(some.evaluate(wi[:, index])[1], density[index], rtol=1e-12)
     for a, b in zip(some.sample(u1[index], u2[index]), (wi, weight, pdf), strict=True):
         np.testing.assert_allclose(a, b[..., index], rtol=1e-12)
+
+
+@BOTH
+@pytest.mark.parametrize("alpha", [0.2, 0.7])
+def test_densities_of_the_plain_strategies(distribution, alpha, rng):
+    """uniform: 1 / (2 pi). cosine: cos / pi. D cos: D(m) m_z / (4 wo.m), D from the papers, for all lit directions."""
+    wi, wo = rng.normal(size=(2, 3, 200))
+    wi, wo = (v / np.sqrt((v * v).sum(axis=0)) for v in (wi, wo))
+    wi[2], wo[2] = np.abs(wi[2]), np.abs(wo[2])
+    m = (wi + wo) / np.sqrt(((wi + wo) ** 2).sum(axis=0))
+    tan2 = (m[0] ** 2 + m[1] ** 2) / m[2] ** 2
+    if distribution is ggx:  # Walter et al. 2007, eq. 33
+        d = alpha**2 / (np.pi * m[2] ** 4 * (alpha**2 + tan2) ** 2)
+    else:  # eq. 25
+        d = np.exp(-tan2 / alpha**2) / (np.pi * alpha**2 * m[2] ** 4)
+    expected = {
+        "uniform": np.full(200, 0.5 / np.pi),
+        "cosine": wi[2] / np.pi,
+        "d_cos": d * m[2] / (4.0 * (wo * m).sum(axis=0)),
+    }
+    for strategy, density in expected.items():
+        lobe = MicrofacetReflection(wo, alpha, alpha, distribution, "correlated", strategy)
+        np.testing.assert_allclose(lobe.evaluate(wi)[1], density, rtol=1e-9)
+        assert not lobe.evaluate(-wi)[1].any()
+
+
+@BOTH
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_densities_are_per_steradian(distribution, strategy):
+    """Over all directions, those below the horizon included that D cos and visible normals lose, a density is at most 1; hemispheres have 1."""
+    wo = direction(0.0)
+
+    def density(wi):
+        return lobe_for(wo, wi.shape[1], distribution, (0.1, 0.1), strategy).evaluate(wi)[1]
+
+    chart = Tangents(1.0, 1.0) if strategy in ("cosine", "uniform") else Reflections(wo, Tangents(0.1, 0.1))
+    total = integrals(density, chart, (16, 24), tolerance=1e-5).sum()
+    # GGX of alpha 0.1 has 1 / (1 + 1 / alpha^2) of its facets, 0.0099, steeper than 45 degrees, Beckmann e^-100.
+    lost = 0.0 if strategy in ("cosine", "uniform", "bounded") or distribution is beckmann else 0.01 / 1.01
+    assert total == pytest.approx(1.0 - lost, abs=2e-3)

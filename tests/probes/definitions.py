@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The probes behind the fingerprints: closures by their node and sockets, the light, and the angles. No Blender is needed to read them."""
+
+from dataclasses import dataclass, field
+
+TILTS = (-1.45, -1.1, -0.5, 0.1, 0.6, 1.15, 1.45)
+"""Angles (radians, about x) by which the facets lean away from the viewer, who looks down along -z."""
+FURNACE_TILTS = (0.1, 0.4, 0.7, 1.0)
+"""Those of facets in a furnace, which needs many samples."""
+
+IRRADIANCE = 2.0
+SUNS = {"front": (0.35, -0.3, 1.0), "back": (0.3, 0.2, -1.0)}
+"""Towards the sun (not normalised), above the facets and behind them. One sample of a sun has no noise."""
+LIGHTS = (*SUNS, "furnace")
+"""A furnace is a white world, whose light only BSDF sampling finds: it is for facts that a sun does not show."""
+
+Value = float | tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One node with its sockets, on facets of all angles under one light.
+
+    `fact` is what a change in Cycles is reported as. `node` is Blender's type without 'ShaderNode', `inputs` go by identifier,
+    colours are RGBA. `normal`: colour and strength of a normal map that turns the node's normal. A node with anisotropy has its
+    tangent along the UV map's u.
+    """
+
+    fact: str
+    name: str
+    light: str
+    node: str
+    inputs: dict[str, Value] = field(default_factory=dict)
+    distribution: str = ""
+    fresnel: str = ""
+    normal: tuple[tuple[float, ...], float] | None = None
+
+    @property
+    def key(self) -> str:
+        """Name and light: unique among all probes."""
+        return f"{self.name}, {self.light}"
+
+    @property
+    def is_stretched(self) -> bool:
+        """Whether the node is anisotropic."""
+        return bool(self.inputs.get("Anisotropy") or self.inputs.get("Anisotropic"))
+
+
+def tilts(light):
+    """The angles of the facets under a light."""
+    return FURNACE_TILTS if light == "furnace" else TILTS
+
+
+RED, BLUE, WHITE = (0.9, 0.3, 0.15, 1.0), (0.3, 0.5, 0.9, 1.0), (1.0, 1.0, 1.0, 1.0)
+F82 = {"Base Color": RED, "Edge Tint": BLUE}
+CONDUCTOR = {"IOR": (0.2, 0.9, 1.3), "Extinction": (3.9, 2.4, 1.9)}
+MAPPED = ((0.62, 0.42, 0.93, 1.0), 0.5)  # the viewer sees the front of every turned normal
+STRETCH = {"Anisotropy": 0.6, "Rotation": 0.1}
+
+
+def _glossy(fact, distribution, roughness, light="front", **inputs):
+    stretched = f" {inputs['Anisotropy']}" if "Anisotropy" in inputs else ""
+    inputs = {"Color": RED, "Roughness": roughness, **inputs}
+    return Probe(fact, f"Glossy {distribution} {roughness}{stretched}", light, "BsdfGlossy", inputs, distribution)
+
+
+def _metallic(fact, fresnel, distribution, roughness, **inputs):
+    stretched = f" {inputs['Anisotropy']}" if "Anisotropy" in inputs else ""
+    inputs = {"Roughness": roughness, **(F82 if fresnel == "F82" else CONDUCTOR), **inputs}
+    name = f"Metallic {fresnel} {distribution} {roughness}{stretched}"
+    return Probe(fact, name, "front", "BsdfMetallic", inputs, distribution, fresnel)
+
+
+def _interface(fact, node, distribution, roughness, ior):
+    # Refraction by Beckmann's facets shows nothing of light on the viewer's side.
+    lights = ("back",) if (node, distribution) == ("BsdfRefraction", "BECKMANN") else SUNS
+    inputs = {"Color": BLUE, "Roughness": roughness, "IOR": ior}
+    name = f"{node.removeprefix('Bsdf')} {distribution} {roughness} {ior}"
+    return [Probe(fact, name, light, node, inputs, distribution) for light in lights]
+
+
+def _principled(fact, name, distribution="GGX", *lights, **inputs):
+    inputs = {"Base Color": RED, **{key.replace("_", " "): value for key, value in inputs.items()}}
+    return [
+        Probe(fact, f"Principled {name}", light, "BsdfPrincipled", inputs, distribution)
+        for light in lights or ("front",)
+    ]
+
+
+def _mapped(name, node, distribution="", **inputs):
+    fresnel = "F82" if node == "BsdfMetallic" else ""
+    return Probe("normal maps", f"mapped {name}", "front", node, inputs, distribution, fresnel, MAPPED)
+
+
+GLASSY = {"Transmission_Weight": 1.0, "Specular_Tint": BLUE, "Roughness": 0.6}
+COAT = {"Coat_Weight": 0.8, "Coat_IOR": 1.5}
+
+PROBES = (
+    Probe("Lambert", "Diffuse", "front", "BsdfDiffuse", {"Color": RED}),
+    *(Probe("Lambert", "Translucent", light, "BsdfTranslucent", {"Color": RED}) for light in SUNS),
+    *(Probe("Oren-Nayar", f"Diffuse {r}", "front", "BsdfDiffuse", {"Color": RED, "Roughness": r}) for r in (0.3, 1.0)),
+    Probe("Oren-Nayar", "white Diffuse 0.6", "front", "BsdfDiffuse", {"Color": WHITE, "Roughness": 0.6}),
+    *(_glossy("GGX", "GGX", r) for r in (0.3, 0.7)),
+    _glossy("GGX", "GGX", 0.5, **STRETCH),
+    *(_glossy("Beckmann", "BECKMANN", r) for r in (0.3, 0.7)),
+    _glossy("Beckmann", "BECKMANN", 0.5, **STRETCH),
+    _glossy("Beckmann density", "BECKMANN", 0.4, "furnace"),
+    *(_glossy("Ashikhmin-Shirley", "ASHIKHMIN_SHIRLEY", r) for r in (0.3, 0.8)),
+    *(_glossy("Ashikhmin-Shirley", "ASHIKHMIN_SHIRLEY", r, **STRETCH) for r in (0.3, 0.8)),
+    *(_glossy("Ashikhmin-Shirley sampling", "ASHIKHMIN_SHIRLEY", r, "furnace") for r in (0.3, 0.4)),
+    *(_metallic("F82", "F82", d, r) for d in ("BECKMANN", "GGX") for r in (0.3, 0.8)),
+    _metallic("F82", "F82", "GGX", 0.5, Anisotropy=0.7, Rotation=0.1),
+    *(_metallic("conductor", "PHYSICAL_CONDUCTOR", d, 0.5) for d in ("BECKMANN", "GGX")),
+    *(_glossy("GGX table", "MULTI_GGX", r) for r in (0.2, 0.45, 0.7, 0.95)),
+    _metallic("GGX table", "F82", "MULTI_GGX", 0.7),
+    _metallic("mean reflectance of a conductor", "PHYSICAL_CONDUCTOR", "MULTI_GGX", 0.7),
+    *(
+        probe
+        for node in ("BsdfGlass", "BsdfRefraction")
+        for distribution in ("BECKMANN", "GGX")
+        for roughness, ior in ((0.4, 1.5), (0.8, 1.5), (0.6, 0.7))
+        for probe in _interface("glass", node, distribution, roughness, ior)
+    ),
+    *(
+        probe
+        for roughness in (0.3, 0.6)
+        for probe in _interface("glass table", "BsdfGlass", "MULTI_GGX", roughness, 1.5)
+    ),
+    *_interface("glass table, index below 1", "BsdfGlass", "MULTI_GGX", 0.7, 0.7),
+    *_principled("layer albedo", "layer 0.5"),
+    *_principled("layer albedo", "layer 0.2", Roughness=0.2),
+    *_principled("layer albedo", "layer 1.0 1.8", Roughness=1.0, IOR=1.8),
+    *_principled("layer albedo", "layer MULTI_GGX 0.5", "MULTI_GGX"),
+    *_principled("layer albedo", "layer MULTI_GGX 1.0 1.8", "MULTI_GGX", Roughness=1.0, IOR=1.8),
+    *_principled("layer albedo", "layer level 1", Specular_IOR_Level=1.0, Specular_Tint=BLUE),
+    *_principled("layer albedo, index below 1", "layer 0.8", IOR=0.8),
+    *_principled("Principled", "level 0", Specular_IOR_Level=0.0),
+    *_principled("Principled", "metal", Metallic=1.0, Specular_Tint=BLUE),
+    *_principled("Principled", "stretched metal", Metallic=1.0, Anisotropic=0.6, Anisotropic_Rotation=0.15),
+    *_principled("Principled", "glass", "GGX", "front", "back", **GLASSY),
+    *_principled("Oren-Nayar", "rough diffuse", Specular_IOR_Level=0.0, Diffuse_Roughness=0.6),
+    *_principled("coat albedo", "coat 0.2", Specular_IOR_Level=0.0, Coat_Roughness=0.2, **COAT),
+    *_principled("coat albedo", "coat 0.4", Specular_IOR_Level=0.0, Coat_Roughness=0.4, **COAT),
+    *_principled("coat albedo", "coat 0.8", Specular_IOR_Level=0.0, Coat_Roughness=0.8, **COAT),
+    *(
+        probe
+        for weight in (0.5, 1.0)
+        for probe in _principled("coat tint", f"tinted coat {weight}", Specular_IOR_Level=0.0, Coat_Weight=weight,
+                                 Coat_Roughness=0.4, Coat_Tint=BLUE)
+    ),
+    _mapped("Diffuse", "BsdfDiffuse", Color=RED),
+    _mapped("rough Diffuse", "BsdfDiffuse", Color=WHITE, Roughness=0.4),
+    _mapped("Glossy", "BsdfGlossy", "GGX", Roughness=0.5),
+    _mapped("Glass", "BsdfGlass", "GGX", Roughness=0.5, IOR=1.5),
+    _mapped("Metallic", "BsdfMetallic", "GGX", Roughness=0.4, **F82),
+    _mapped("metal", "BsdfPrincipled", "GGX", Roughness=0.6, Metallic=1.0),
+)  # fmt: skip
+"""Every probe. A fact that a probe shows besides its own must have a probe of its own, too."""
+
+FACTS = tuple(dict.fromkeys(probe.fact for probe in PROBES))
