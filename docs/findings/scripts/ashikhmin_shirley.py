@@ -8,6 +8,7 @@ once as an area light without MIS (light sampling alone). Both must give the sam
 """
 
 import numpy as np
+
 import probe
 
 HALF, HEIGHT = 10.0, 1.0

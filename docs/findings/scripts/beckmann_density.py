@@ -8,6 +8,7 @@ BSDF sampling therefore gives the lobe times (1 + fit) / (1 + exact).
 import math
 
 import numpy as np
+
 import probe
 
 

@@ -4,6 +4,7 @@
 from functools import cache
 
 import numpy as np
+
 import probe
 import quadrature
 

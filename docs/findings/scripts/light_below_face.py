@@ -6,6 +6,7 @@ above the face holds (1 + cos tilt) / 2 of the diffuse lobe.
 """
 
 import numpy as np
+
 import probe
 
 
@@ -34,7 +35,7 @@ rows = []
 for tilt in (10.0, 30.0, 45.0):
     book = 0.5 * (1 + np.cos(np.radians(tilt)))
     for name, light in (("uniform", probe.light_world), ("textured", light_textured_world)):
-        scene = scene_of(tilt, 64, 128)
+        scene = scene_of(tilt, 64, 32)
         light(scene)
         rows.append((tilt, name, book, *probe.mean(probe.render(scene))))
 probe.show("white plane, world of radiance 1", ("tilt", "world"), rows)

@@ -5,6 +5,7 @@ A white lobe is the single-scattering lobe divided by E. The same sun on GGX and
 """
 
 import numpy as np
+
 import probe
 import quadrature
 

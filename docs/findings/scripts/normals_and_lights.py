@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+
 import probe
 
 WHITE = (1.0, 1.0, 1.0, 1.0)

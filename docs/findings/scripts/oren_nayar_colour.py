@@ -7,6 +7,7 @@ probability E(view) at the first scattering and Eavg at each later one. For colo
 """
 
 import numpy as np
+
 import probe
 
 

@@ -2,6 +2,7 @@
 """Faces that overlap in one plane, under one sun: every point must show what the plane shows alone, albedo * E / pi."""
 
 import numpy as np
+
 import probe
 
 ALBEDO, STRENGTH, ANGLE = 0.8, 3.0, 30.0

@@ -6,6 +6,7 @@ a white base minus a black one under one sun give (1 - taken) cos / pi, without 
 """
 
 import numpy as np
+
 import probe
 import quadrature
 

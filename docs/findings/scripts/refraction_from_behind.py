@@ -7,6 +7,7 @@ light without MIS (light sampling alone). A passive surface cannot show more tha
 """
 
 import numpy as np
+
 import probe
 
 HALF, HEIGHT = 10.0, 1.0

@@ -6,6 +6,7 @@ import tempfile
 
 import bpy
 import numpy as np
+
 import probe
 
 
