@@ -34,8 +34,9 @@ def scene_of(size, samples, operations=(), first=1):
 
 
 def offsets(scene):
+    """Mean offset of each pixel's samples to the right. Seen from above with Y down, X runs to the left."""
     image = probe.render(scene).mean(axis=2)
-    return image - (np.arange(image.shape[1]) + 0.5)
+    return image.shape[1] - image - (np.arange(image.shape[1]) + 0.5)
 
 
 rows = []
