@@ -21,7 +21,7 @@ from etalon.lib.scene.expressions import (
     ValueToColor,
 )
 from etalon.lib.scene.lights import SunLight
-from etalon.lib.wavefront.options import Options
+from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.probes.definitions import IRRADIANCE, SUNS, tilts
 from etalon.tests.scenes import orthographic, quad, scene

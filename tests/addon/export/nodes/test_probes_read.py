@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.export.images import ImageTable
 from etalon.addon.export.materials import read_material
+from etalon.addon.export.nodes.images import ImageTable
 from etalon.tests.probes import cycles, reference
 from etalon.tests.probes.definitions import BLUE, PROBES, RED, SUNS, Probe
 
