@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from ..comparison.compare import Comparison
+from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_part, format_percent
 from ..verdict.causes import Explanation, Role, Shares, State
 from ..verdict.explain import clearest
@@ -186,7 +187,7 @@ def _estimates(comparison: Comparison, why: Explanation) -> str:
 
 def _no_time(comparison: Comparison, why: Explanation) -> list[str]:
     names = listed(tuple(departure.name for departure in why.departures))
-    reason = "the comparison was cancelled" if comparison.stopped == "cancelled" else "no time was left"
+    reason = "the comparison was cancelled" if comparison.stopped is Stop.CANCELLED else "no time was left"
     left = _differ(len(unexplained(comparison)))
     return [f"Unexplained: {left}. The departures that apply ({names}) were not measured: {reason}."]
 

@@ -15,6 +15,7 @@ _INTEGERS = "integer arithmetic, exact: tests/lib/sampling/test_sobol.py"
 _SEARCH = "a search in a table of sums: tests/lib/sampling/test_tables.py compares frequencies"
 _FACTORS = "puts together factors that the atlas holds: chi-square and white furnace in tests/lib/bsdfs"
 _LIGHT = "puts together densities and directions that the atlas holds: chi-square and irradiance in tests/lib/lights"
+_SPECTRUM = "a fit or a table of the spectrum: tests/lib/microfacets and tests/lib/sampling compare it with lines and quadrature"
 _NOTHING = "no equation: it chooses, copies or describes"
 
 OUTSIDE: dict[str, str] = {
@@ -30,7 +31,6 @@ OUTSIDE: dict[str, str] = {
             "microfacets.layers.glass_albedo",
             "microfacets.layers.average_glass_albedo",
             "microfacets.layers.integrate_glass",
-            "microfacets.layers.visible_normals",
             "bsdfs.layered.layer_reflectance",
             "bsdfs.layered.beneath_layer",
             "bsdfs.fresnels.Conductor",
@@ -41,12 +41,24 @@ OUTSIDE: dict[str, str] = {
         (
             "microfacets.albedo.directional_albedo_cycles",
             "microfacets.albedo.average_albedo_cycles",
+            "microfacets.cycles_tables.Tables",
+            "microfacets.cycles_tables.cycles_tables",
+            "microfacets.cycles_tables.tables_with",
+            "bsdfs.compensated.albedos_of",
             "microfacets.cycles_tables.layer_share_cycles",
             "microfacets.cycles_tables.glass_albedo_cycles",
             "microfacets.cycles_tables.average_glass_albedo_cycles",
             "bsdfs.layered.layer_reflectance_cycles",
         ),
         _TABLE_OF_CYCLES,
+    ),
+    **dict.fromkeys(
+        (
+            "microfacets.dispersion.cauchy_index",
+            "sampling.wavelengths.sample_wavelength",
+            "sampling.wavelengths.color_weight",
+        ),
+        _SPECTRUM,
     ),
     **dict.fromkeys(
         (

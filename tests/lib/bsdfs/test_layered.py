@@ -97,7 +97,7 @@ def test_conductor_average_is_its_integral():
     for channel in range(3):
         mean = quad(lambda c, i=channel: 2.0 * c * curve(np.array([c]))[i, 0], 0.0, 1.0)[0]
         assert curve.average[channel, 0] == pytest.approx(mean, rel=1e-9)
-        assert 1e-3 < abs(curve.average_by_f82[channel, 0] / mean - 1.0) < 2e-2
+        assert 1e-3 < abs(curve.average_cycles[channel, 0] / mean - 1.0) < 2e-2
 
 
 def test_nothing_beneath_a_perfect_layer():

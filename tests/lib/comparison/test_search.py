@@ -4,9 +4,10 @@
 from collections import Counter
 
 import pytest
-from etalon.lib.comparison import meter as module
+from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import ASIDE_SHARE, CompareOptions, compare
 from etalon.lib.comparison.meter import ASIDE_AT_MOST
+from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import Departure
 from etalon.lib.departures.effects import Alternatives
 from etalon.lib.sampling.streams import DEPARTURES
@@ -65,7 +66,7 @@ def test_a_look_after_the_time_set_aside_is_overdrawn_is_not_the_last(monkeypatc
     looks = found.verdict.looks
     assert len(looks) > 1
     assert [look.share for look in looks] == [1 / (k * (k + 1)) for k in range(1, len(looks) + 1)]
-    assert found.stopped == "time"
+    assert found.stopped is Stop.TIME
     cheap, _, _ = searched(monkeypatch, cost=1e-3, sigma=20.0, gap=1.0)
     assert cheap.verdict.looks[-1].share == 1 / len(cheap.verdict.looks)
 

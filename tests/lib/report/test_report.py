@@ -18,6 +18,7 @@ from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
 from etalon.lib.pages.formats import format_duration, format_percent
+from etalon.lib.progress import Progress
 from etalon.lib.report import write_report
 from etalon.lib.report.document import CHANGES, VERSION, document
 from etalon.lib.report.flip import flip
@@ -108,8 +109,8 @@ def made(
         candidate,
         coverage,
         options,
-        cancelled=lambda: any(stopped),
-        among=among,
+        Progress(is_cancelled=lambda: any(stopped)),
+        among,
     )
 
 

@@ -145,7 +145,7 @@ def test_lost_light_is_given_back_at_each_wavelength():
     wo = np.stack([np.sqrt(1.0 - cos * cos), np.zeros_like(cos), cos])
     points = SimpleNamespace(backfacing=np.zeros(18, bool), size=18, wavelength=np.tile(wavelength, 3))
     glass = Glass(ior=Constant(IOR), dispersion=Constant(1.0 / 20.0))
-    site = SimpleNamespace(points=points, wo=wo, options=Options())
+    site = SimpleNamespace(points=points, wo=wo, options=Options(), tables=None)
     factor = _glass_scattering(glass, site, alpha, np.ones((3, 1)))
     index = cauchy_index(np.float64(IOR), 1.0 / 20.0, points.wavelength)
     expected = 1.0 / np.concatenate(

@@ -32,6 +32,7 @@ AWAKE = {
     "Alpha": 0.9,
     "Metallic": 0.3,
     "Transmission Weight": 0.3,
+    "Transmission Dispersion Scale": 0.4,
     "Coat Weight": 0.5,
     "Coat Tint": (0.5, 0.6, 0.7, 1.0),
     "Emission Strength": 1.0,
