@@ -17,6 +17,7 @@ from etalon.lib.surfaces.lobes import _glass_scattering
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.replicates import assert_mean, replicates
 from etalon.tests.scenes import color, floor, material, orthographic, quad, scene
+from scipy.integrate import trapezoid
 
 IOR, ABBE = 1.5, 4.0
 # A sky that grows downwards: -10 times the mean of the direction's components, less a half, and nothing below zero.
@@ -44,7 +45,7 @@ def spectral(value):
     """The colour of `value`, a function of the wavelength, by a fine trapezoid rule over the observer's table."""
     fine = np.linspace(380.0, 780.0, 40_001)
     density = np.stack([np.interp(fine, NODES, one) for one in COLORS])
-    return np.trapezoid(density * value(fine), fine, axis=1)
+    return trapezoid(density * value(fine), fine, axis=1)
 
 
 def dispersive(abbe=ABBE, **sockets):
