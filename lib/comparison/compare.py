@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -14,7 +15,7 @@ from ..blender_versions import Release
 from ..departures.effects import Alternatives
 from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
-from ..film.regions import Coverage, Regions, image_regions
+from ..film.regions import BLOCK, Coverage, Regions, image_regions
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
@@ -22,13 +23,15 @@ from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE
 from ..verdict.causes import Explanation
+from ..verdict.boundaries import EXPECTED_LOOKS, count_looks, next_look
 from ..verdict.outcome import Outcome
-from ..verdict.sequential import SequentialTest, next_look
+from ..verdict.rare import describe_tails, room_for_rare_light
+from ..verdict.sequential import ALL_AGREE, SequentialTest
 from ..verdict.verdict import Verdict, conclude
 from ..version import VERSION
 from .focus import focus
 from .meter import Meter
-from .pilot import choose_samples
+from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
 from .sides import Renderer, Side
@@ -40,14 +43,28 @@ ASIDE_SHARE = 0.15
 
 
 @dataclass(frozen=True)
+class BoundAt:
+    """What was shown after so many `seconds`, from so many `replicates` of both sides: all regions agree to within `bound`.
+
+    `first` marks the first look, on a coarse grid, whose samples the verdict does not use.
+    """
+
+    seconds: float
+    replicates: int
+    bound: float
+    first: bool
+
+
+@dataclass(frozen=True)
 class Comparison:
     """All that came of a comparison of the scene named `scene`.
 
     `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
     where regions differ and causes were sought. `stopped` says why sampling ended. `seconds` counts
-    everything, `pilot_seconds` the pilot alone, `round_seconds` what one more replicate of both sides takes, of all that
-    is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene.
+    everything, `pilot_seconds` the timed calls and the first look alone, `round_seconds` what one more replicate of both sides takes, of
+    all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at
+    each look. `divisor` says how many times narrower and lower the images are than the scene asks for.
     """
 
     scene: str
@@ -67,6 +84,8 @@ class Comparison:
     left_out: np.ndarray
     unknown: dict[str, str]
     blender: Release | None
+    history: tuple[BoundAt, ...]
+    divisor: int
 
 
 def compare(
@@ -78,25 +97,30 @@ def compare(
     progress: Progress = NO_PROGRESS,
     among: Alternatives | None = None,
     left_out: np.ndarray | None = None,
+    divisor: int = 1,
+    told: Callable[[BoundAt], None] | None = None,
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
-    `coverage` maps a kind of region ('material', 'object') to its (name, weights (height, width)) pairs. Once the open regions fill
+    `coverage` maps a kind of region ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small
+    replicates gives a first answer and lays out the rest. Once the open regions fill
     no more than a part of the image, only that is sampled on. `progress` is told the share of the time (or of the replicates)
-    that is spent. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or if the renderers disagree on
-    the size of the image. Where regions differ, the causes are sought `among` departures, in a time that is set aside for it,
-    and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor
-    do those whose paths meet a material that is not known; EtalonError is raised where none is left.
+    that is spent, `told` the bound at each look. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or
+    if the renderers disagree on the size of the image. Where regions differ, the causes are sought `among` departures, in a time that
+    is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no
+    region, nor do those whose paths meet a material that is not known; EtalonError is raised where none is left. `divisor` is how many
+    times narrower and lower the image is than the user's, for the record.
     """
-    loop = _Loop(scene, (reference, candidate), options, progress, among)
-    loop.choose_samples()
-    loop.lay_out_regions(coverage, left_out)
+    loop = _Loop(scene, (reference, candidate), options, progress, among, told)
+    loop.time_calls()
+    loop.lay_out(coverage, left_out)
     while loop.stopped is None:
         loop.render_round()
         if loop.is_look_due():
             loop.test_regions()
+            loop.begin_main_run()
             loop.narrow()
-    return loop.conclude()
+    return loop.conclude(divisor)
 
 
 class _Loop:
@@ -109,52 +133,78 @@ class _Loop:
         options: CompareOptions,
         progress: Progress,
         among: Alternatives | None,
+        told: Callable[[BoundAt], None] | None,
     ) -> None:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._renderers, self._options = scene, renderers, options
         self._seeks_causes = among is not None
         self._among = among if among is not None and among.departures else None
         self._meter = Meter(options, progress, ASIDE_SHARE if self._among else 0.0)
+        self._told = told
+        self._history: list[BoundAt] = []
+        # Replicates rendered before those that count now, by the first look.
+        self._before = 0
+        self.stopped: Stop | None = None
+
+    def time_calls(self) -> None:
+        """Find out what samples cost, and from that how to begin; or take the samples that the user asked for."""
+        asked = self._options.samples
+        shape = (self._scene.camera.height, self._scene.camera.width)
+        self._timings = None
+        if asked is None:
+            try:
+                self._timings = time_calls(self._renderers, self._meter)
+            except Cancelled as cancelled:
+                raise self._nothing_to_compare() from cancelled
+            self._layout = first_layout(shape, self._timings, self._meter)
+        else:
+            pair = (asked, asked) if isinstance(asked, int) else asked
+            most = self._options.replicates
+            self._layout = Layout(pair, (BLOCK,), EXPECTED_LOOKS if most is None else count_looks(most))
+        self._is_first = asked is None
+        self._pilot_seconds = self._meter.elapsed
+
+    def lay_out(self, coverage: Coverage, left_out: np.ndarray | None) -> None:
+        """Set up what does not depend on the layout, and the first run."""
+        size = (self._scene.camera.height, self._scene.camera.width)
+        self._coverage = {kind: list(named) for kind, named in coverage.items()}
+        self._compared = None if left_out is None else _compared(self._scene, left_out)
+        self._left_out = np.zeros(size, bool) if left_out is None else left_out
+        self._excluded = np.zeros(size, bool)
+        self._begin(self._layout)
+
+    def _begin(self, layout: Layout) -> None:
+        """Set up regions, both sides and the test, before anything that counts is rendered."""
+        self._layout = layout
         self._windows: Windows | None = None
         # The regions (K,) that are sampled on; None: all.
         self._wanted: np.ndarray | None = None
         self._is_last = False
-        self.stopped: Stop | None = None
-
-    def choose_samples(self) -> None:
-        """Settle the samples per replicate: what the user asked for, or what a pilot finds."""
-        asked = self._options.samples
-        try:
-            pair = (asked, asked) if isinstance(asked, int) else asked
-            self._samples = pair or choose_samples(*self._renderers, self._meter)
-        except Cancelled as cancelled:
-            raise self._nothing_to_compare() from cancelled
-        self._pilot_seconds = self._meter.elapsed
-
-    def lay_out_regions(self, coverage: Coverage, left_out: np.ndarray | None) -> None:
-        """Set up regions, both sides and the test, before anything that counts is rendered."""
-        size = (self._scene.camera.height, self._scene.camera.width)
-        compared = None if left_out is None else _compared(self._scene, left_out)
-        self._regions = image_regions(*size, coverage, left_out=compared)
-        self._left_out = np.zeros(size, bool) if left_out is None else left_out
-        self._excluded = np.zeros(size, bool)
+        self._regions = image_regions(*self._left_out.shape, self._coverage, layout.blocks, self._compared)
         self._sides = tuple(
             Side.empty(renderer, self._regions, samples)
-            for renderer, samples in zip(self._renderers, self._samples, strict=True)
+            for renderer, samples in zip(self._renderers, layout.samples, strict=True)
         )
+        for side in self._sides:
+            side.exclude(self._excluded | self._left_out, None)
         held_back = ATTRIBUTION_SHARE if self._among else 0.0
-        self._test = SequentialTest(len(self._regions), self._options.tolerance, self._options.confidence, held_back)
+        options = self._options
+        self._test = SequentialTest(
+            len(self._regions), options.tolerance, options.confidence, held_back, self._regions.families, layout.looks
+        )
         self._search = Search(self._among, self._test, self._meter, self._regions) if self._among else None
+        self._meter.mark(0)
 
     def render_round(self) -> None:
-        """Add one replicate to each side; a cancelled one is not kept."""
-        for side, renderer in zip(self._sides, self._renderers, strict=True):
+        """Add one replicate to each side; one that is cancelled, or cut short by the time, is not kept."""
+        for k, (side, renderer) in enumerate(zip(self._sides, self._renderers, strict=True)):
+            number = COUNTED.number(self._before + side.replicates)
             try:
-                rendering = self._meter.render_counted(
-                    renderer, COUNTED.number(side.replicates), side.film.samples, self._windows
-                )
+                rendering, spent = self._meter.render_counted(renderer, number, side.film.samples, self._windows)
             except Cancelled:
                 break
+            if self._timings is not None and self._windows is None:
+                self._timings[k].add(side.film.samples, spent)
             self._excluded = self._excluded | nonfinite_pixels(rendering, self._regions.shape)
             if rendering.unknown is not None:
                 self._left_out = _compared(self._scene, self._left_out | (rendering.unknown > 0))
@@ -172,21 +222,59 @@ class _Loop:
         # How fast parts come depends on what was seen elsewhere, and so does the time left once that set aside is overdrawn: then, time
         # decides neither when to look nor what a look may spend.
         timely = self._windows is None and not self._meter.is_overdrawn
-        self.stopped = self._meter.why_stop(n, n + 1 if timely else due if n < due else next_look(n))
+        most = None if self._is_first else self._options.replicates
+        self.stopped = self._meter.why_stop(n, n + 1 if timely else due if n < due else next_look(n), most)
         self._is_last = self.stopped is Stop.REPLICATES or (self.stopped is not None and timely)
         return n == due or self._is_last
 
     def test_regions(self) -> None:
         """Look at all regions, and seek the causes of those that differ."""
         of_reference, of_candidate = (side.regions.moments for side in self._sides)
-        self._test.look(of_reference, of_candidate, self._is_last)
-        self._open = self._test.undecided
-        if self._search is not None:
+        self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light())
+        bound = BoundAt(
+            self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first
+        )
+        self._history.append(bound)
+        if self._told is not None:
+            self._told(bound)
+        # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
+        differs = (self._test.outcomes == Outcome.DIFFERENT).any()
+        self._open = self._test.undecided & (~self._test.within | differs)
+        if self._search is not None and not self._is_first:
             if self._search.look(self._sides, self._excluded | self._left_out, self._is_last):
                 self._open = self._test.outcomes != Outcome.EQUIVALENT
             elif self._search.complete:
                 self._open = np.zeros_like(self._open)
         self._open = self._open & (self._sides[0].regions.sizes > 0)
+
+    def _room_for_rare_light(self) -> np.ndarray:
+        """The relative difference (K,) that light may make which no sample has met."""
+        cells = self._regions.families == self._regions.families.max()
+        worth, least = 0.0, np.inf
+        for side in self._sides:
+            samples = side.regions.sizes * side.film.samples
+            worth = max(worth, float(describe_tails(side.regions.series[:, cells], samples[cells]).worth.max(initial=0.0)))
+            least = np.minimum(least, samples * side.regions.moments.n)
+        return room_for_rare_light(worth, least, ALL_AGREE * self._test.level)
+
+    def begin_main_run(self) -> None:
+        """After the first look: begin anew with larger replicates and finer grids, or go on with the first look as it is."""
+        if not self._is_first or self.stopped is not None:
+            return
+        self._is_first = False
+        sides = tuple(side.regions for side in self._sides)
+        left = self._meter.left - (self._meter.seconds_aside or 0.0)
+        options = self._options
+        layout = main_layout(
+            self._layout, sides, self._timings, (left, options.replicates), options.tolerance, self._test.looks[-1].level
+        )
+        self._pilot_seconds = self._meter.elapsed
+        if layout is not None:
+            self._before += self._sides[1].replicates
+            self._begin(layout)
+            self._open = np.ones(len(self._regions), bool)
+        elif options.replicates is not None and self._sides[1].replicates >= options.replicates:
+            self.stopped = Stop.REPLICATES
 
     def narrow(self) -> None:
         """End where nothing is open; else sample on where something is, once that is a small part of the image."""
@@ -197,11 +285,12 @@ class _Loop:
             self._windows = focus(self._regions, self._wanted)
             self._meter.mark(self._sides[1].replicates)
 
-    def conclude(self) -> Comparison:
+    def conclude(self, divisor: int) -> Comparison:
         """The verdict, and all that it rests on."""
         nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in self._sides}
         explanation = conclude_causes(self._search, self._test, self._sides) if self._seeks_causes else None
-        verdict = conclude(self._test, *(side.regions for side in self._sides), nonfinite, explanation)
+        moments = (side.regions for side in self._sides)
+        verdict = conclude(self._test, *moments, nonfinite, self._layout.samples, explanation)
         return Comparison(
             scene=self._scene.name,
             options=self._options,
@@ -220,6 +309,8 @@ class _Loop:
             left_out=self._left_out,
             unknown={material.name: material.unknown for material in self._scene.materials if material.unknown},
             blender=self._scene.blender,
+            history=tuple(self._history),
+            divisor=divisor,
         )
 
     def _nothing_to_compare(self) -> EtalonError:

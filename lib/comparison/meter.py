@@ -12,6 +12,8 @@ from ..settings.comparison import CompareOptions
 from .run import Stop, TimedRun
 from .sides import Renderer
 
+# A call that goes on beyond this many times the budget is cut short, and its image is not kept; the first FEWEST images are finished.
+PATIENCE, FEWEST = 1.05, 2
 # The part of the time that effects of departures may take in all once regions differ.
 ASIDE_AT_MOST = 0.25
 
@@ -25,6 +27,7 @@ class Meter(TimedRun):
         self.spent_aside = 0.0
         self._options = options
         self._rendered = 0
+        self._is_counted = False
         self._mark = 0.0, 0
         self.round_seconds = math.nan
 
@@ -44,13 +47,27 @@ class Meter(TimedRun):
         """From here on, with `replicates` on both sides, a replicate costs something else than before."""
         self._mark = self.elapsed - self.spent_aside, replicates
 
-    def render_counted(self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None) -> Rendering:
-        """One replicate that counts towards the limits."""
-        if not self._rendered:
-            self.mark(0)
-        rendering, _ = self.render(renderer, replicate, samples, windows)
+    def render_counted(
+        self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None
+    ) -> tuple[Rendering, float]:
+        """One replicate that counts towards the limits, and its seconds; raises Cancelled also where it outruns the time."""
+        self._is_counted = True
+        try:
+            found = self.render(renderer, replicate, samples, windows)
+        finally:
+            self._is_counted = False
         self._rendered += 1
-        return rendering
+        return found
+
+    def is_ending(self) -> bool:
+        """Whether the call under way is to end: the user wants it, or it counts and outruns the time."""
+        return super().is_ending() or (self._is_counted and self.is_over)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is overdrawn so far that a call is cut short."""
+        late = self._options.time is not None and self.elapsed > PATIENCE * self._options.time
+        return late and self._rendered >= 2 * FEWEST
 
     def render_aside(self, renderer: Renderer, replicate: int, samples: int) -> Rendering:
         """One replicate on the time set aside."""
@@ -59,16 +76,18 @@ class Meter(TimedRun):
         self.spent_aside += self.elapsed - before
         return rendering
 
-    def why_stop(self, replicates: int, goal: int) -> Stop | None:
-        """Why sampling ends with `replicates` on both sides, or None if it goes on.
+    def why_stop(self, replicates: int, goal: int, most: int | None) -> Stop | None:
+        """Why sampling ends with `replicates` on both sides, of at `most` so many, or None if it goes on.
 
         Of whole images this never depends on what was rendered. Time ends it when less is left than `goal` replicates will take,
         the number at which there is something to gain.
         """
         if self.progress.is_cancelled:
             return Stop.CANCELLED
-        if self._options.replicates is not None and replicates >= self._options.replicates:
+        if most is not None and replicates >= most:
             return Stop.REPLICATES
+        if self.is_over:
+            return Stop.TIME
         # What is set aside counts as spent from the start: how much of it is used depends on what was rendered. What is spent beyond
         # it does shorten the sampling, and `is_overdrawn` says so.
         sampling = self.elapsed - self.spent_aside

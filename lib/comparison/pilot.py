@@ -1,39 +1,148 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pilot: what a sample costs on either side and how noisy it is, and from that the samples of a replicate."""
+"""What a sample costs on either side and how noisy it is, and from that the samples of a replicate and the finest grid.
+
+A comparison begins with renders of 1, 4, 16, ... samples that are timed and counted nowhere. Then comes the first look: FIRST_LOOK
+replicates small enough to take FIRST_SHARE of the time, on a coarse grid. It gives a first answer, the noise of every region, and more
+timings. From these the replicates of the main run are laid out; the first look's own samples are not used there, so nothing
+that the main run claims depends on data that chose how much of them there would be.
+"""
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass, field
 
-from ..film.regions import RegionMoments, image_regions
+import numpy as np
+from scipy.special import ndtri
+
+from ..film.regions import BLOCK, RegionMoments
 from ..sampling.streams import FIRST_CALLS
-from ..verdict.allocation import Cost, allocate, fit_cost, relative_noise
+from ..verdict.allocation import MOST_SAMPLES, Cost, allocate, fit_cost
+from ..verdict.boundaries import FIRST_LOOK, count_looks
 from .run import TimedRun
 from .sides import Renderer
 
-# What the pilot may take of the time, for each side, and where it ends.
-PILOT_SHARE = 0.02
-PILOT_SAMPLES = 64
+# Of the time: what one timed call may take at most, and what the first look may take; but no more than so many seconds.
+CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.05, 0.08, 10.0
+PILOT_SAMPLES, STEP = 64, 4
+# The coarse grid has about so many columns and rows.
+COLUMNS, ROWS = 16, 9
+# Of a main run that is worth starting: it has so many times the samples of the first look.
+WORTHWHILE = 4
+# A grid is fine enough where this part of its cells is expected to be decided.
+DECIDED_PART = 0.9
+# Focusing on open regions can multiply replicates by this; the looks share the level among so many.
+FOCUS_GAIN = 4
 
 
-def choose_samples(reference: Renderer, candidate: Renderer, run: TimedRun) -> tuple[int, int]:
-    """Samples per replicate for both sides, from what they cost and how noisy they are; raises Cancelled."""
-    costs, noises = zip(*(_measure(r, PILOT_SHARE * run.budget, run) for r in (reference, candidate)), strict=True)
-    return allocate(run.left, costs, noises)
+@dataclass
+class Timings:
+    """Seconds of render calls of one side, by samples per pixel."""
+
+    seconds: dict[int, list[float]] = field(default_factory=dict)
+
+    def add(self, samples: int, seconds: float) -> None:
+        """Take one call."""
+        self.seconds.setdefault(samples, []).append(seconds)
+
+    @property
+    def cost(self) -> Cost:
+        """The cost of a call, from the median of the calls of each number of samples."""
+        samples = sorted(self.seconds)
+        return fit_cost(samples, [float(np.median(self.seconds[s])) for s in samples])
 
 
-def _measure(renderer: Renderer, share: float, run: TimedRun) -> tuple[Cost, float]:
-    """Cost and relative noise of one side, in about `share` seconds beyond the first call, which also sets things up."""
-    samples, seconds, begin = [1], [], None
-    while True:
-        rendering, spent = run.render(renderer, FIRST_CALLS.number(len(seconds)), samples[-1])
-        begin = begin or run.elapsed
-        seconds.append(spent)
-        enough = run.elapsed - begin + 16 * seconds[-1] > share or samples[-1] >= PILOT_SAMPLES
-        if enough and len(samples) > 1:  # one timing cannot tell what a call costs from what a sample costs
+@dataclass(frozen=True)
+class Layout:
+    """How a run goes about it: `samples` per replicate of both sides, the `blocks` of its grids from coarse to fine, and the looks expected."""
+
+    samples: tuple[int, int]
+    blocks: tuple[int, ...]
+    looks: int
+
+
+def time_calls(renderers: tuple[Renderer, Renderer], run: TimedRun) -> tuple[Timings, Timings]:
+    """Timings of both sides, whose first calls set things up and count nowhere; raises Cancelled.
+
+    Samples grow while the next call, were it STEP times as long as the last, would stay within CALL_SHARE of the time.
+    """
+    both = Timings(), Timings()
+    number = 0
+    for renderer, timings in zip(renderers, both, strict=True):
+        run.render(renderer, FIRST_CALLS.number(number), 1)
+        samples = 1
+        while True:
+            number += 1
+            _, spent = run.render(renderer, FIRST_CALLS.number(number), samples)
+            timings.add(samples, spent)
+            if STEP * spent > CALL_SHARE * run.budget or samples >= PILOT_SAMPLES:
+                break
+            samples *= STEP
+        number += 1
+    return both
+
+
+def coarse_grid(height: int, width: int) -> int:
+    """The edge of a coarse grid's cells: BLOCK times the power of two that comes nearest to COLUMNS x ROWS cells."""
+    edge = min(width / COLUMNS, height / ROWS) / BLOCK
+    return BLOCK * 2 ** max(round(np.log2(edge)), 0) if edge > 0 else BLOCK
+
+
+def first_layout(shape: tuple[int, int], timings: tuple[Timings, Timings], run: TimedRun) -> Layout:
+    """The first look: as many samples, a power of two, as FIRST_LOOK replicates can have in its time; 1 at least."""
+    seconds = min(FIRST_SHARE * run.budget, FIRST_SECONDS) / FIRST_LOOK
+    costs = [one.cost for one in timings]
+    samples = 1
+    while 2 * samples <= MOST_SAMPLES and sum(cost.seconds(2 * samples) for cost in costs) <= seconds:
+        samples *= 2
+    expected = run.left / max(sum(cost.seconds(samples) for cost in costs), 1e-9)
+    return Layout((samples, samples), (coarse_grid(*shape),), count_looks(int(min(expected, 1e6))))
+
+
+def main_layout(
+    first: Layout,
+    sides: tuple[RegionMoments, RegionMoments],
+    timings: tuple[Timings, Timings],
+    limits: tuple[float, int | None],
+    tolerance: float,
+    level: float,
+) -> Layout | None:
+    """The run after the first look, from the noise of the first look's `sides`; None where it is not worthwhile.
+
+    `limits` are the seconds that are left, and the most replicates if there is such a limit; `level` is the error of one region's test.
+    """
+    left, most = limits
+    costs = tuple(one.cost for one in timings)
+    noises = [relative_variances(side, samples) for side, samples in zip(sides, first.samples, strict=True)]
+    means = [float(np.nanmean(noise)) if np.isfinite(noise).any() else 0.0 for noise in noises]
+    samples = allocate(left, costs, tuple(means), most)
+    replicates = left / max(sum(cost.seconds(n) for cost, n in zip(costs, samples, strict=True)), 1e-9)
+    replicates = min(replicates, most or np.inf)
+    if replicates < min(FIRST_LOOK, most or np.inf) or replicates * sum(samples) < WORTHWHILE * FIRST_LOOK * sum(first.samples):
+        return None
+    variance = sum(noise / (replicates * n) for noise, n in zip(noises, samples, strict=True))
+    blocks = choose_grids(first.blocks[0], variance, tolerance / float(-ndtri(level)))
+    return Layout(samples, blocks, count_looks(int(FOCUS_GAIN * replicates)))
+
+
+def relative_variances(side: RegionMoments, samples: int) -> np.ndarray:
+    """The relative variance (K,) of one sample of one pixel, averaged over channels, in the cells of the finest grid."""
+    cells = np.flatnonzero(side.regions.families == side.regions.families.max())
+    mean, variance = side.moments.mean[cells], side.moments.variance[cells]
+    scale = np.maximum(np.abs(mean), 1e-3 * np.nanmean(np.abs(mean)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return (variance / scale**2).mean(axis=1) * samples * side.sizes[cells]
+
+
+def choose_grids(coarse: int, variance: np.ndarray, error: float) -> tuple[int, ...]:
+    """The edges of the grids from coarse to fine: halved while most cells can still reach the relative standard `error`.
+
+    `variance` (K,) is the relative variance, at the end of the run, of one pixel's mean in each coarse cell.
+    """
+    edges = [coarse]
+    known = variance[np.isfinite(variance)]
+    while edges[-1] > BLOCK and known.size:
+        half = edges[-1] // 2
+        if np.mean(np.sqrt(known) / half <= error) < DECIDED_PART:
             break
-        samples.append(8 * samples[-1])
-    again, _ = run.render(renderer, FIRST_CALLS.number(len(seconds)), samples[-1])
-    grid = image_regions(*rendering.radiance.shape[:2], {})
-    means = [RegionMoments(grid).means(np.nan_to_num(r.radiance)) for r in (rendering, again)]
-    return fit_cost(samples, seconds), relative_noise(*means, samples[-1])
+        edges.append(half)
+    return tuple(edges)

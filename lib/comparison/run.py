@@ -51,11 +51,13 @@ class TimedRun:
     ) -> tuple[Rendering, float]:
         """One replicate, and the seconds of the whole call; raises Cancelled when the run is to end."""
         start = time.monotonic()
-        rendering = renderer.render(
-            replicate, samples, Progress(self.report, lambda: self.progress.is_cancelled), windows
-        )
+        rendering = renderer.render(replicate, samples, Progress(self.report, self.is_ending), windows)
         self.progress.check()
         return rendering, time.monotonic() - start
+
+    def is_ending(self) -> bool:
+        """Whether the call under way is to end."""
+        return self.progress.is_cancelled
 
     def report(self, fraction: float) -> None:
         """Tell how far the run is while a renderer has done `fraction` of its image."""

@@ -26,14 +26,15 @@ Coverage = Mapping[str, Iterable[tuple[str, np.ndarray | sparse.sparray]]]
 class Regions:
     """K regions of an image of `shape` (height, width).
 
-    `kinds` and `names` (K each) say what a region is ('image', 'material', 'object', 'block', ...) and how the user called
-    it; `boxes` (K, 4) its bounding box in pixels as first column, first row, last column, last row; `weights` (K, height * width) sparse,
+    `kinds` and `names` (K each) say what a region is ('image', 'material', 'object', 'cell', 'block', ...) and how the user called
+    it; `families` (K,) numbers the levels from coarse to fine: 0 the image, 1 what the user named, then one grid after the other; `boxes` (K, 4) its bounding box in pixels as first column, first row, last column, last row; `weights` (K, height * width) sparse,
     non-negative, row-major over pixels.
     """
 
     shape: tuple[int, int]
     kinds: tuple[str, ...]
     names: tuple[str, ...]
+    families: np.ndarray
     boxes: np.ndarray
     weights: sparse.csr_array
 
@@ -60,51 +61,70 @@ class Regions:
 
 
 def image_regions(
-    height: int, width: int, coverage: Coverage, block: int = BLOCK, left_out: np.ndarray | None = None
+    height: int, width: int, coverage: Coverage, blocks: Sequence[int] = (BLOCK,), left_out: np.ndarray | None = None
 ) -> Regions:
-    """The whole image, what `coverage` names, and blocks of `block` x `block` pixels (less at the right and lower edge).
+    """The whole image, what `coverage` names, and grids of `blocks` x `blocks` pixels (less at the right and lower edge).
 
     `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs, dense or sparse: the share of
-    each pixel that a camera ray meets first. Pixels that are `left_out` (height, width) belong to no region. What is nowhere
+    each pixel that a camera ray meets first. The grids are given from coarse to fine; regions of the last one are of the kind 'block',
+    those of the others are 'cells'. Pixels that are `left_out` (height, width) belong to no region. What is nowhere
     visible makes none. Raises EtalonError for weights of another size, negative or not finite.
     """
-    pixels = np.arange(
-        height * width, dtype=np.int32
-    )  # half of what 64 bits would take, of the largest arrays there are
+    # Half of what 64 bits would take, of the largest arrays there are.
+    pixels = np.arange(height * width, dtype=np.int32)
     rows = [_rows(pixels, np.ones(pixels.size), [pixels.size], pixels.size)]
-    kinds, names, boxes = ["image"], ["whole image"], [(0, 0, width - 1, height - 1)]
+    kinds, names, families, boxes = ["image"], ["whole image"], [0], [(0, 0, width - 1, height - 1)]
     for kind, entries in coverage.items():
         for name, weights in entries:
-            weights = sparse.coo_array(weights, dtype=float)
-            if weights.shape != (height, width):
-                raise EtalonError(
-                    f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
-                )
-            if not np.isfinite(weights.data).all() or (weights.data < 0).any():
-                raise EtalonError(f"{name}: its coverage has negative or non-finite weights")
+            weights = _checked(name, weights, height, width)
             if not weights.data.any():
                 continue
             y, x = (place.astype(np.int32)[weights.data > 0] for place in weights.coords)
             rows.append(_rows(y * np.int32(width) + x, weights.data[weights.data > 0], [x.size], pixels.size))
             kinds.append(kind)
             names.append(name)
+            families.append(1)
             boxes.append((x.min(), y.min(), x.max(), y.max()))
-    columns = -(-width // block)
-    owner = (pixels // width // block) * columns + pixels % width // block
-    count = -(-height // block) * columns
-    order = np.argsort(owner, kind="stable").astype(np.int32)
-    rows.append(_rows(order, np.ones(pixels.size), np.bincount(owner), pixels.size))
-    del owner, order
-    for index in range(count):
-        x, y = index % columns * block, index // columns * block
-        box = (x, y, min(x + block, width) - 1, min(y + block, height) - 1)
-        kinds.append("block")
-        names.append(f"x {box[0]} to {box[2]}, y {box[1]} to {box[3]}")
-        boxes.append(box)
+    for level, block in enumerate(blocks, start=2):
+        weights, cells = _grid(pixels, height, width, block)
+        rows.append(weights)
+        kinds += ["block" if level == len(blocks) + 1 else "cell"] * len(cells)
+        names += [f"x {left} to {right}, y {top} to {bottom}" for left, top, right, bottom in cells]
+        families += [level] * len(cells)
+        boxes += cells
     regions = Regions(
-        (height, width), tuple(kinds), tuple(names), np.array(boxes), sparse.csr_array(sparse.vstack(rows))
+        (height, width),
+        tuple(kinds),
+        tuple(names),
+        np.array(families),
+        np.array(boxes),
+        sparse.csr_array(sparse.vstack(rows)),
     )
     return regions if left_out is None else _without(regions, left_out)
+
+
+def _checked(name: str, weights: np.ndarray | sparse.sparray, height: int, width: int) -> sparse.coo_array:
+    """The coverage of what is called `name`; raises EtalonError for another size, negative or non-finite weights."""
+    weights = sparse.coo_array(weights, dtype=float)
+    if weights.shape != (height, width):
+        raise EtalonError(
+            f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
+        )
+    if not np.isfinite(weights.data).all() or (weights.data < 0).any():
+        raise EtalonError(f"{name}: its coverage has negative or non-finite weights")
+    return weights
+
+
+def _grid(
+    pixels: np.ndarray, height: int, width: int, block: int
+) -> tuple[sparse.csr_array, list[tuple[int, int, int, int]]]:
+    """The weights and the boxes of the squares of a grid, row by row."""
+    columns = -(-width // block)
+    owner = (pixels // width // block) * columns + pixels % width // block
+    order = np.argsort(owner, kind="stable").astype(np.int32)
+    weights = _rows(order, np.ones(pixels.size), np.bincount(owner), pixels.size)
+    corners = [(x, y) for y in range(0, height, block) for x in range(0, width, block)]
+    return weights, [(x, y, min(x + block, width) - 1, min(y + block, height) - 1) for x, y in corners]
 
 
 def _without(regions: Regions, left_out: np.ndarray) -> Regions:
@@ -113,7 +133,7 @@ def _without(regions: Regions, left_out: np.ndarray) -> Regions:
     weights.eliminate_zeros()
     kept = np.flatnonzero(np.diff(weights.indptr))
     kinds, names = (tuple(np.array(of, object)[kept]) for of in (regions.kinds, regions.names))
-    return Regions(regions.shape, kinds, names, regions.boxes[kept], weights[kept])
+    return Regions(regions.shape, kinds, names, regions.families[kept], regions.boxes[kept], weights[kept])
 
 
 def _rows(pixel: np.ndarray, weight: np.ndarray, counts: Sequence[int], pixels: int) -> sparse.csr_array:
@@ -125,7 +145,8 @@ def _rows(pixel: np.ndarray, weight: np.ndarray, counts: Sequence[int], pixels: 
 class RegionMoments:
     """`moments` (K, 3) of the means of `regions` over replicates; `excluded` (height, width) pixels count for nothing.
 
-    `sizes` (K,) is the weight that is left in each region, in pixels.
+    `sizes` (K,) is the weight that is left in each region, in pixels; `series` (R, K) the mean over channels in each replicate, NaN where a
+    region was not sampled or has lost pixels since.
     """
 
     def __init__(self, regions: Regions, excluded: np.ndarray | None = None) -> None:
@@ -133,6 +154,12 @@ class RegionMoments:
         self.moments = Moments.empty((len(regions), 3))
         self.excluded = np.zeros(regions.shape, bool) if excluded is None else excluded
         self.sizes = regions.weights @ (~self.excluded.ravel()).astype(float)
+        self._series: list[np.ndarray] = []
+
+    @property
+    def series(self) -> np.ndarray:
+        """The mean over channels of each region in each replicate."""
+        return np.array(self._series).reshape(len(self._series), len(self.regions))
 
     def means(self, radiance: np.ndarray, of: np.ndarray | slice = slice(None)) -> np.ndarray:
         """The means (K, 3) of an image (height, width, 3) over the regions `of`; NaN where no pixel is left."""
@@ -146,11 +173,14 @@ class RegionMoments:
     def add(self, radiance: np.ndarray, of: np.ndarray | None = None) -> None:
         """Take one replicate (height, width, 3) more, for the regions `of` (K,) bool alone if they are given."""
         if of is None:
-            self.moments.add(self.means(radiance))
+            values = self.means(radiance)
+            self.moments.add(values)
+            self._series.append(values.mean(axis=1, dtype=np.float32))
             return
         values = np.zeros_like(self.moments.mean)
         values[of] = self.means(radiance, np.flatnonzero(of))
         self.moments.add(values, of)
+        self._series.append(np.where(of, values.mean(axis=1), np.nan).astype(np.float32))
 
     def exclude(self, pixels: np.ndarray, film: Moments, of: np.ndarray | None = None) -> None:
         """Leave out `pixels` (height, width) bool, also in the replicates that were added before; only from the regions `of`, if given.
@@ -178,3 +208,5 @@ class RegionMoments:
         moments = self.moments
         moments.mean[touched] = (moments.mean[touched] * before - weights @ mean) / share
         moments.m2[touched] = ((np.sqrt(moments.m2[touched]) * before + weights @ spread) / share) ** 2
+        for values in self._series:
+            values[touched] = np.nan

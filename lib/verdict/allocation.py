@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a time budget becomes samples: cost and noise of both sides, from a pilot, to samples per replicate.
 
-The pilot's own images are not used for the verdict, so that nothing the data show decides how much of them there will be.
+The pilot's own images are not used for the verdict, so nothing that the data show decides how much of them there will be.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ REPLICATES = 48
 # but each render call has a fixed cost, and all of them together shall not eat more than this share of the budget.
 OVERHEAD = 0.15
 FEWEST = 16
+LEAST_SLOPE = 0.1
 # Cycles adds samples up in float32, which drifts beyond this many.
 MOST_SAMPLES = 4096
 
@@ -32,26 +33,22 @@ class Cost:
 
 
 def fit_cost(samples: list[int], seconds: list[float]) -> Cost:
-    """The cost through the last two timings (samples ascending); all of it per sample if there is one only."""
-    if len(samples) < 2 or samples[-1] == samples[-2]:
-        return Cost(0.0, max(seconds[-1] / samples[-1], 1e-9))
-    slope = (seconds[-1] - seconds[-2]) / (samples[-1] - samples[-2])
-    slope = max(slope, 0.01 * seconds[-1] / samples[-1], 1e-9)
-    return Cost(max(seconds[-1] - slope * samples[-1], 0.0), slope)
+    """The cost from timings of calls with `samples`, ascending; all of it per sample if there is one number of samples only.
+
+    The fixed part is at most the quickest call. A sample costs at least LEAST_SLOPE of its share in the longest call: one
+    timing that a busy machine spoiled must not make samples look free.
+    """
+    most, longest = samples[-1], seconds[-1]
+    if len(set(samples)) < 2:
+        return Cost(0.0, max(longest / most, 1e-9))
+    slope = max((longest - min(seconds)) / (most - samples[0]), LEAST_SLOPE * longest / most, 1e-9)
+    return Cost(max(longest - slope * most, 0.0), slope)
 
 
-def relative_noise(first: np.ndarray, second: np.ndarray, samples: int) -> float:
-    """Variance of one sample per pixel relative to the mean, averaged over regions, from two replicates' region means (K, 3)."""
-    mean = (first + second) / 2
-    scale = np.maximum(np.abs(mean), 1e-3 * np.nanmean(np.abs(mean)))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        noise = (first - second) ** 2 / 2 * samples / scale**2
-    noise = noise[np.isfinite(noise)]
-    return float(noise.mean()) if noise.size else 0.0
-
-
-def allocate(seconds: float, costs: tuple[Cost, Cost], noises: tuple[float, float]) -> tuple[int, int]:
-    """Samples per replicate for both sides, as many replicates on each.
+def allocate(
+    seconds: float, costs: tuple[Cost, Cost], noises: tuple[float, float], most: int | None = None
+) -> tuple[int, int]:
+    """Samples per replicate for both sides, as many replicates on each, at `most` so many.
 
     The variance of the difference, v1 / n1 + v2 / n2, is least for n1 c1 + n2 c2 seconds when time is shared as sqrt(v c)
     (Neyman 1934, with costs: Cochran, "Sampling Techniques", 3rd ed., sec. 5.5). Rounded to powers of two, at which
@@ -59,6 +56,7 @@ def allocate(seconds: float, costs: tuple[Cost, Cost], noises: tuple[float, floa
     """
     fixed = costs[0].fixed + costs[1].fixed
     replicates = np.clip(OVERHEAD * seconds / fixed if fixed > 0 else REPLICATES, FEWEST, REPLICATES)
+    replicates = min(replicates, most or REPLICATES)
     weights = [np.sqrt(v * c.per_sample) for v, c in zip(noises, costs, strict=True)]
     share = np.clip(weights[0] / sum(weights), 0.1, 0.9) if min(noises) > 0 else 0.5
     available = max(seconds / replicates - fixed, 0.0)

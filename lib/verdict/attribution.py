@@ -9,7 +9,7 @@ agrees with the reference that departs by S" is tested against it just as agreem
 The level of all claims about causes, ATTRIBUTION_SHARE of 1 - confidence, is held back before anything is seen; sequential.py has
 the rest. Half of it is spent by explanations (causes.py says what these are), half by the simultaneous intervals of shares, from which partial
 causes, small shares and contradictions are read. In each half a set has a part fixed by its size alone (`set_share`), all of them together
-at most 1; looks are paid for by `look_share`, regions by Holm (agreement) or Bonferroni (shares), channels by Bonferroni.
+at most 1; looks are paid for by `Spending`, regions by Holm (agreement) or Bonferroni (shares), channels by Bonferroni.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from ..film.regions import RegionMoments
 from .causes import BAND, Shares, is_off
 from .claims import p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
-from .sequential import SequentialTest, holm, look_share
+from .boundaries import Spending
+from .sequential import SequentialTest, holm
 from .shares import CHANNELS, Sides, p_share_between, share, share_interval
 
 ATTRIBUTION_SHARE = 0.2
@@ -73,7 +74,8 @@ class Attribution:
         self.test = test
         self._level = level / 2.0
         self._inside = inside
-        self.looks, self._spent, self._seen = 0, 1.0, 0
+        self.spending = Spending(test.expected)
+        self._spent, self._seen = 1.0, 0
         self._agreement: dict[Names, np.ndarray] = {}
         self._between: dict[Names, np.ndarray] = {}
 
@@ -91,8 +93,7 @@ class Attribution:
         """Judge the sets tried so far on what there is, and try larger ones where all smaller ones are ruled out."""
         if not self.different.any() or self.complete:
             return
-        self.looks += 1
-        self._spent, self._seen = look_share(self.looks, last), candidate.moments.most
+        self._spent, self._seen = self.spending.take(last), candidate.moments.most
         sides = self.sides(reference, candidate)
         for size in range(1, len(self.names) + 1):
             all_tried = self._try(size, sides, effects)
@@ -151,7 +152,7 @@ class Attribution:
     def shares(self, names: Names, sides: Sides) -> Shares:
         """The shares of a set, with their intervals."""
         # What came after the last look belongs to the next.
-        spent = self._spent if sides.candidate.most == self._seen else look_share(self.looks + 1, last=False)
+        spent = self._spent if sides.candidate.most == self._seen else self.spending.share_of(self.spending.looks + 1)
         tail = self._level * spent * set_share(len(names), len(self.names)) / (2 * CHANNELS * self.test.outcomes.size)
         effect, alone = self.moments(names), 0.5 * (1.0 - self.test.confidence)
         return Shares(

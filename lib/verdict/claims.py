@@ -16,7 +16,7 @@ from scipy.special import stdtr, stdtrit
 
 from ..film.moments import Moments
 
-# Below this share of the whole image's mean, tolerance is absolute: a relative one would ask for noise-free black.
+# Below this share of the image's median, tolerance is absolute: a relative one would ask for noise-free black.
 FLOOR_SHARE = 1e-3
 # Three channels, and two ends of the tolerance, each of which alone can show a difference.
 WAYS_TO_DIFFER = 6
@@ -57,7 +57,11 @@ def combine(
 
 
 def tolerance_ends(
-    candidate: Moments, reference: Moments, tolerance: float, floor: float, shift: Moments | None = None
+    candidate: Moments,
+    reference: Moments,
+    tolerance: np.ndarray | float,
+    floor: np.ndarray | float,
+    shift: Moments | None = None,
 ) -> tuple[Combination, Combination]:
     """C - E minus, and plus, the allowed gap: the first is below zero and the second above where C is inside.
 
@@ -102,7 +106,7 @@ def p_different(upper: Combination, lower: Combination) -> np.ndarray:
     return np.minimum(WAYS_TO_DIFFER * best, 1.0)
 
 
-def difference(candidate: Moments, reference: Moments, floor: float) -> np.ndarray:
+def difference(candidate: Moments, reference: Moments, floor: np.ndarray | float) -> np.ndarray:
     """(C - E) / max(|E|, floor) as estimated, (K, 3); 0 where both are 0, infinite where only the reference is."""
     gap = candidate.mean - reference.mean
     scale = np.maximum(np.abs(reference.mean), floor)
@@ -110,7 +114,9 @@ def difference(candidate: Moments, reference: Moments, floor: float) -> np.ndarr
     return np.where(np.isnan(gap), np.nan, np.divide(gap, scale, out=unscaled, where=scale > 0))
 
 
-def interval(candidate: Moments, reference: Moments, floor: float, tail: float) -> tuple[np.ndarray, np.ndarray]:
+def interval(
+    candidate: Moments, reference: Moments, floor: np.ndarray | float, tail: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray]:
     """Both ends (K, 3) of the confidence interval of the relative difference, with probability `tail` beyond each.
 
     Fieller's: all rho with (C - rho E)^2 <= q^2 (var C + rho^2 var E); infinite ends where E is not
@@ -136,3 +142,17 @@ def interval(candidate: Moments, reference: Moments, floor: float, tail: float) 
     missing = np.isnan(plain.value)
     low, high = np.where(exact, sure, low), np.where(exact, sure, high)
     return np.where(missing, np.nan, low), np.where(missing, np.nan, high)
+
+
+def bound(
+    candidate: Moments, reference: Moments, floor: np.ndarray | float, tail: np.ndarray | float
+) -> np.ndarray:
+    """The smallest tolerance (K,) at which each region would be within it, each claim with error `tail`; NaN without a mean.
+
+    It is the larger end of the interval, in the channel furthest off: two one-sided tests at `tail` pass for a tolerance exactly where the
+    interval lies inside (Schuirmann 1987). Infinite where a side has fewer than two replicates.
+    """
+    low, high = interval(candidate, reference, floor, tail)
+    ends = np.maximum(np.abs(low), np.abs(high))
+    ends = np.where(np.isnan(ends), np.inf, ends).max(axis=1)
+    return np.where(np.isnan(candidate.mean + reference.mean).any(axis=1), np.nan, ends)

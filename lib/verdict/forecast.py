@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What it would cost to decide the regions that are still open."""
+"""What it would cost to show that all regions agree to within a tolerance, or that they do not."""
 
 from __future__ import annotations
 
@@ -9,22 +9,27 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ..film.moments import Moments
+from .boundaries import GROWTH
 from .claims import WAYS_TO_DIFFER, Combination, combine, tolerance_ends
-from .sequential import GROWTH, SequentialTest, look_share
+from .sequential import ONE_DIFFERS, SequentialTest
 
 COVERAGE = 0.9
 MOST = 0.9
-_MOST_GROWTH = 1e9
+# Beyond this many times the replicates so far there is no forecast: the data do not support one.
+MOST_GROWTH = 100.0
+# Bounds that are forecast where the tolerance is out of reach.
+STEPS = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001)
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """By which factor the replicates so far must grow until all open regions are decided, one way or the other.
+    """By which factor the replicates so far must grow until `regions` open regions are within `bound`, or shown to differ by more.
 
     `factor` is the median; the true one lies between `low` and `high` with probability of at least `COVERAGE`. Infinite where it
-    is beyond a thousand million: the difference sits on the tolerance itself. At `most`, the share MOST of them is expected to be decided.
+    is beyond MOST_GROWTH. At `most`, the share MOST of them is expected to be decided.
     """
 
+    bound: float
     factor: float
     low: float
     high: float
@@ -59,32 +64,51 @@ def passing_probability(z: np.ndarray, gap: np.ndarray, share: np.ndarray, q: fl
 
 
 def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Forecast | None:
-    """The forecast for all open regions of `test`; None where none is open or fewer than two replicates are there.
+    """The forecast for the tolerance or, where that is out of reach, for the smallest bound of STEPS that is not.
+
+    None where no region is open, fewer than two replicates are there, or no bound below the present one is in reach.
+    """
+    if not test.undecided.any() or min(reference.most, candidate.most) < 2:
+        return None
+    present = test.overall_bound(test.undecided)
+    for bound in (test.tolerance, *sorted(step for step in STEPS if test.tolerance < step < present)):
+        found = forecast_bound(test, reference, candidate, bound)
+        if found is not None and np.isfinite(found.high):
+            return found
+    return None
+
+
+def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments, bound: float) -> Forecast | None:
+    """The forecast for all open regions of `test`, of being within `bound`; None where none has a mean.
 
     That all are decided is at most as probable as the least decided one, and at least 1 minus the sum of what
     is missing (Bonferroni): these give the interval, whatever the dependence; the median takes regions as independent.
     """
     open_regions = test.undecided & np.isfinite(reference.mean + candidate.mean).all(axis=1)
-    if not open_regions.any() or min(reference.most, candidate.most) < 2:
+    if not open_regions.any():
         return None
-    upper, lower = tolerance_ends(candidate, reference, test.tolerance, test.floor)
+    upper, lower = tolerance_ends(candidate, reference, bound, test.floor)
     inside = np.concatenate([_errors(upper.value, upper, -1), _errors(lower.value, lower, +1)], axis=1)[open_regions]
     gap, share = _prior(test, reference, candidate)
     gaps = np.concatenate([_errors(gap, upper, -1), _errors(gap, lower, +1)], axis=1)[open_regions]
     shares = np.concatenate([share, share], axis=1)[open_regions]
+    room = test.rare[:, None] * np.maximum(np.abs(reference.mean), test.floor)
+    rooms = np.concatenate([_errors(room, upper, +1), _errors(room, lower, +1)], axis=1)[open_regions]
     rows = np.arange(inside.shape[0])
     worst, best = inside.argmin(axis=1), (-inside).argmax(axis=1)
+    near, far = (rows, worst), (rows, best)
     df = float(np.median(np.stack([upper.df, lower.df])[:, open_regions]))
     quantiles = {"low": np.inf, "factor": np.inf, "high": np.inf, "most": np.inf}
-    for growth in 1 + np.geomspace(1e-2, _MOST_GROWTH, 400):
-        looks = len(test.looks) + max(1, round(np.log(growth) / np.log(GROWTH)))
-        p = test.level * look_share(looks, last=False) / test.claims_left
-        near, far = (rows, worst), (rows, best)
-        enough = -stdtrit(df * growth, p)
-        equivalent = passing_probability(inside[near], gaps[near], shares[near], enough, growth)
-        enough = -stdtrit(df * growth, p / WAYS_TO_DIFFER)
-        different = passing_probability(-inside[far], -gaps[far], shares[far], enough, growth)
-        decided = np.minimum(equivalent + different, 1.0)
+    for growth in 1 + np.geomspace(1e-2, MOST_GROWTH, 400):
+        # The room for light that was not met shrinks like 1 / growth, its standard errors like 1 / sqrt(growth).
+        met = _less(inside[near], rooms[near] / growth)
+        enough = -stdtrit(df * growth, test.looks[-1].level)
+        decided = passing_probability(met, gaps[near], shares[near], enough, growth)
+        if bound == test.tolerance:
+            p = test.level * ONE_DIFFERS * test.share_after(growth) / (WAYS_TO_DIFFER * test.outcomes.size)
+            met = _less(-inside[far], rooms[far] / growth)
+            decided = decided + passing_probability(met, -gaps[far], shares[far], -stdtrit(df * growth, p), growth)
+        decided = np.minimum(decided, 1.0)
         reached = {
             "low": decided.min() >= (1 - COVERAGE) / 2,
             "factor": decided.prod() >= 0.5,
@@ -93,9 +117,8 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
         }
         quantiles = {k: min(v, float(growth)) if reached[k] else v for k, v in quantiles.items()}
     # Decisions fall at looks, and those are a factor apart.
-    return Forecast(
-        quantiles["factor"], quantiles["low"], GROWTH * quantiles["high"], quantiles["most"], int(open_regions.sum())
-    )
+    high = GROWTH * quantiles["high"]
+    return Forecast(bound, quantiles["factor"], quantiles["low"], high, quantiles["most"], int(open_regions.sum()))
 
 
 def _prior(test: SequentialTest, reference: Moments, candidate: Moments) -> tuple[np.ndarray, np.ndarray]:
@@ -113,3 +136,9 @@ def _errors(value: np.ndarray, end: Combination, sign: int) -> np.ndarray:
     value = sign * value
     far = np.where(value == 0, 0.0, np.copysign(np.inf, value))
     return np.divide(value, end.error, out=far, where=end.error > 0)
+
+
+def _less(z: np.ndarray, room: np.ndarray) -> np.ndarray:
+    """`z` less `room`; where both are infinite, as without noise, -inf: nothing is passed."""
+    with np.errstate(invalid="ignore"):
+        return np.nan_to_num(z - room, nan=-np.inf, posinf=np.inf, neginf=-np.inf)

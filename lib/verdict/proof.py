@@ -9,7 +9,7 @@ from scipy.special import stdtrit
 from .attribution import Attribution, Names
 from .causes import BAND
 from .claims import combine
-from .sequential import GROWTH, look_share
+from .boundaries import GROWTH
 from .shares import CHANNELS, Sides, less
 
 _MOST_GROWTH = 1e6
@@ -40,7 +40,8 @@ def growth_of_proof(search: Attribution, names: Names, sides: Sides) -> float:
     agreement, between = np.sort(agreement[np.isfinite(agreement)]), between[np.isfinite(between)]
     level = search.level_of(names) / 2.0
     for growth in np.geomspace(1.0, _MOST_GROWTH, 400):
-        spent = look_share(search.looks + max(1, round(np.log(growth) / np.log(GROWTH))), last=False)
+        looks = search.spending.looks + max(1, round(np.log(growth) / np.log(GROWTH)))
+        spent = search.spending.share_of(looks)
         p = level * spent
         holm = p / np.arange(1, agreement.size + 1)
         enough = -stdtrit(df * growth, holm) + _SPARE

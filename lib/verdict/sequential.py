@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deciding while sampling goes on: every look at the data is paid for, and so is every region.
+"""Deciding while sampling goes on: the state of a test of N regions.
 
-For each region there are two claims, inside and outside the tolerance; all 2 N of them share one error level (1 -
-confidence). Look k spends a share w_k of it, with sum w_k <= 1: alpha spending (Lan and DeMets, "Discrete sequential boundaries for clinical
-trials", 1983), here by Bonferroni's inequality, so that it holds however looks, regions and channels depend on one another.
-The least p_k / w_k so far is then a p-value at every look, and Holm ("A simple sequentially rejective multiple test
-procedure", 1979) over all 2 N of them holds the level for the family. Where attribution follows (attribution.py), the level here is what
-that leaves.
+Three kinds of claims are made, each with a part of the error level (1 - confidence) of its own (`PARTS`):
+
+- *All regions agree.* The union of "region r is outside the tolerance" is rejected when each of them is, every one at the whole level
+  of its part: an intersection-union test (Berger, "Multiparameter hypothesis testing and acceptance sampling", 1982), which pays nothing
+  for the number of regions. Families of regions (the image, what the user named, cells) are claimed in this order, each only
+  after those before it: with a fixed order every one has the whole level (Maurer, Hothorn and Lehmacher, "Multiple comparisons in drug
+  clinical trials and preclinical assays: a priori ordered hypotheses", 1995).
+- *This region agrees*, where not all do: Holm's procedure ("A simple sequentially rejective multiple test procedure", 1979) over N.
+- *This region differs*: Holm's procedure over N.
+
+The tests on means cannot know of light that no sample has met; `rare` says how large a difference that could hide, and every claim
+leaves room for it (rare.py). Nothing is frozen: each look judges anew all that was sampled since the last, and a claim that the data
+no longer bear is withdrawn.
 """
 
 from __future__ import annotations
@@ -16,27 +23,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..film.moments import Moments
-from .claims import FLOOR_SHARE, p_different, p_equivalent, tolerance_ends
+from .boundaries import EXPECTED_LOOKS, GROWTH, Boundary, Spending
+from .claims import FLOOR_SHARE, bound, p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
 
-FIRST_LOOK = 8
-GROWTH = 1.5
-
-
-def next_look(replicates: int) -> int:
-    """The number of replicates at which to look next: 8, 12, 18, 27, 41, ... , from quantiles of t that are bearable on."""
-    look = FIRST_LOOK
-    while look <= replicates:
-        look = int(np.ceil(GROWTH * look))
-    return look
-
-
-def look_share(k: int, last: bool) -> float:
-    """The share of the error level that look k = 1, 2, ... spends: 1 / (k (k + 1)), and all that is left, 1 / k, if it is the last.
-
-    Whether it is the last may depend on time and on budgets, never on what is seen.
-    """
-    return 1 / k if last else 1 / (k * (k + 1))
+ALL_AGREE, ONE_AGREES, ONE_DIFFERS = PARTS = (0.5, 0.1, 0.4)
+"""What each kind of claim has of the error level that attribution leaves."""
 
 
 def holm(p: np.ndarray, level: float) -> np.ndarray:
@@ -51,28 +43,61 @@ def holm(p: np.ndarray, level: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Look:
-    """One look: replicates on each side, its share of the error level, and the regions it left undecided."""
+    """One look: replicates on each side, its share of the error level, the level of its test of one region, what it left undecided.
+
+    `bound` is the difference up to which all regions agree, by this look.
+    """
 
     replicates: tuple[int, int]
     share: float
+    level: float
     undecided: int
+    bound: float
+
+
+@dataclass(frozen=True)
+class Withdrawn:
+    """A claim that later data did not bear: the region, what was claimed, and at how many replicates it was and no longer was."""
+
+    region: int
+    outcome: Outcome
+    claimed_at: int
+    withdrawn_at: int
 
 
 class SequentialTest:
-    """The state of the decision on N regions; `floor` is fixed by the first look, from the mean of region 0, the whole image.
+    """The state of the decision on N regions.
 
-    `held_back` is the share of the error level, 1 - `confidence`, that claims made elsewhere may spend.
+    `held_back` is the share of the error level, 1 - `confidence`, that claims made elsewhere may spend. `families` (N,) numbers the
+    families of regions in the order in which they are claimed; without it all are one. `expected` is the number of looks that the level is
+    shared among. `floor` (3,) is what a difference is relative to where the reference is darker; None until the first look fixes it.
     """
 
-    def __init__(self, count: int, tolerance: float, confidence: float, held_back: float = 0.0) -> None:
+    def __init__(
+        self,
+        count: int,
+        tolerance: float,
+        confidence: float,
+        held_back: float = 0.0,
+        families: np.ndarray | None = None,
+        expected: int = EXPECTED_LOOKS,
+    ) -> None:
         self.tolerance = tolerance
         self.confidence = confidence
         self.level = (1 - confidence) * (1 - held_back)
-        self.floor = 0.0
+        self.families = np.zeros(count, int) if families is None else families
+        self.floor = np.zeros(3)
         self.looks: list[Look] = []
         self.outcomes = np.full(count, Outcome.UNDECIDED)
         self.decided_at = np.zeros(count, int)
-        self._evidence = np.full((2, count), np.inf)
+        self.bounds = np.full(count, np.inf)
+        self.rare = np.zeros(count)
+        self.withdrawn: list[Withdrawn] = []
+        self.expected = expected
+        self._spending = Spending(expected)
+        self._boundary = Boundary(ALL_AGREE * self.level)
+        # p-values over the look's share, of the claims on single regions, as of the last look at each.
+        self._agrees, self._differs = np.full((2, count), np.inf)
 
     @property
     def undecided(self) -> np.ndarray:
@@ -80,23 +105,68 @@ class SequentialTest:
         return self.outcomes == Outcome.UNDECIDED
 
     @property
-    def claims_left(self) -> int:
-        """How many claims share the level that the next one must meet (Holm's divisor)."""
-        return 2 * self.outcomes.size - int((~self.undecided).sum())
+    def within(self) -> np.ndarray:
+        """Which regions (N,) are shown to be within the tolerance, if the rest is: they need no more samples."""
+        return self.bounds <= self.tolerance
 
-    def look(self, reference: Moments, candidate: Moments, last: bool) -> None:
-        """Judge what there is, moments (N, 3) of the region means; a region once decided stays so."""
+    def share_after(self, growth: float) -> float:
+        """The share of the level that a look spends once there are `growth` times the replicates."""
+        return self._spending.share_of(len(self.looks) + max(1, round(np.log(growth) / np.log(GROWTH))))
+
+    def look(self, reference: Moments, candidate: Moments, last: bool, rare: np.ndarray | float = 0.0) -> None:
+        """Judge what there is: moments (N, 3) of the region means, and the relative difference (N,) that unseen light may make."""
         if not self.looks:
-            self.floor = FLOOR_SHARE * float(np.nan_to_num(np.abs(reference.mean[0]).mean()))
-        share = look_share(len(self.looks) + 1, last)
-        upper, lower = tolerance_ends(candidate, reference, self.tolerance, self.floor)
-        p = np.stack([p_equivalent(upper, lower), p_different(upper, lower)])
-        # What is decided may not be sampled any more, and has no share in this look.
-        self._evidence = np.where(self.undecided, np.minimum(self._evidence, p / share), self._evidence)
-        rejected = holm(self._evidence.ravel(), self.level).reshape(2, -1)
-        for row, outcome in enumerate((Outcome.EQUIVALENT, Outcome.DIFFERENT)):
-            # A region decided before keeps its outcome, even if the other claim now passes too.
-            now = rejected[row] & self.undecided
-            self.outcomes[now] = outcome
-            self.decided_at[now] = min(reference.most, candidate.most)
-        self.looks.append(Look((reference.most, candidate.most), share, int(self.undecided.sum())))
+            self.floor = find_floor(reference.mean, self.families)
+        replicates = min(reference.most, candidate.most)
+        share = self._spending.take(last)
+        level = self._boundary.next(replicates, share)
+        now = np.broadcast_to(np.minimum(reference.n, candidate.n) >= replicates, self.bounds.shape)
+        rare = np.broadcast_to(np.asarray(rare, float), self.bounds.shape)
+        found = bound(candidate, reference, self.floor, level) + rare
+        self.bounds = np.where(now, found, self.bounds)
+        self.rare = np.where(now, rare, self.rare)
+        inside = np.maximum(self.tolerance - rare, 0.0)[:, None]
+        p = p_equivalent(*tolerance_ends(candidate, reference, inside, self.floor)) / share
+        self._agrees = np.where(now, np.where(rare < self.tolerance, p, np.inf), self._agrees)
+        outside = (self.tolerance + rare)[:, None]
+        p = p_different(*tolerance_ends(candidate, reference, outside, self.floor)) / share
+        self._differs = np.where(now, p, self._differs)
+        self._claim(replicates, np.isnan(reference.mean + candidate.mean).any(axis=1))
+        self.looks.append(
+            Look((reference.most, candidate.most), share, level, int(self.undecided.sum()), self.overall_bound())
+        )
+
+    def overall_bound(self, of: np.ndarray | slice = slice(None)) -> float:
+        """The difference up to which all regions, or all `of` some (N,) bool, are shown to agree; infinite if there is none."""
+        known = self.bounds[of]
+        known = known[~np.isnan(known)]
+        return float(known.max()) if known.size else np.inf
+
+    def _claim(self, replicates: int, missing: np.ndarray) -> None:
+        """The outcomes as of now; regions that are `missing` have no pixel left and are not asked about."""
+        outcomes = np.full(self.outcomes.size, Outcome.UNDECIDED)
+        within = self.within | missing
+        # Of the families in their order, all before the first that does not pass as a whole.
+        failed = [family for family in np.unique(self.families) if not within[self.families == family].all()]
+        passed = self.families < failed[0] if failed else np.ones_like(within)
+        agrees = (passed & ~missing) | holm(self._agrees, ONE_AGREES * self.level)
+        outcomes[agrees] = Outcome.EQUIVALENT
+        outcomes[holm(self._differs, ONE_DIFFERS * self.level)] = Outcome.DIFFERENT
+        changed = outcomes != self.outcomes
+        for k in np.flatnonzero(changed & ~self.undecided):
+            self.withdrawn.append(Withdrawn(int(k), self.outcomes[k], int(self.decided_at[k]), replicates))
+        self.outcomes = outcomes
+        self.decided_at[changed] = np.where(self.undecided[changed], 0, replicates)
+
+
+def find_floor(reference: np.ndarray, families: np.ndarray) -> np.ndarray:
+    """The floor (3,): a share of the median, per channel, of the regions in the last family that are not black.
+
+    The median is that of what does not emit, as long as lamps fill less than half of the image. 0 where all is black.
+    """
+    cells = np.abs(reference[families == families.max()])
+    floors = []
+    for values in cells.T:
+        lit = values[values > 0]
+        floors.append(FLOOR_SHARE * float(np.median(lit)) if lit.size else 0.0)
+    return np.array(floors)

@@ -13,7 +13,11 @@ from .causes import Explanation
 from .claims import difference, interval
 from .forecast import Forecast, forecast
 from .outcome import Outcome
-from .sequential import Look, SequentialTest
+from .rare import blind_spot, describe_tails, pareto_shape
+from .sequential import ALL_AGREE, ONE_DIFFERS, Look, SequentialTest, Withdrawn
+
+
+RARE = "open because of rare light: bright samples are so seldom that a region may not have met its share of them yet"
 
 
 @dataclass(frozen=True)
@@ -24,13 +28,20 @@ class Verdict:
     difference (candidate - reference) / max(|reference|, `floor`) and its confidence interval, simultaneous for all
     regions and channels; `reference`, `candidate` (N, 3) means. `excluded` (N,) is the weight, in pixels, that non-finite
     samples took out of each region. `reasons` says in words what keeps the image from being EQUIVALENT.
+
+    `bounds` (N,) is the difference up to which each region agrees, the claims on all regions together; `bound` the largest of them, up to
+    which the whole image agrees in every region; NaN where no pixel is left. `rare` (N,) is what of each is room for light that
+    no sample has met, `blind` (N,) the worth of samples, in means of the region, beyond which a difference as large as the tolerance
+    could have been missed. `tails` (N,) is the part of a region's light that its largest replicate carries, on the side where it is
+    larger, `shapes` (N,) the shape of the tail there. `dark` (N,) marks regions below the floor in all channels. `withdrawn`
+    are the claims that later data did not bear.
     """
 
     outcome: Outcome
     reasons: tuple[str, ...]
     tolerance: float
     confidence: float
-    floor: float
+    floor: np.ndarray
     outcomes: np.ndarray
     decided_at: np.ndarray
     reference: np.ndarray
@@ -39,8 +50,23 @@ class Verdict:
     low: np.ndarray
     high: np.ndarray
     excluded: np.ndarray
+    bound: float
+    bounds: np.ndarray
+    rare: np.ndarray
+    blind: np.ndarray
+    tails: np.ndarray
+    shapes: np.ndarray
+    dark: np.ndarray
+    families: np.ndarray
+    withdrawn: tuple[Withdrawn, ...]
     looks: tuple[Look, ...]
     forecast: Forecast | None
+
+    @property
+    def is_rare(self) -> np.ndarray:
+        """The open regions (N,) that light which no sample has met keeps open: without room for it they would be within the tolerance."""
+        wide = (self.bounds > self.tolerance) & (self.bounds - self.rare <= self.tolerance)
+        return wide & (self.outcomes == Outcome.UNDECIDED)
 
     def count(self, outcome: Outcome) -> int:
         """The number of regions with that outcome."""
@@ -52,9 +78,12 @@ def conclude(
     reference: RegionMoments,
     candidate: RegionMoments,
     nonfinite: dict[str, int],
+    samples: tuple[int, int],
     explanation: Explanation | None = None,
 ) -> Verdict:
     """The verdict after the last look; `nonfinite` counts, by the side's name, the pixels with non-finite samples.
+
+    `samples` per pixel are in each replicate of the reference and the candidate.
 
     Regions that the `explanation` covers become EXPLAINED, and so does the image if all that was not EQUIVALENT is covered. If only what
     differs is covered, the image is UNDECIDED.
@@ -79,7 +108,7 @@ def conclude(
                     "known departures explain every region that differs; whether they explain all the rest is open"
                 )
         outcomes[covered] = Outcome.EXPLAINED
-    tail = test.level * _shares(test, of_reference, of_candidate) / (6 * test.outcomes.size)
+    tail = ONE_DIFFERS * test.level * _shares(test, of_reference, of_candidate) / (6 * test.outcomes.size)
     low, high = interval(of_candidate, of_reference, test.floor, tail)
     return Verdict(
         outcome,
@@ -95,6 +124,14 @@ def conclude(
         low,
         high,
         reference.regions.sizes - reference.sizes,
+        test.overall_bound(),
+        test.bounds.copy(),
+        test.rare.copy(),
+        blind_spot(_fewest(reference, candidate, samples), test.tolerance, ALL_AGREE * test.level),
+        *_tails((reference, candidate), samples),
+        (np.abs(of_reference.mean) < test.floor).all(axis=1),
+        test.families,
+        tuple(test.withdrawn),
         tuple(test.looks),
         None if outcome is Outcome.EXPLAINED else forecast(test, of_reference, of_candidate),
     )
@@ -117,10 +154,27 @@ def _reasons(
         )
     if min(reference.moments.most, candidate.moments.most) < 2:
         reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
-    elif undecided:
-        are = "is" if undecided == 1 else "are"
-        reasons.append(f"{undecided} of {test.outcomes.size} regions {are} still too noisy to decide")
+        return reasons
+    rare = int((test.undecided & (test.bounds - test.rare <= test.tolerance) & ~test.within).sum())
+    for count, why in ((undecided - rare, "still too noisy to decide"), (rare, RARE)):
+        if count > 0:
+            reasons.append(f"{count} of {test.outcomes.size} regions {'is' if count == 1 else 'are'} {why}")
     return reasons
+
+
+def _fewest(reference: RegionMoments, candidate: RegionMoments, samples: tuple[int, int]) -> np.ndarray:
+    """The samples (N,) that the side with fewer has in each region."""
+    return np.minimum(*(s.sizes * n * s.moments.n for s, n in zip((reference, candidate), samples, strict=True)))
+
+
+def _tails(sides: tuple[RegionMoments, RegionMoments], samples: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """The part of each region's light that its largest replicate carries, and the shape of its tail, (N,) each: those of the worse side."""
+    shares, shapes = [], []
+    for side, n in zip(sides, samples, strict=True):
+        series = side.series
+        shares.append(describe_tails(series, side.sizes * n).largest_share)
+        shapes.append([pareto_shape(values) for values in series.T])
+    return np.maximum(*shares), np.fmax(*shapes)
 
 
 def _shares(test: SequentialTest, reference: Moments, candidate: Moments) -> np.ndarray:

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How often the data may be looked at, and how the error level is spent on it.
+
+Look k spends a share of the level that is laid down before anything is seen (`Spending`). What a look may spend turns into the level of
+its own test in one of two ways. Bonferroni's inequality adds the levels up, however the looks depend on one another. `Boundary` is
+exact for a mean of independent replicates: it asks for the probability that this look is the first to reject.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri
+
+FIRST_LOOK = 8
+GROWTH = 1.2
+# Looks among which the level is shared where nothing says how many there will be: 8 to some 300 replicates.
+EXPECTED_LOOKS = 20
+# Points of the grid on which densities are integrated, and how far it reaches, in standard deviations.
+_POINTS, _REACH = 1024, 8.5
+# Of looks that are nearer to each other than this factor, the later one pays by Bonferroni's inequality: the grid is too coarse.
+_NEAREST = 1.01
+
+
+def next_look(replicates: int) -> int:
+    """The number of replicates at which to look next: 8, 10, 12, 15, 18, 22, ... , each a factor GROWTH or more above the last."""
+    look = FIRST_LOOK
+    while look <= replicates:
+        look = int(np.ceil(GROWTH * look))
+    return look
+
+
+def count_looks(replicates: int) -> int:
+    """How many looks there are at up to so many replicates, at least 1."""
+    look, count = FIRST_LOOK, 1
+    while (look := next_look(look)) <= replicates:
+        count += 1
+    return count
+
+
+class Spending:
+    """The shares of the error level that successive looks spend, at most 1 in all.
+
+    The first `expected` looks have equal shares; those after them divide one more such share as 1 / (j (j + 1)). Equal shares over a
+    geometric series of looks favour no number of replicates, so they suit a need that is not known.
+    """
+
+    def __init__(self, expected: int = EXPECTED_LOOKS) -> None:
+        self.expected = expected
+        self.looks, self.spent = 0, 0.0
+
+    def take(self, last: bool) -> float:
+        """The share of the next look: all that is left if it is the `last`, which may depend on time and budgets, never on what is seen."""
+        share = 1.0 - self.spent if last else self.share_of(self.looks + 1)
+        self.looks += 1
+        self.spent += share
+        return share
+
+    def share_of(self, look: int) -> float:
+        """The share of look number `look` = 1, 2, ... where it is not the last."""
+        equal, beyond = 1.0 / (self.expected + 1), look - self.expected
+        return equal if beyond <= 0 else equal / (beyond * (beyond + 1))
+
+
+class Boundary:
+    """Levels of successive one-sided tests of one mean, such that any of them rejects a true hypothesis with probability `level` at most.
+
+    The statistic at n replicates is a sum of n independent normal terms, a Brownian motion observed at the times n. Its density among
+    the paths that no look has rejected is carried from look to look (Armitage, McPherson and Rowe, "Repeated significance tests on
+    accumulating data", 1969), and each look rejects the share that it may spend (Lan and DeMets, "Discrete sequential boundaries for
+    clinical trials", 1983). The levels are used for Student's t as they stand (Jennison and Turnbull, "Group sequential methods", 2000,
+    section 3.3).
+    """
+
+    def __init__(self, level: float) -> None:
+        self.level = level
+        self._time = 0.0
+        self._points = np.zeros(1)
+        self._weights = np.ones(1)
+
+    def next(self, replicates: float, share: float) -> float:
+        """The level of a test at `replicates` that spends `share` of the whole; at least what Bonferroni's inequality allows."""
+        spend = self.level * share
+        if replicates < _NEAREST * self._time:
+            return spend
+        step = np.sqrt(replicates - self._time)
+        z = self._rejecting(np.sqrt(replicates), step, spend)
+        self._carry(replicates, step, z)
+        return float(ndtr(-z))
+
+    def _rejecting(self, scale: float, step: float, spend: float) -> float:
+        """The z beyond which the statistic lies with probability `spend`, no look before having rejected."""
+
+        def excess(z: float) -> float:
+            return float(self._weights @ ndtr((self._points - z * scale) / step)) - spend
+
+        plain = float(-ndtri(spend))
+        return plain if excess(plain) >= 0 else brentq(excess, 0.0, plain, xtol=1e-9)
+
+    def _carry(self, time: float, step: float, z: float) -> None:
+        """The density after this look, as points and weights of the trapezoidal rule."""
+        scale = np.sqrt(time)
+        points = np.linspace(-_REACH, z, _POINTS) * scale
+        gap = (points[1] - points[0]) / step
+        density = np.exp(-0.5 * ((points[:, None] - self._points) / step) ** 2) @ self._weights
+        weights = density * gap / np.sqrt(2.0 * np.pi)
+        weights[[0, -1]] *= 0.5
+        self._time, self._points, self._weights = time, points, weights

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the samples cannot tell: light that is carried by samples too rare to have been met.
+
+Student's t knows the noise that it has seen. A region of M pixels that got n samples in each, N = n M in all, and met no sample of v times
+its mean or more, may still owe up to v ln(1/a) / N of its light to such samples: with a greater share, one would have been met
+with probability 1 - a (the upper limit of a binomial probability after no success, (1 - p)^N = a). So each claim on a region
+
+- leaves room for a difference of `worth` ln(1/a) / N, where `worth` is what the largest isolated jump that was seen anywhere in the
+  image, on either side, was worth: what one region met, another may not have met yet;
+- excludes only light in samples of up to v* = N tolerance / ln(1/a) times the region's mean: its *blind spot* lies beyond.
+
+A jump is isolated where one replicate of a region lies so many robust standard deviations above the median of its replicates that normal
+noise practically never does (`jump_limit`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+# Robust standard deviations (1.4826 times the median absolute deviation: Rousseeuw and Croux, "Alternatives to the median absolute
+# deviation", 1993) beyond which a replicate is an isolated jump, and the replicates that it takes to say so.
+JUMP, FEWEST = 8.0, 5
+# How often normal noise may pass for a jump, about: the robust deviation of few replicates is itself noisy, like Student's.
+MISTAKEN = 1e-7
+# Below this part of the median, deviations are rounding of float32 sums, not noise.
+ROUNDING = 1e-5
+# In units of a region's mean: samples of this worth are ruled out before any claim, whether or not a jump was seen.
+LEAST_WORTH = 10.0
+
+
+@dataclass(frozen=True)
+class Tails:
+    """How the replicates of K regions are distributed: `largest_share` (K,), the part of a region's light beyond its median replicate
+    that its largest replicate carries; `worth` (K,) that of the largest isolated jump in samples of the region's mean, 0 without one.
+    """
+
+    largest_share: np.ndarray
+    worth: np.ndarray
+
+
+def jump_limit(replicates: np.ndarray) -> np.ndarray:
+    """Robust standard deviations above the median of so many `replicates` (K,) from which on the largest is an isolated jump."""
+    return np.maximum(JUMP, -stdtrit(np.maximum(replicates - 2, 1), MISTAKEN))
+
+
+def describe_tails(series: np.ndarray, samples: np.ndarray) -> Tails:
+    """The tails of replicate means `series` (R, K), NaN where a region was not sampled, of `samples` (K,) in each replicate.
+
+    Negative means stand for no light and have no tail; fewer than FEWEST replicates tell of none.
+    """
+    known = np.isfinite(series)
+    count = known.sum(axis=0)
+    values = np.where(known, series, np.nan)
+    nothing = np.zeros(series.shape[1])
+    if not series.size or count.max(initial=0) < FEWEST:
+        return Tails(nothing, nothing)
+    usable = count >= FEWEST
+    values = np.where(usable, values, 0.0)
+    middle = np.nanmedian(values, axis=0)
+    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    excess = np.nanmax(values, axis=0) - middle
+    mean = np.nanmean(values, axis=0)
+    lit = usable & (mean > 0.0)
+    scale = np.maximum(spread, ROUNDING * np.abs(middle))
+    isolated = lit & (excess > jump_limit(count) * scale)
+    share = np.divide(excess, np.maximum(count, 1) * mean, out=nothing.copy(), where=lit)
+    worth = np.divide(excess * samples, mean, out=nothing.copy(), where=isolated)
+    return Tails(share, worth)
+
+
+def room_for_rare_light(worth: float, samples: np.ndarray, level: float) -> np.ndarray:
+    """The relative difference (K,) that samples worth `worth` means or fewer may hide from regions of so many `samples` (K,) in all.
+
+    `level` is the probability of missing more. Infinite where there is no sample.
+    """
+    samples = np.asarray(samples, float)
+    hidden = max(worth, LEAST_WORTH) * np.log(1.0 / level)
+    return np.divide(hidden, samples, out=np.full(samples.shape, np.inf), where=samples > 0)
+
+
+def blind_spot(samples: np.ndarray, tolerance: float, level: float) -> np.ndarray:
+    """v* (K,): light in samples of more than this many times a region's mean may make a difference of `tolerance` and not have been met."""
+    return np.asarray(samples, float) * tolerance / np.log(1.0 / level)
+
+
+def pareto_shape(values: np.ndarray) -> float:
+    """The shape k of the upper tail of `values` (R,): above 1/2 the variance, above 1 the mean does not exist. NaN below 25 values.
+
+    A generalised Pareto distribution is fitted to the largest min(R / 5, 3 sqrt(R)) values (Vehtari et al., "Pareto smoothed importance
+    sampling", 2024, section 2.2), by the estimator of Zhang and Stephens, "A new and efficient estimation method for the generalized
+    Pareto distribution" (2009).
+    """
+    values = np.sort(values[np.isfinite(values)])
+    if values.size < 25:
+        return np.nan
+    tail = int(min(np.ceil(values.size / 5), np.ceil(3 * np.sqrt(values.size))))
+    excess = values[-tail:] - values[-tail - 1]
+    if excess[-1] <= 0.0 or excess[0] <= 0.0:
+        return np.nan
+    candidates = 20 + int(np.sqrt(tail))
+    quartile = excess[int(tail / 4 + 0.5) - 1]
+    theta = 1.0 / excess[-1] + (1.0 - np.sqrt(candidates / (np.arange(candidates) + 0.5))) / (3.0 * quartile)
+    k = np.log1p(-theta[:, None] * excess).mean(axis=1)
+    likelihood = tail * (np.log(-theta / k) - k - 1.0)
+    weight = 1.0 / np.exp(likelihood - likelihood[:, None]).sum(axis=1)
+    theta = float(weight @ theta / weight.sum())
+    k = float(np.log1p(-theta * excess).mean())
+    return (tail * k + 5.0) / (tail + 10.0)  # a weak prior about 1/2, as in PSIS
