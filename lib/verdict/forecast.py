@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ..film.moments import Moments
+from ..relative import difference_scale
 from .claims import WAYS_TO_DIFFER, Combination, combine, tolerance_ends
 from .sequential import GROWTH, SequentialTest, look_share
 
@@ -101,7 +102,7 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
 def _prior(test: SequentialTest, reference: Moments, candidate: Moments) -> tuple[np.ndarray, np.ndarray]:
     """Estimated differences C - E (K, 3), and what share of each is expected to last."""
     plain = combine(candidate, reference, 1.0)
-    scale = np.maximum(np.abs(reference.mean), test.floor)
+    scale = difference_scale(reference.mean, test.floor)
     scale = np.where(scale > 0, scale, 1.0)
     gap, error = plain.value / scale, plain.error / scale
     variance = [spread_of_differences(gap[:, k], error[:, k], test.tolerance / 10) for k in range(gap.shape[1])]
