@@ -11,7 +11,6 @@ import numpy as np
 import scipy
 
 from ..blender_versions import Release
-from ..departures.effects import Alternatives
 from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import Coverage, Regions, image_regions
@@ -26,6 +25,7 @@ from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest, next_look
 from ..verdict.verdict import Verdict, conclude
 from ..version import VERSION
+from .departures import Alternatives
 from .focus import focus
 from .meter import Meter
 from .pilot import choose_samples

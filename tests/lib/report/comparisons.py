@@ -5,8 +5,8 @@ from html.parser import HTMLParser
 
 import numpy as np
 from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.departures.catalogue import Departure
-from etalon.lib.departures.effects import Alternatives
 from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.progress import Progress
 from etalon.lib.report import write_report
