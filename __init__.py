@@ -74,7 +74,7 @@ def __dir__() -> list[str]:
 def register() -> None:
     """Register the extension with Blender."""
     from . import public_name
-    from .addon import registration
+    from .addon.ui import registration
 
     registration.register()
     public_name.publish(__name__)
@@ -83,7 +83,7 @@ def register() -> None:
 def unregister() -> None:
     """Remove the extension from Blender again."""
     from . import public_name
-    from .addon import registration
+    from .addon.ui import registration
 
     public_name.withdraw()
     registration.unregister()

@@ -131,7 +131,7 @@ def _target(scene: str | Path | Target | None) -> Target:
 
 def _open(target: Target) -> tuple[str, Any]:
     """Open the scene in Blender; return its name, and the scene itself, a bpy.types.Scene."""
-    from .addon.blender import load_blender
+    from .addon.host.blender import load_blender
 
     bpy = load_blender()
     from .addon.command.opening import open_target, refuse_archive

@@ -25,8 +25,8 @@ from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.settings.cost import CostOptions
 from .cycles.renderer import neutral
 from .cycles.settings import cycles_ways, traded
+from .host.quiet import quiet
 from .job import export
-from .quiet import quiet
 
 # Seconds for pilots where only a forecast is asked for: with what is under way when they are over, at most 30.
 PILOTS = 24.0

@@ -14,8 +14,8 @@ from pathlib import Path
 import bpy
 
 from ..lib.comparison.compare import Comparison, Renderer, compare
+from ..lib.comparison.departures import alternatives
 from ..lib.comparison.run import Stop
-from ..lib.departures.effects import alternatives
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.progress import NO_PROGRESS, Progress
@@ -29,12 +29,12 @@ from ..lib.settings.words import repeating_command
 from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
-from .blender_at_hand import require_readable_file
 from .cycles.renderer import CyclesRenderer, neutral
 from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
 from .export.render_depsgraph import with_render_depsgraph
+from .host.blender_at_hand import require_readable_file
 
 # A part of the scene that may show a difference is judged in this share of the time, and in so many seconds at least.
 TRY_SHARE, TRY_LEAST = 0.05, 4.0

@@ -22,7 +22,7 @@ from ...lib.settings.words import repeating_command
 from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
-from ..quiet import quiet
+from ..host.quiet import quiet
 from .console import bar, interruptible
 from .opening import as_opened, open_target, refuse_archive
 

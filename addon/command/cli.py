@@ -78,10 +78,10 @@ def _run(arguments: argparse.Namespace) -> int:
 
     with ended_by_interrupt():
         if command.blender:
-            from ..blender import load_blender
+            from ..host.blender import load_blender
 
             load_blender()
-            from ..blender_at_hand import require_supported_blender
+            from ..host.blender_at_hand import require_supported_blender
 
             require_supported_blender()
         module = importlib.import_module(f".{command.name}", __package__)

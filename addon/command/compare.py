@@ -13,7 +13,7 @@ from ...lib.settings.common import Target
 from ...lib.settings.comparison import Settings
 from ...lib.settings.words import repeating_command
 from .. import job
-from ..quiet import quiet
+from ..host.quiet import quiet
 from .console import bar, interruptible
 from .opening import as_opened, open_target, refuse_archive
 

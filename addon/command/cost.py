@@ -15,7 +15,7 @@ from ...lib.progress import Progress
 from ...lib.settings.common import Target
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.words import repeating_command
-from ..blender import load_blender
+from ..host.blender import load_blender
 from .console import bar, ended_by_interrupt, interruptible
 
 

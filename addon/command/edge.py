@@ -15,8 +15,8 @@ from ...lib.stability.case import Case
 from ...lib.wavefront.render import ReferenceRenderer
 from ...reference_scenes.edge import CASES, EdgeCase
 from ..cycles.renderer import CyclesRenderer
+from ..host.quiet import quiet
 from ..job import export
-from ..quiet import quiet
 
 FAMILY = "scene at the edge"
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
 from ...lib.settings.common import Target
-from ..blender import load_blender
-from ..quiet import quiet
+from ..host.blender import load_blender
+from ..host.quiet import quiet
 from .console import ended_by_interrupt
 
 

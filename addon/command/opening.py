@@ -12,7 +12,7 @@ import bpy
 from ...lib.errors import EtalonError, unknown
 from ...lib.settings.common import Target
 from ...reference_scenes import SCENES, build
-from ..quiet import quiet
+from ..host.quiet import quiet
 from .assignments import assign
 
 # A .blend starts with its own magic, or with that of the gzip or Zstandard stream around it.

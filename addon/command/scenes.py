@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...lib.settings.commands import ScenesOptions
 from ...reference_scenes import SCENES, save
-from ..quiet import quiet
+from ..host.quiet import quiet
 
 
 def run(settings: ScenesOptions) -> int:

@@ -9,7 +9,7 @@ from ...lib.exit_codes import ExitCode
 from ...lib.settings.commands import StabilityOptions
 from ...lib.stability import atlas
 from ...lib.stability.case import Case
-from ..blender import load_blender
+from ..host.blender import load_blender
 from .console import ended_by_interrupt
 
 

@@ -19,8 +19,8 @@ from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
 from ...lib.progress import NO_PROGRESS, Progress
 from ...lib.sampling.streams import CYCLES_REPLICATES
-from ..export.camera import full_frame, rendered_region
-from ..quiet import quiet
+from ..host.frame import full_frame, rendered_region
+from ..host.quiet import quiet
 from .neutral import SEQUENCE, Changes, neutral
 
 __all__ = ["CyclesRenderer", "neutral"]

@@ -37,7 +37,7 @@ def _serve(request: dict[str, Any], package: str) -> None:
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
     names = ("errors", "progress", "scene.archive", "film.windows", "settings.comparison")
     errors, progress, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
-    quiet = importlib.import_module(f"{package}.addon.quiet")
+    quiet = importlib.import_module(f"{package}.addon.host.quiet")
     importlib.import_module(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]

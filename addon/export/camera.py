@@ -11,6 +11,7 @@ import numpy as np
 from ...lib.errors import EtalonError, Refusal
 from ...lib.scene.camera import PANORAMAS, Aperture, Camera
 from ...lib.scene.matrices import affine, is_sheared
+from ..host.frame import full_frame, rendered_region
 
 _KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
 _POLYNOMIAL = "FISHEYE_LENS_POLYNOMIAL"
@@ -55,22 +56,6 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
         field_of_view=data.fisheye_fov if kind in _FISHEYES else 2.0 * math.pi,
         polynomial=tuple(-getattr(data, f"fisheye_polynomial_k{k}") for k in range(5)) if kind == _POLYNOMIAL else (),
     )
-
-
-def full_frame(render: bpy.types.RenderSettings) -> tuple[int, int]:
-    """Width and height of the image without a border, in pixels."""
-    percentage = render.resolution_percentage
-    return render.resolution_x * percentage // 100, render.resolution_y * percentage // 100
-
-
-def rendered_region(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
-    """Left, bottom, width and height of the rendered region, in pixels; Blender renders none without a pixel."""
-    if not render.use_border:
-        return 0, 0, width, height
-    # Blender multiplies in single precision and cuts off.
-    edges = np.array([render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y], np.float32)
-    left, right, bottom, top = (edges * np.array([width, width, height, height], np.float32)).astype(int).tolist()
-    return left, bottom, right - left, top - bottom
 
 
 def _plane_from_raster(

@@ -13,7 +13,7 @@ from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
 from .nodes.displacement import read_bump, refuse_beside_bump
 from .nodes.images import ImageTable
-from .nodes.shaders import ShaderReader
+from .nodes.shaders import make_shader_reader
 from .nodes.tree import Scope, TreeReader, valid_link
 from .nodes.values import VALUES
 from .properties import refuse_undeclared
@@ -107,7 +107,7 @@ def _read_tree(
             what = f"displacement (node '{output.name}', socket 'Displacement')"
             refusals.append(Refusal(owner, what, "unlink Displacement, or choose Bump Only and a Displacement node"))
         values.surface_normal = bump
-    lobes = ShaderReader(values, Folder()).lobes(output.inputs["Surface"], scope)
+    lobes = make_shader_reader(values).lobes(output.inputs["Surface"], scope)
     if values.surface_normal is not None:
         refusals.extend(refuse_beside_bump(owner, lobes))
     for key, (node, where) in values.alpha_expected.items():

@@ -14,10 +14,11 @@ from ..cost.estimates import Estimate, of_geometric_mean
 from ..film.moments import Moments, merge
 from ..film.regions import Regions
 from ..film.rendering import Rendering
+from ..relative import relative_difference
 from ..report.write import averaged
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import holm
-from .paired import CHANNELS, interval, p_values, relative
+from .paired import CHANNELS, interval, p_values
 from .setting import Setting
 
 # A difference is drawn from this many standard errors on, of a pixel or of the smallest of these squares around it.
@@ -162,7 +163,7 @@ def _drawn(squares: list[Moments], neutral: np.ndarray, floor: float) -> np.ndar
     out = np.zeros((height, width))
     for step, moments in reversed(list(zip(SQUARES, squares, strict=True))):
         sure = np.abs(moments.mean) >= DRAWN * np.nan_to_num(moments.standard_error)
-        value = np.where(sure, relative(moments.mean, averaged(neutral, step)[..., 0], floor), 0.0)
+        value = np.where(sure, relative_difference(moments.mean, averaged(neutral, step)[..., 0], floor), 0.0)
         value = value.repeat(step, axis=0).repeat(step, axis=1)[:height, :width]
         out = np.where((value != 0.0) & (value * out >= 0.0), value, out)
     return out
@@ -194,7 +195,7 @@ def judge(
             Finding(
                 setting=setting,
                 outcomes=outcomes,
-                difference=relative((user - neutral).mean(axis=0), neutral.mean(axis=0), floor),
+                difference=relative_difference((user - neutral).mean(axis=0), neutral.mean(axis=0), floor),
                 low=low,
                 high=high,
                 seconds=float(np.mean(entry.seconds)),

@@ -11,17 +11,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import stdtrit
 
+from ..relative import relative_difference
 from ..verdict.claims import Combination, p_different, p_equivalent
 from ..verdict.fieller import fieller
 
 CHANNELS = 3
-
-
-def relative(difference: np.ndarray, neutral: np.ndarray, floor: float) -> np.ndarray:
-    """`difference` / max(|neutral|, floor), elementwise; 0 where both are 0, infinite where only the scale is."""
-    scale = np.maximum(np.abs(neutral), floor)
-    unscaled = np.where(difference == 0, 0.0, np.copysign(np.inf, difference))
-    return np.divide(difference, scale, out=unscaled, where=scale > 0)
 
 
 def p_values(user: np.ndarray, neutral: np.ndarray, tolerance: float, floor: float) -> np.ndarray:
@@ -59,8 +53,8 @@ def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -
     low, high = fieller(d, e, (dd, ee), de, q)
     dark = np.abs(e) < floor if floor > 0 else e == 0
     half, same = q * np.sqrt(dd), _same(user, neutral)
-    low = np.where(dark, relative(d - half, e, floor), low)
-    high = np.where(dark, relative(d + half, e, floor), high)
+    low = np.where(dark, relative_difference(d - half, e, floor), low)
+    high = np.where(dark, relative_difference(d + half, e, floor), high)
     return np.where(same, 0.0, low), np.where(same, 0.0, high)
 
 

@@ -12,7 +12,6 @@ import numpy as np
 import scipy
 
 from ..blender_versions import Release
-from ..departures.effects import Alternatives
 from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import BLOCK, Coverage, Regions, image_regions
@@ -29,6 +28,7 @@ from ..verdict.rare import describe_tails, room_for_rare_light
 from ..verdict.sequential import ALL_AGREE, SequentialTest
 from ..verdict.verdict import Verdict, conclude
 from ..version import VERSION
+from .departures import Alternatives
 from .focus import focus
 from .meter import Meter
 from .pilot import Layout, first_layout, main_layout, time_calls

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..departures.effects import Alternatives, PairedEffects
 from ..film.regions import Regions
 from ..verdict.attribution import ATTRIBUTION_SHARE, PAIRS, Attribution
 from ..verdict.causes import Explanation, nothing_found
 from ..verdict.explain import explain
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest
+from .departures import Alternatives, PairedEffects
 from .meter import Meter
 from .sides import Side
 

@@ -9,6 +9,7 @@ import numpy as np
 import OpenImageIO
 
 from ..errors import EtalonError
+from ..srgb import srgb_encode
 
 NONFINITE = (255, 0, 255)
 STRIPE = (128, 0, 128)
@@ -17,18 +18,14 @@ BELOW, EQUAL, ABOVE = (33, 102, 172), (247, 247, 247), (178, 24, 43)
 
 
 def srgb8(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
-    """Radiance (height, width, 3) times 2^exposure as sRGB code values, uint8, clipped at 1; non-finite pixels magenta.
-
-    IEC 61966-2-1.
-    """
+    """Radiance (height, width, 3) times 2^exposure as sRGB code values, uint8, clipped at 1; non-finite pixels magenta."""
     out = np.empty(radiance.shape, np.uint8)
     for row, values in enumerate(
         radiance
     ):  # whole images of intermediate values would be as large as all films together
         finite = np.isfinite(values).all(axis=1)
         linear = np.clip(np.where(finite[:, None], values, 0.0) * 2.0**exposure, 0.0, 1.0)
-        code = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-        out[row] = np.rint(255 * code)
+        out[row] = np.rint(255 * srgb_encode(linear))
         out[row, ~finite] = NONFINITE
     return out
 

@@ -1,4 +1,3 @@
-"use strict";
 const view = JSON.parse(document.getElementById("view").textContent);
 const { width, height, step, floor, tolerance, names } = view;
 const OUTCOMES = ["EQUIVALENT", "EXPLAINED", "DIFFERENT", "UNDECIDED"];
@@ -15,30 +14,11 @@ function unpacked(id) {
 const [reference, candidate] = ["floats-0", "floats-1"].map((id) => new Float32Array(unpacked(id).buffer));
 const flip = unpacked("flip");
 
-const regions = view.regions.map(([kind, name, outcome, box, pixels, excluded, decided, ref, cand, difference, low, high]) => {
-  let channel = 0;
-  for (let c = 1; c < 3; c++) if (Math.abs(difference[c]) > Math.abs(difference[channel])) channel = c;
-  return {
-    kind, name, outcome, box, pixels, excluded, decided, channel, reference: ref[channel], candidate: cand[channel],
-    difference: difference[channel], size: difference[channel] === null ? -1 : Math.abs(difference[channel]), low: low[channel], high: high[channel],
-  };
-});
+const regions = view.regions.map(pickChannel);
 const blocks = regions.filter((region) => region.kind === "block");
 
-function relative(i) {
-  const gap = candidate[i] - reference[i];
-  const scale = Math.max(Math.abs(reference[i]), floor);
-  return gap === 0 ? 0 : gap / scale;
-}
-
-function percent(value) {
-  if (value === null || !Number.isFinite(value)) return "unbounded";
-  return (value < 0 ? "−" : "+") + Math.abs(100 * value).toPrecision(3) + " %";
-}
-
-function number(value) {
-  return value === null || !Number.isFinite(value) ? "none" : Math.abs(value) >= 1e5 ? value.toExponential(3) : value.toPrecision(4);
-}
+/* The relative difference of one channel of one pixel, by its place in the floats. */
+const relative = (i) => relativeDifference(candidate[i] - reference[i], reference[i], floor);
 
 /* Images: each painted once per setting into a canvas of its own, then drawn into the panes. */
 
@@ -62,10 +42,7 @@ function painted(colorOf) {
   return canvas;
 }
 
-const SRGB = new Uint8Array(4097).map((_, i) => {
-  const v = i / 4096;
-  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-});
+const SRGB = Uint8Array.from({ length: 4097 }, (_, i) => Math.round(255 * encodeSrgb(i / 4096)));
 
 /* What is not compared is hatched. */
 function hatch(i, color) {
@@ -115,9 +92,8 @@ function paintMap() {
   canvas.height = height;
   const context = canvas.getContext("2d");
   for (const block of blocks) {
-    const [x0, y0, x1, y1] = block.box.map((v, i) => (i < 2 ? v : v + 1) / step);
     context.fillStyle = `rgb(${MAP_COLORS[block.outcome].join(" ")})`;
-    context.fillRect(x0, y0, x1 - x0, y1 - y0);
+    context.fillRect(...placeBox(block.box, step));
   }
   context.globalAlpha = 0.55;
   context.globalCompositeOperation = "luminosity";
@@ -202,12 +178,11 @@ function draw() {
       context.fillRect(at + 1, 0, 1, canvas.height);
     }
     if (state.box) {
-      const [x0, y0, x1, y1] = state.box.map((v, i) => (i < 2 ? v : v + 1) / step);
       context.setTransform(state.scale, 0, 0, state.scale, state.x, state.y);
       for (const [color, wide] of [["#000", 4], ["#ffd84a", 2]]) {
         context.strokeStyle = color;
         context.lineWidth = wide / state.scale;
-        context.strokeRect(x0, y0, x1 - x0, y1 - y0);
+        context.strokeRect(...placeBox(state.box, step));
       }
     }
   }
@@ -252,14 +227,14 @@ function listen(canvas) {
 function read(x, y) {
   if (x < 0 || y < 0 || x >= width || y >= height) return;
   const i = 3 * (y * width + x);
-  const rgb = (values) => [0, 1, 2].map((c) => number(values[i + c])).join("  ");
-  const block = blocks.find(({ box }) => x * step >= box[0] && x * step <= box[2] && y * step >= box[1] && y * step <= box[3]);
-  const gap = [0, 1, 2].map((c) => percent(relative(i + c))).join("  ");
+  const rgb = (values) => [0, 1, 2].map((c) => formatNumber(values[i + c])).join("  ");
+  const block = findRegion(blocks, x * step, y * step);
+  const gap = [0, 1, 2].map((c) => formatPercent(relative(i + c))).join("  ");
   const seen = state.mode === "difference" && flip[i / 3] !== view.flip.none ? `   FLIP ${(flip[i / 3] / view.flip.one).toFixed(2)}` : "";
   element("reading").textContent =
     `x ${x * step}, y ${y * step}   ${names[0]} ${rgb(reference)}   ${names[1]} ${rgb(candidate)}   difference ${gap}${seen}\n` +
-    (block ? `Block ${block.name}: ${block.outcome}, ${percent(block.difference)} in ${"RGB"[block.channel]} ` +
-      `(${percent(block.low)} to ${percent(block.high)})` : "");
+    (block ? `Block ${block.name}: ${block.outcome}, ${formatPercent(block.difference)} in ${"RGB"[block.channel]} ` +
+      `(${formatPercent(block.low)} to ${formatPercent(block.high)})` : "");
 }
 
 for (const button of document.querySelectorAll("[data-mode]")) {
@@ -271,7 +246,7 @@ for (const button of document.querySelectorAll("[data-mode]")) {
 
 function showSettings() {
   element("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure} EV`;
-  const limit = percent(tolerance * 2 ** state.limit).slice(1);
+  const limit = formatPercent(tolerance * 2 ** state.limit).slice(1);
   element("limit-value").textContent = `± ${limit}`;
   element("scale-ends").textContent = `relative difference, −${limit} to +${limit}`;
 }
@@ -313,20 +288,6 @@ for (const [label, value] of [["what you named", "named"], ["everything", ""], .
 }
 if (named.length < 2) element("kind").value = "";
 
-function chosen(region) {
-  const kind = element("kind").value;
-  const outcome = element("outcome").value;
-  return (kind === "" || (kind === "named" ? region.kind !== "block" : region.kind === kind)) &&
-    (outcome === "" || region.outcome === outcome) &&
-    region.name.toLowerCase().includes(element("search").value.toLowerCase());
-}
-
-function compareBy(a, b) {
-  const [x, y] = [a[table.key] ?? -Infinity, b[table.key] ?? -Infinity];
-  const order = typeof x === "string" ? x.localeCompare(y, undefined, { numeric: true }) : x === y ? 0 : x - y;
-  return table.descending ? -order : order;
-}
-
 function cell(row, text, className) {
   const td = row.insertCell();
   td.textContent = text;
@@ -334,7 +295,9 @@ function cell(row, text, className) {
 }
 
 function fill() {
-  const rows = regions.filter(chosen).sort(compareBy);
+  const filters = { kind: element("kind").value, outcome: element("outcome").value, search: element("search").value };
+  const rows = regions.filter((region) => matchesFilters(region, filters));
+  rows.sort((a, b) => compareRegions(a, b, table.key, table.descending));
   const body = element("table").tBodies[0];
   body.replaceChildren();
   for (const region of rows.slice(0, MOST_ROWS)) {
@@ -342,12 +305,12 @@ function fill() {
     cell(row, region.kind, "");
     cell(row, region.name, "name");
     cell(row, region.outcome, region.outcome);
-    cell(row, `${percent(region.difference)} ${"RGB"[region.channel]}`, "number");
-    cell(row, `${percent(region.low)} to ${percent(region.high)}`, "number");
-    cell(row, number(region.reference), "number");
-    cell(row, number(region.candidate), "number");
-    cell(row, region.excluded ? `${region.pixels} (${region.excluded} excluded)` : `${region.pixels}`, "number");
-    cell(row, region.decided || "–", "number");
+    cell(row, `${formatPercent(region.difference)} ${"RGB"[region.channel]}`, "number");
+    cell(row, `${formatPercent(region.low)} to ${formatPercent(region.high)}`, "number");
+    cell(row, formatNumber(region.reference), "number");
+    cell(row, formatNumber(region.candidate), "number");
+    cell(row, region.excluded_pixels ? `${region.pixels} (${region.excluded_pixels} excluded)` : `${region.pixels}`, "number");
+    cell(row, region.decided_at || "–", "number");
     row.addEventListener("pointerenter", () => { state.box = region.box; draw(); });
     row.addEventListener("pointerleave", () => { state.box = null; draw(); });
   }

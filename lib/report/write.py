@@ -17,6 +17,7 @@ from ..files.plain_data import write_json
 from ..film.exr import write_exr, write_film
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
 from ..pages import render_page
+from ..relative import relative_difference
 from .document import document
 from .flip import flip
 
@@ -46,15 +47,12 @@ def _shown(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
     return tuple(np.where(comparison.left_out[..., None], np.nan, mean) for mean in means)
 
 
-def relative_difference(comparison: Comparison) -> np.ndarray:
-    """(candidate - reference) / max(|reference|, floor) of each pixel (height, width, 3); 0 where both are 0, NaN for what is not compared."""
+def pixel_differences(comparison: Comparison) -> np.ndarray:
+    """The relative difference of each pixel (height, width, 3); NaN for what is not compared."""
     means = _shown(comparison)
     out = np.empty_like(means[0])
     for row, (reference, candidate) in enumerate(zip(*means, strict=True)):
-        scale = np.maximum(np.abs(reference), comparison.verdict.floor)
-        gap = candidate - reference
-        out[row] = np.where(gap == 0, 0.0, np.copysign(np.inf, gap))
-        np.divide(gap, scale, out=out[row], where=scale != 0)
+        out[row] = relative_difference(candidate - reference, reference, comparison.verdict.floor)
     return out
 
 
@@ -64,7 +62,7 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -
     (folder / "report.html").write_text(_html(comparison, figures), encoding="utf-8")
     write_film(folder / "reference.exr", comparison.reference.film)
     write_film(folder / "cycles.exr", comparison.candidate.film)
-    difference = relative_difference(comparison)
+    difference = pixel_differences(comparison)
     write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")})
     means = _shown(comparison)
     exposure = middle_exposure(means[0])
@@ -102,7 +100,7 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
             "mean": float(np.nanmean(seen)) if np.isfinite(seen).any() else None,
         },
         "names": [comparison.reference.name, comparison.candidate.name],
-        "regions": [_row(region) for region in figures["regions"]],
+        "regions": [shorten_region(region) for region in figures["regions"]],
     }
     values = {
         "figures": figures,
@@ -118,15 +116,19 @@ def _packed(values: np.ndarray) -> Markup:
     return Markup(base64.b64encode(values.tobytes()).decode())
 
 
-def _row(region: dict[str, Any]) -> list[Any]:
-    """A region for the page's script, which knows the order; short, for there may be thousands."""
+def shorten_region(region: dict[str, Any]) -> dict[str, Any]:
+    """A region of verdict.json as the page's script reads it: the same names, six significant digits."""
 
     def short(values: list[float | None]) -> list[float | None]:
         return [None if v is None else float(f"{v:.6g}") for v in values]
 
-    numbers = [short(region[key]) for key in ("reference", "candidate", "difference", "low", "high")]
-    sizes = [round(region["pixels"], 2), round(region["excluded_pixels"], 2), region["decided_at"]]
-    return [region["kind"], region["name"], region["outcome"], region["box"], *sizes, *numbers]
+    kept = {key: region[key] for key in ("kind", "name", "outcome", "box", "decided_at")}
+    sizes = {key: round(region[key], 2) for key in ("pixels", "excluded_pixels")}
+    return {
+        **kept,
+        **sizes,
+        **{key: short(region[key]) for key in ("reference", "candidate", "difference", "low", "high")},
+    }
 
 
 def averaged(image: np.ndarray, step: int) -> np.ndarray:

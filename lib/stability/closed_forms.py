@@ -26,6 +26,7 @@ FAMILY = "closed form"
 _WHITE = (1.0, 1.0, 1.0)
 _VECTOR = ("x", "y", "z")
 _ALPHAS = ("alpha_x", "alpha_y")
+_THREE = tuple(f"{w}.{c}" for w in ("wi", "wo", "m") for c in _VECTOR)
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
 
@@ -215,8 +216,12 @@ def _entry(
 
 
 def closed_forms() -> list[Function]:
-    """All of them."""
-    three = tuple(f"{w}.{c}" for w in ("wi", "wo", "m") for c in _VECTOR)
+    """All of them, subject by subject."""
+    return [*_microfacets(), *_fresnel(), *_densities(), *_lights()]
+
+
+def _microfacets() -> list[Function]:
+    """Distributions, masking, and the lobes made of them."""
     return [
         *_distribution("GGX", ggx, "ggx"),
         *_distribution("Beckmann", beckmann, "beckmann"),
@@ -232,7 +237,7 @@ def closed_forms() -> list[Function]:
         ),
         _entry(
             "masking, Torrance-Sparrow",
-            three,
+            _THREE,
             _pairs,
             lambda a: masking.torrance_sparrow(a[:3], a[3:6], a[6:]),
             "torrance_sparrow",
@@ -247,8 +252,13 @@ def closed_forms() -> list[Function]:
             cycles="height_correlated",
         ),
         Function(FAMILY, "GGX bound", (*_VECTOR, *_ALPHAS), _views, _of_direction(ggx.bound), exact.ggx_bound, BOUND),
-        _entry("GGX lobe", (*three[:6], *_ALPHAS), _lobes, _glossy(ggx), "ggx_glossy", True),
-        _entry("Beckmann lobe", (*three[:6], *_ALPHAS), _lobes, _glossy(beckmann), "beckmann_glossy", True),
+        _entry("GGX lobe", (*_THREE[:6], *_ALPHAS), _lobes, _glossy(ggx), "ggx_glossy", True),
+        _entry("Beckmann lobe", (*_THREE[:6], *_ALPHAS), _lobes, _glossy(beckmann), "beckmann_glossy", True),
+    ]
+
+
+def _fresnel() -> list[Function]:
+    return [
         _entry(
             "Fresnel, dielectric", ("cos", "eta"), dielectrics, lambda a: fresnel.dielectric(*a), "dielectric", True
         ),
@@ -267,9 +277,15 @@ def closed_forms() -> list[Function]:
             excuse="a difference of two curves, of which the share tint is left near the cosine 1/7, as the paper prints it",
         ),
         _entry("Fresnel, Cook-Torrance", ("cos", "f0"), _f0, lambda a: fresnel.cook_torrance(*a), "cook_torrance"),
+    ]
+
+
+def _densities() -> list[Function]:
+    """Densities of sampling, and how two of them are weighed."""
+    return [
         _entry(
             "density of a visible normal",
-            (*three[6:], *three[3:6], "D", "Lambda_o"),
+            (*_THREE[6:], *_THREE[3:6], "D", "Lambda_o"),
             _visible,
             lambda a: densities.pdf_visible(a[:3], a[3:6], a[6], a[7]),
             "pdf_visible",
@@ -277,7 +293,7 @@ def closed_forms() -> list[Function]:
         ),
         _entry(
             "Jacobian of reflection",
-            three[3:],
+            _THREE[3:],
             _facing,
             lambda a: densities.reflection_jacobian(a[:3], a[3:]),
             "reflection_jacobian",
@@ -290,6 +306,11 @@ def closed_forms() -> list[Function]:
             "power_heuristic",
             cycles="power_heuristic",
         ),
+    ]
+
+
+def _lights() -> list[Function]:
+    return [
         _entry(
             "solid angle, rectangle", ("x0", "x1", "y0", "y1", "height"), _rectangles, _rectangle, "rectangle", True
         ),

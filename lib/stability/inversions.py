@@ -91,38 +91,47 @@ def _place(a: np.ndarray) -> np.ndarray:
     return np.stack(SphericalRectangle(*a[:5]).place(a[5], a[6]))
 
 
+def _entry(
+    title: str,
+    names: tuple[str, ...],
+    draw: Callable,
+    kernel: Callable,
+    form: str,
+    printed: bool = False,
+    sizes: Callable[[np.ndarray], np.ndarray] | None = None,
+    slack: Callable[[np.ndarray], np.ndarray] | None = None,
+    excuse: str = "",
+) -> Function:
+    written = Single(getattr(single, form)) if printed else None
+    theirs = getattr(cycles_inversions, form, None)
+    cycles = Single(theirs, getattr(cycles_inversions, f"{form}_truth")) if theirs else None
+    truth = getattr(exact_inversions, form)
+    return Function(FAMILY, title, names, draw, kernel, truth, BOUND, written, cycles, sizes, slack, excuse)
+
+
 def inversions() -> list[Function]:
-    """All of them."""
+    """All of them, subject by subject."""
+    return [*_warps(), *_normals(), *_lights()]
 
-    def entry(
-        title: str,
-        names: tuple[str, ...],
-        draw: Callable,
-        kernel: Callable,
-        form: str,
-        printed: bool = False,
-        sizes: Callable[[np.ndarray], np.ndarray] | None = None,
-        slack: Callable[[np.ndarray], np.ndarray] | None = None,
-        excuse: str = "",
-    ) -> Function:
-        written = Single(getattr(single, form)) if printed else None
-        theirs = getattr(cycles_inversions, form, None)
-        cycles = Single(theirs, getattr(cycles_inversions, f"{form}_truth")) if theirs else None
-        truth = getattr(exact_inversions, form)
-        return Function(FAMILY, title, names, draw, kernel, truth, BOUND, written, cycles, sizes, slack, excuse)
 
+def _warps() -> list[Function]:
     square = _UNIFORMS
+    return [
+        _entry("Lambert, cosine", square, _squares, lambda a: cosine_hemisphere(*a), "cosine_hemisphere", True),
+        _entry("uniform hemisphere", square, _squares, lambda a: uniform_hemisphere(*a), "uniform_hemisphere", True),
+    ]
+
+
+def _normals() -> list[Function]:
+    """Normals of the microfacet distributions."""
     lobe = (*_ALPHAS, *_UNIFORMS)
     seen = (*_WO, *lobe)
-    rectangle = ("x0", "x1", "y0", "y1", "height", *_UNIFORMS)
     return [
-        entry("Lambert, cosine", square, _squares, lambda a: cosine_hemisphere(*a), "cosine_hemisphere", True),
-        entry("uniform hemisphere", square, _squares, lambda a: uniform_hemisphere(*a), "uniform_hemisphere", True),
-        entry("Beckmann D cos", lobe, _isotropic, lambda a: beckmann.sample_d_cos(*a), "beckmann_d_cos", True),
-        entry("GGX D cos", lobe, _isotropic, lambda a: ggx.sample_d_cos(*a), "ggx_d_cos", True),
-        entry("Beckmann D cos, anisotropic", lobe, _lobes, lambda a: beckmann.sample_d_cos(*a), "beckmann_d_cos"),
-        entry("GGX D cos, anisotropic", lobe, _lobes, lambda a: ggx.sample_d_cos(*a), "ggx_d_cos"),
-        entry(
+        _entry("Beckmann D cos", lobe, _isotropic, lambda a: beckmann.sample_d_cos(*a), "beckmann_d_cos", True),
+        _entry("GGX D cos", lobe, _isotropic, lambda a: ggx.sample_d_cos(*a), "ggx_d_cos", True),
+        _entry("Beckmann D cos, anisotropic", lobe, _lobes, lambda a: beckmann.sample_d_cos(*a), "beckmann_d_cos"),
+        _entry("GGX D cos, anisotropic", lobe, _lobes, lambda a: ggx.sample_d_cos(*a), "ggx_d_cos"),
+        _entry(
             "GGX visible normals",
             seen,
             _seen_lobes,
@@ -132,7 +141,7 @@ def inversions() -> list[Function]:
             excuse="the cap's point is added to wo, which it all but cancels as u2 nears 1; without that difference a sample takes "
             "13 ns more, a third, for the few normals that gain",
         ),
-        entry(
+        _entry(
             "GGX bounded visible normals",
             seen,
             _seen_lobes,
@@ -141,7 +150,7 @@ def inversions() -> list[Function]:
             slack=_end_of_cap,
             excuse="as for GGX visible normals, where the bound is loose",
         ),
-        entry(
+        _entry(
             "Beckmann visible normals",
             seen,
             _seen_lobes,
@@ -150,8 +159,14 @@ def inversions() -> list[Function]:
             sizes=_uniform_of_one,
             excuse="the mass above a slope, 1 - u1, is what is inverted: u1 counts to the last place of 1, not to its own",
         ),
-        entry("cone about a light", ("x", "y", "z", "1 - cos", *_UNIFORMS), _cones, _cone, "uniform_cone"),
-        entry(
+    ]
+
+
+def _lights() -> list[Function]:
+    rectangle = ("x0", "x1", "y0", "y1", "height", *_UNIFORMS)
+    return [
+        _entry("cone about a light", ("x", "y", "z", "1 - cos", *_UNIFORMS), _cones, _cone, "uniform_cone"),
+        _entry(
             "place on a rectangle light",
             rectangle,
             _rectangles,

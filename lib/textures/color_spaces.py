@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colour transforms: the sRGB transfer function, luminance, HSV and HSL."""
+"""Colour transforms: luminance, HSV and HSL."""
 
 from __future__ import annotations
 
@@ -7,18 +7,6 @@ import numpy as np
 
 LUMINANCE_REC709 = (0.2126390058715103, 0.7151686787677559, 0.0721923153607337)
 """Y of linear Rec. 709 with white D65 (0.3127, 0.3290); the rounded form is ITU-R BT.709's 0.2126, 0.7152, 0.0722."""
-
-
-def srgb_decode(code: np.ndarray) -> np.ndarray:
-    """Linear light of sRGB code values; negative codes give 0. Any shape. IEC 61966-2-1."""
-    code = np.maximum(code, 0)
-    return np.where(code < 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
-
-
-def srgb_encode(linear: np.ndarray) -> np.ndarray:
-    """SRGB code values of linear light; negative light gives 0. Any shape. IEC 61966-2-1."""
-    linear = np.maximum(linear, 0)
-    return np.where(linear < 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def luminance(color: np.ndarray) -> np.ndarray:

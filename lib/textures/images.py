@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..scene.images import Image
-from .color_spaces import srgb_decode
+from ..srgb import srgb_decode
 
 
 def equirectangular(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

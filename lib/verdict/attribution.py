@@ -23,6 +23,7 @@ import numpy as np
 from ..departures.catalogue import Departure
 from ..film.moments import Moments
 from ..film.regions import RegionMoments
+from ..relative import difference_scale
 from .causes import BAND, Shares, is_off
 from .claims import p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
@@ -107,7 +108,7 @@ class Attribution:
 
     def sides(self, reference: RegionMoments, candidate: RegionMoments) -> Sides:
         """Both sides' moments, with what differences are relative to."""
-        scale = np.maximum(np.abs(reference.moments.mean), self.test.floor)
+        scale = difference_scale(reference.moments.mean, self.test.floor)
         return Sides(reference.moments, candidate.moments, scale)
 
     def _weigh(self, names: Names, open_: bool, sides: Sides, effects: Effects) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import stdtr, stdtrit
 
 from ..film.moments import Moments
+from ..relative import relative_difference
 
 # Below this share of the image's median, tolerance is absolute: a relative one would ask for noise-free black.
 FLOOR_SHARE = 1e-3
@@ -108,10 +109,7 @@ def p_different(upper: Combination, lower: Combination) -> np.ndarray:
 
 def difference(candidate: Moments, reference: Moments, floor: np.ndarray | float) -> np.ndarray:
     """(C - E) / max(|E|, floor) as estimated, (K, 3); 0 where both are 0, infinite where only the reference is."""
-    gap = candidate.mean - reference.mean
-    scale = np.maximum(np.abs(reference.mean), floor)
-    unscaled = np.where(gap == 0, 0.0, np.copysign(np.inf, gap))
-    return np.where(np.isnan(gap), np.nan, np.divide(gap, scale, out=unscaled, where=scale > 0))
+    return relative_difference(candidate.mean - reference.mean, reference.mean, floor)
 
 
 def interval(

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ..film.moments import Moments
+from ..relative import difference_scale
 from .boundaries import GROWTH
 from .claims import WAYS_TO_DIFFER, Combination, combine, tolerance_ends
 from .sequential import ONE_DIFFERS, SequentialTest
@@ -92,7 +93,7 @@ def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments,
     gap, share = _prior(test, reference, candidate)
     gaps = np.concatenate([_errors(gap, upper, -1), _errors(gap, lower, +1)], axis=1)[open_regions]
     shares = np.concatenate([share, share], axis=1)[open_regions]
-    room = test.rare[:, None] * np.maximum(np.abs(reference.mean), test.floor)
+    room = test.rare[:, None] * difference_scale(reference.mean, test.floor)
     rooms = np.concatenate([_errors(room, upper, +1), _errors(room, lower, +1)], axis=1)[open_regions]
     rows = np.arange(inside.shape[0])
     worst, best = inside.argmin(axis=1), (-inside).argmax(axis=1)
@@ -124,7 +125,7 @@ def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments,
 def _prior(test: SequentialTest, reference: Moments, candidate: Moments) -> tuple[np.ndarray, np.ndarray]:
     """Estimated differences C - E (K, 3), and what share of each is expected to last."""
     plain = combine(candidate, reference, 1.0)
-    scale = np.maximum(np.abs(reference.mean), test.floor)
+    scale = difference_scale(reference.mean, test.floor)
     scale = np.where(scale > 0, scale, 1.0)
     gap, error = plain.value / scale, plain.error / scale
     variance = [spread_of_differences(gap[:, k], error[:, k], test.tolerance / 10) for k in range(gap.shape[1])]

@@ -8,7 +8,7 @@ float64, and rays that leave it start off the plane by what float32 can resolve 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
@@ -28,6 +28,13 @@ class Hits:
     distance: np.ndarray
     u: np.ndarray
     v: np.ndarray
+
+    def replaced(self, index: np.ndarray, hits: Hits) -> Hits:
+        """These hits with others in the places `index` (k,), as new arrays."""
+        merged = astuple(self)  # copies
+        for whole, part in zip(merged, vars(hits).values(), strict=True):
+            whole[index] = part
+        return Hits(*merged)
 
 
 class Raycaster:

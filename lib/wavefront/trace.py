@@ -66,19 +66,16 @@ class Tracer:
         else:
             hits = kernel.caster.closest(paths.origin, paths.direction)
             if self._flow.hides and self._flow.transparent:
-                self._replace_camera_hits(paths, hits)
+                hits = self._with_camera_hits(paths, hits)
         self.rays += paths.size
         self._clock.lap(Stage.INTERSECT)
         return hits
 
-    def _replace_camera_hits(self, paths: Paths, hits: Hits) -> None:
-        """Camera rays that passed transparent faces still do not meet what hides from them."""
+    def _with_camera_hits(self, paths: Paths, hits: Hits) -> Hits:
+        """The hits, where camera rays that passed transparent faces still do not meet what hides from them."""
         index = np.flatnonzero(paths.scatterings == 0)
         origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
-        for mine, theirs in zip(
-            vars(hits).values(), vars(self._kernel.camera_caster.closest(origin, direction)).values(), strict=True
-        ):
-            mine[index] = theirs
+        return hits.replaced(index, self._kernel.camera_caster.closest(origin, direction))
 
     def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(dimension, paths.pixel, paths.sample)

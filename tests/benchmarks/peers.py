@@ -25,8 +25,8 @@ from pathlib import Path
 import numpy as np
 from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
+from etalon.addon.host.quiet import quiet
 from etalon.addon.job import export
-from etalon.addon.quiet import quiet
 from etalon.lib.comparison.compare import Renderer
 from etalon.lib.errors import Refused
 from etalon.lib.scene.scene import Scene

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....lib.errors import EtalonError
 from ....lib.scene.images import Image
-from ....lib.textures.color_spaces import srgb_encode
+from ....lib.srgb import srgb_encode
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 _SOURCES = ("FILE", "GENERATED")

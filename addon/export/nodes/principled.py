@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import bpy
 
@@ -16,10 +15,8 @@ from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import is_constant
+from .shader_reader import ShaderReader
 from .tree import Scope
-
-if TYPE_CHECKING:
-    from .shaders import ShaderReader
 
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
 _LARGEST_ROOT = 0.99**0.5

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Readers of shader nodes: a surface's tree of Mix and Add becomes a flat list of weighted lobes."""
+"""Readers of shader nodes, one function each, and the tables of them for surfaces and for worlds."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 import bpy
 
@@ -11,73 +12,14 @@ from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import Folder, is_constant
 from .principled import read_principled
-from .tree import Scope, TreeReader, remedy_for_unread, valid_link
+from .shader_reader import ReadShader, ShaderReader
+from .tree import Scope, TreeReader
 
 # Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
 _LEAST_ANISOTROPY = 1e-4
 _SMOOTH_ROUGHNESS = 2e-10**0.25
 
 _DISTRIBUTIONS = ("BECKMANN", "GGX", "MULTI_GGX", "ASHIKHMIN_SHIRLEY")
-
-
-@dataclass
-class ShaderReader:
-    """Reads shader sockets into lobes; values by `values`, folded by one `folder` so that what is shared stays shared."""
-
-    values: TreeReader
-    folder: Folder
-
-    def lobes(self, socket: bpy.types.NodeSocket, scope: Scope, weight: ex.Expression = ex.ONE) -> list[mt.Lobe]:
-        """The lobes that reach the shader input `socket`, each weighed by `weight`; no weight, no lobes."""
-        if weight == ex.ZERO:
-            return []
-        source = self.values.trace(socket, scope)
-        if not source.linked:
-            return []
-        node = source.socket.node
-        if source.socket.type != "SHADER":
-            return [self.lobe(_glow(self.values, source), weight)]
-        reader = (_WORLD_SHADERS if self.values.is_world else _SHADERS).get(node.bl_idname)
-        if reader is None:
-            home = "world" if self.values.is_world else "surface"
-            remedy = remedy_for_unread(node, "replace it by a supported shader")
-            self.values.refuse(node, source.scope, f" on a {home}", remedy)
-            return []
-        self.values.check(node, source.scope)
-        return reader(self, node, source.scope, weight)
-
-    def lobe(self, closure: mt.Closure, weight: ex.Expression) -> mt.Lobe:
-        """`closure`, its sockets folded, with its weight."""
-        sockets = {field.name: getattr(closure, field.name) for field in fields(closure)}
-        folded = {name: self.folder(v) for name, v in sockets.items() if isinstance(v, ex.Expression)}
-        return mt.Lobe(replace(closure, **folded), weight)
-
-    def read(self, node: bpy.types.Node, name: str, scope: Scope) -> ex.Expression:
-        """The folded content of the node's socket called `name`."""
-        return self.folder(self.values.read(node.inputs[name], scope))
-
-    def normal(self, node: bpy.types.Node, scope: Scope, name: str = "Normal") -> ex.Expression | None:
-        """What is linked to the node's normal, else the surface's; None for the shading normal."""
-        return self.read(node, name, scope) if valid_link(node.inputs[name]) else self.values.surface_normal
-
-    def tangent(self, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
-        """Where the node's socket Tangent points."""
-        source = self.values.trace(node.inputs["Tangent"], scope)
-        if not source.linked:
-            return mt.Tangent()
-        tangent = source.socket.node
-        if tangent.bl_idname != "ShaderNodeTangent":
-            self.values.refuse(node, scope, ", socket 'Tangent' (linked),", "link a Tangent node to it, or nothing")
-            return mt.Tangent()
-        self.values.check(tangent, source.scope)
-        if tangent.direction_type == "RADIAL":
-            return mt.Tangent("RADIAL", axis=tangent.axis)
-        return mt.Tangent("UV", uv_map=tangent.uv_map)
-
-
-def _glow(values: TreeReader, source: object) -> mt.Emission:
-    """A colour linked to a shader socket shines, as in Cycles."""
-    return mt.Emission(values.content(source, "RGBA"), ex.ONE)
 
 
 def _diffuse(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
@@ -137,7 +79,7 @@ def _transparent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weigh
 def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
     normal = reader.normal(node, scope)
-    if is_smooth(roughness):
+    if _is_smooth(roughness):
         return [reader.lobe(mt.Glass(color, ior, normal=normal), weight)]
     glass = mt.Glass(color, ior, roughness, node.distribution, normal=normal)
     if "Anisotropy" in node.inputs:  # Blender 5.3 and later
@@ -156,12 +98,12 @@ def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.
 def _refraction(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
     normal = reader.normal(node, scope)
-    if is_smooth(roughness):
+    if _is_smooth(roughness):
         return [reader.lobe(mt.Refraction(color, ior, normal=normal), weight)]
     return [reader.lobe(mt.Refraction(color, ior, roughness, node.distribution, normal), weight)]
 
 
-def is_smooth(roughness: ex.Expression) -> bool:
+def _is_smooth(roughness: ex.Expression) -> bool:
     """Whether Cycles takes the interface for smooth."""
     return is_constant(roughness) and roughness.value <= _SMOOTH_ROUGHNESS
 
@@ -181,13 +123,13 @@ def _add(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Ex
     return [*reader.lobes(first, scope, weight), *reader.lobes(second, scope, weight)]
 
 
-_WORLD_SHADERS = {
+_WORLD_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBackground": _emission,
     "ShaderNodeEmission": _emission,
     "ShaderNodeMixShader": _mix,
     "ShaderNodeAddShader": _add,
 }
-_SHADERS = {
+_SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBsdfDiffuse": _diffuse,
     "ShaderNodeBsdfAnisotropic": _glossy,
     "ShaderNodeBsdfGlossy": _glossy,
@@ -201,3 +143,8 @@ _SHADERS = {
     "ShaderNodeMixShader": _mix,
     "ShaderNodeAddShader": _add,
 }
+
+
+def make_shader_reader(values: TreeReader) -> ShaderReader:
+    """The reader of the shaders that Cycles knows on what `values` reads: a surface or a world."""
+    return ShaderReader(values, Folder(), _WORLD_SHADERS if values.is_world else _SURFACE_SHADERS)

@@ -33,7 +33,7 @@ from ....lib.scene.sky import Sky, SunDisc
 from ....lib.textures.images import ImageSet
 from ....lib.textures.sky import limb_darkening, place_in_table, table_directions, toward
 from ....lib.vectors import normalize
-from ...quiet import quiet
+from ...host.quiet import quiet
 from .textures import refuse_mapping
 from .tree import Scope, TreeReader
 

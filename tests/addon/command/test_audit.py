@@ -12,7 +12,7 @@ from etalon.addon.command.audit import NEUTRAL_BESIDES, settings
 from etalon.addon.cycles.audit_settings import CATALOGUE, MOST_BOUNCES, kept
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.cycles.settings import CyclesWith
-from etalon.addon.quiet import quiet
+from etalon.addon.host.quiet import quiet
 from etalon.lib.audit.measure import audit
 from etalon.lib.audit.setting import Setting
 from etalon.lib.comparison.compare import CompareOptions

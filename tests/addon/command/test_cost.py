@@ -10,7 +10,7 @@ from etalon.addon.command import cli
 from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.cycles.settings import CyclesWith, cycles_ways, traded
-from etalon.addon.quiet import quiet
+from etalon.addon.host.quiet import quiet
 
 SMALL = ("--set", "scene.render.resolution_percentage=10", "--threads", "1")
 

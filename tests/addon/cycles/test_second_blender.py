@@ -10,8 +10,8 @@ import pytest
 from etalon.addon import job
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.cycles.second_blender import SecondBlender
-from etalon.addon.quiet import quiet
-from etalon.lib.departures.effects import Alternatives
+from etalon.addon.host.quiet import quiet
+from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.film.windows import Windows
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from etalon.addon.export import export_scene
 from etalon.addon.export.render_depsgraph import with_render_depsgraph
-from etalon.addon.quiet import quiet
+from etalon.addon.host.quiet import quiet
 from etalon.lib.film.exr import read_exr
 
 # What Cycles' table of its pixel filter adds to the centre, in pixels, right and up.

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from etalon.addon import job
 from etalon.addon.export import minimal
-from etalon.addon.quiet import quiet
-from etalon.lib.departures.effects import Alternatives
+from etalon.addon.host.quiet import quiet
+from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.report.words import unexplained
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome

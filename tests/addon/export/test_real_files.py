@@ -6,8 +6,8 @@ from pathlib import Path
 import bpy
 import pytest
 from etalon.addon.command.opening import open_target
+from etalon.addon.host.quiet import quiet
 from etalon.addon.job import export
-from etalon.addon.quiet import quiet
 from etalon.lib.errors import EtalonError
 
 ROOT = Path(bpy.utils.resource_path("LOCAL"))

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from etalon.lib.audit.paired import interval, p_values, relative
+from etalon.lib.audit.paired import interval, p_values
 from scipy.special import stdtrit
 from scipy.stats import binom
 
@@ -82,9 +82,3 @@ def test_equal_to_the_last_bit_is_equal_however_noisy(rng):
     other = noisy.copy()
     other[1, 2, 0] *= 1.5
     assert p_values(other, noisy, 0.01, 1e-3)[0, 2] > 0.0
-
-
-def test_relative_to_what_there_is():
-    found = relative(np.array([0.0, 0.1, 0.1, -0.1]), np.array([0.0, 2.0, 0.0, 0.0]), 0.0)
-    np.testing.assert_array_equal(found, [0.0, 0.05, np.inf, -np.inf])
-    np.testing.assert_allclose(relative(np.array([0.1]), np.array([0.01]), 0.5), [0.2])

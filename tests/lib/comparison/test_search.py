@@ -6,10 +6,10 @@ from collections import Counter
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import ASIDE_SHARE, CompareOptions, compare
+from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.comparison.meter import ASIDE_AT_MOST
 from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import Departure
-from etalon.lib.departures.effects import Alternatives
 from etalon.lib.sampling.streams import DEPARTURES
 from etalon.lib.verdict.causes import State
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey

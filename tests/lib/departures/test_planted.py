@@ -11,9 +11,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.departures import Alternatives, alternatives
 from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import SWITCHES, relevant
-from etalon.lib.departures.effects import Alternatives, alternatives
 from etalon.lib.errors import EtalonError
 from etalon.lib.report.words import sentences
 from etalon.lib.scene.expressions import (

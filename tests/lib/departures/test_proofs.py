@@ -21,8 +21,8 @@ from etalon.lib.scene.images import Image
 from etalon.lib.scene.materials import Glass
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
+from etalon.lib.srgb import srgb_decode
 from etalon.lib.surfaces.lobes import _dielectric
-from etalon.lib.textures.color_spaces import srgb_decode
 from etalon.lib.textures.images import ImageSet
 from etalon.lib.textures.ramp import color_ramp
 from etalon.tests import scenes

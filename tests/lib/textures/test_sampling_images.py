@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from etalon.lib.scene.images import Image
-from etalon.lib.textures.color_spaces import srgb_decode
+from etalon.lib.srgb import srgb_decode
 from etalon.lib.textures.images import ImageSet, equirectangular
 from scipy.ndimage import map_coordinates
 

@@ -10,7 +10,7 @@ from etalon.addon.export.nodes import tree as tree_module
 from etalon.addon.export.nodes.declarations import DECLARATIONS
 from etalon.addon.export.nodes.declared import own_properties, remember_defaults, unknown_properties
 from etalon.addon.export.nodes.images import ImageTable
-from etalon.addon.export.nodes.shaders import _SHADERS, _WORLD_SHADERS
+from etalon.addon.export.nodes.shaders import _SURFACE_SHADERS, _WORLD_SHADERS
 from etalon.addon.export.nodes.values import VALUES
 from etalon.tests.addon.export.nodes.node_cells import glowing, node
 
@@ -37,7 +37,7 @@ AWAKE = {
     "Coat Tint": (0.5, 0.6, 0.7, 1.0),
     "Emission Strength": 1.0,
 }
-SHADERS = sorted(kind for kind in _SHADERS if (kind in HERE and "Bsdf" in kind) or kind == "ShaderNodeEmission")
+SHADERS = sorted(kind for kind in _SURFACE_SHADERS if (kind in HERE and "Bsdf" in kind) or kind == "ShaderNodeEmission")
 
 
 @pytest.fixture(autouse=True)
@@ -84,7 +84,7 @@ def changed(socket):
 
 
 def test_every_reader_has_a_row_and_every_row_a_reader():
-    assert set(DECLARATIONS) == set(VALUES) | set(_SHADERS) | set(_WORLD_SHADERS) | BESIDE
+    assert set(DECLARATIONS) == set(VALUES) | set(_SURFACE_SHADERS) | set(_WORLD_SHADERS) | BESIDE
 
 
 @pytest.mark.parametrize("kind", sorted(DECLARATIONS))

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from ..departures.catalogue import Departure, relevant
 from ..errors import Cancelled
 from ..film.film import finite_or_nan
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..sampling.streams import DEPARTURES
 from ..wavefront.render import ReferenceRenderer
-from .catalogue import Departure, relevant
 
 # What the effects of single departures may take of the time that is set aside; the rest is left to sets of them.
 SINGLES_SHARE = 0.4

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..lib.blender_versions import OLDEST, format_release
-from ..lib.errors import EtalonError
+from ...lib.blender_versions import OLDEST, format_release
+from ...lib.errors import EtalonError
 
 
 def require_supported_blender() -> None:

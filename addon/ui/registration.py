@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import bpy
 
-from .blender_at_hand import require_supported_blender
-from .command import cli
-from .ui import operators, panels, properties
+from ..command import cli
+from ..host.blender_at_hand import require_supported_blender
+from . import operators, panels, properties
 
 _CLASSES = (
     properties.EtalonSettings,

@@ -3,8 +3,9 @@
 
 import bpy
 import pytest
-from etalon.addon import blender_at_hand, job
+from etalon.addon import job
 from etalon.addon.command import cli
+from etalon.addon.host import blender_at_hand
 from etalon.lib.errors import EtalonError
 
 

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Comparisons of images that are known, and the pages written of them."""
+
+from html.parser import HTMLParser
+
+import numpy as np
+from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.departures import Alternatives
+from etalon.lib.departures.catalogue import Departure
+from etalon.lib.effects.plan import Decision, Plan
+from etalon.lib.progress import Progress
+from etalon.lib.report import write_report
+from etalon.tests.lib.renderers import Painter, blank, grey
+
+FILES = {
+    "verdict.json",
+    "report.html",
+    "reference.exr",
+    "cycles.exr",
+    "difference.exr",
+    "reference.png",
+    "cycles.png",
+    "difference.png",
+}
+HOSTILE = "</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}\u2028\u202e../../etc"
+PLAN = Plan((Decision("GGX", True, f"material {HOSTILE}"), Decision("Beckmann", False, "no material has it")))
+HALF = np.pad(np.ones((20, 12)), ((0, 0), (0, 12)))
+BRIGHTER = grey() * (1 + 0.05 * HALF[..., None])
+
+
+def bad_pixel(replicate, image):
+    image[2, 5] = np.nan
+    return image
+
+
+CASES = {
+    "equivalent": {},
+    "different": {"other": BRIGHTER},
+    "explained": {"other": BRIGHTER, "effects": {"known": 0.05}},
+    "likely": {"other": BRIGHTER, "effects": {"known": 0.05}, "replicates": 8, "sigma": 0.18},
+    "partial": {"other": BRIGHTER, "effects": {"known": 0.02, "other": 0.0}},
+    "no reason": {"other": BRIGHTER, "effects": {"known": 0.0, "other": 0.0}},
+    "none applies": {"other": BRIGHTER, "effects": {}},
+    "cancelled": {"other": BRIGHTER, "effects": {"known": 0.05}, "stop": True},
+    "undecided": {"sigma": 3.0},
+    "one replicate": {"replicates": 1},
+    "black": {"truth": grey(0.0)},
+    "light on black": {"truth": grey(0.0), "other": grey(1e-3)},
+    "non-finite": {"change": bad_pixel},
+    "nothing finite": {"change": lambda replicate, image: image * np.inf},
+    "one pixel": {"truth": grey(1.0, 1, 1), "coverage": {}},
+}
+
+
+def made(
+    name="Test",
+    truth=None,
+    other=None,
+    sigma=0.05,
+    replicates=40,
+    change=None,
+    coverage=None,
+    settings=None,
+    effects=None,
+    stop=False,
+):
+    """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference."""
+    truth = grey() if truth is None else truth
+    height, width, _ = truth.shape
+    reference = Painter("the reference", truth, sigma)
+    candidate = Painter("Cycles", truth if other is None else other, sigma, settings, change=change)
+    coverage = {"material": [(name, HALF)]} if coverage is None else coverage
+    options = CompareOptions(time=None, samples=16, replicates=replicates)
+    stopped = []
+
+    def departed(names):
+        def note(replicate, image):
+            stopped.append(stop)
+            return image
+
+        added = sum(effects[one] for one in names) * HALF[..., None]
+        return Painter("the reference", truth * (1 + added), sigma, change=note)
+
+    among = effects
+    if effects is not None:
+        among = Alternatives(tuple(Departure(one, f"{one} it is.", "a.h") for one in effects), departed)
+    return compare(
+        blank(width, height, name),
+        reference,
+        candidate,
+        coverage,
+        options,
+        Progress(is_cancelled=lambda: any(stopped)),
+        among,
+    )
+
+
+class Page(HTMLParser):
+    """The elements of a page, and what its scripts hold."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.attributes, self.scripts, self.shown = [], [], {}, []
+        self._id = None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+        self._id = dict(attrs).get("id", len(self.tags)) if tag == "script" else tag
+
+    def handle_data(self, data):
+        if isinstance(self._id, int) or self._id in ("view", "floats-0", "floats-1", "flip"):
+            self.scripts[self._id] = self.scripts.get(self._id, "") + data
+        else:
+            self.shown.append(data)
+
+
+def written_page(comparison, folder, command):
+    write_report(comparison, PLAN, folder, command)
+    return (folder / "report.html").read_text(encoding="utf-8")

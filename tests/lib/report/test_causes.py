@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is known of causes, in sentences and figures."""
+
+import re
+
+import pytest
+from etalon.lib.report.document import document
+from etalon.lib.report.words import sentences
+from etalon.lib.verdict.causes import State
+from etalon.lib.verdict.outcome import Outcome
+from etalon.tests.lib.renderers import grey
+from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, Page, made, written_page
+
+SAID = {
+    "explained": (
+        State.CAUSE,
+        r"Cause: known. It is sufficient to explain every region that differs: with it, the reference agrees with Cycles to within 1 %, "
+        r"and accounts for [\d.]+ % of the difference in material Test \([\d.]+ % to [\d.]+ %\).",
+    ),
+    "likely": (
+        State.LIKELY,
+        r"Likely cause, not proved yet: known. It accounts for [\d.]+ % of the difference in material Test \([\d.]+ % to [\d.]+ %, "
+        r"99 % confidence for this share alone\). A proof should take about .* in all, [\d.]+ times the replicates.",
+    ),
+    "partial": (
+        State.PARTIAL,
+        r"Partial cause: known. It accounts for [\d.]+ % of the difference in material Test \([\d.]+ % to [\d.]+ %\); "
+        r"\+[\d.]+ % is left over there, in [RGB].",
+    ),
+    "no reason": (
+        State.NO_REASON,
+        r"Unexplained: \d regions differ for no known reason. Tried: known and other; each is shown to account for less than 20 % of the "
+        r"difference.",
+    ),
+    "none applies": (
+        State.NO_DEPARTURE,
+        r"Unexplained: \d regions differ, and no known departure of Cycles applies to this scene.",
+    ),
+    "cancelled": (
+        State.NO_TIME,
+        r"Unexplained: \d regions differ. The departures that apply \(known\) were not measured: the comparison was cancelled.",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SAID)
+def test_what_is_known_of_causes_is_said_in_words_and_figures(case, tmp_path):
+    state, words = SAID[case]
+    found = made(**CASES[case])
+    assert found.explanation.state is state
+    said = [sentence for sentence in sentences(found) if re.fullmatch(words, sentence)]
+    assert len(said) == 1, sentences(found)
+    figures = document(found, PLAN, "")
+    assert figures["attribution"]["state"] == state.value
+    assert said[0] in figures["attribution"]["sentences"]
+    assert figures["unexplained"] == (0 if state is State.CAUSE else found.verdict.count(Outcome.DIFFERENT))
+    assert said[0] in Page(written_page(found, tmp_path, "")).shown
+
+
+def test_a_difference_whose_causes_were_not_sought_is_said_to_be_unexplained():
+    found = made(**CASES["different"])
+    count = found.verdict.count(Outcome.DIFFERENT)
+    assert f"Unexplained: {count} regions differ. Departures were not searched." in sentences(found)
+    assert document(found, PLAN, "")["attribution"]["state"] == "not searched"
+
+
+def test_where_nothing_differs_no_cause_is_spoken_of():
+    found = made(**CASES["equivalent"])
+    figures = document(found, PLAN, "")
+    assert (figures["attribution"], figures["unexplained"]) == (None, 0)
+
+
+def test_one_region_differs_in_the_singular():
+    other = grey()
+    other[16:, 16:] *= 1.1
+    found = made(other=other, coverage={}, effects={})
+    assert found.verdict.count(Outcome.DIFFERENT) == 1
+    assert "Unexplained: 1 region differs, and no known departure of Cycles applies to this scene." in sentences(found)
+
+
+def test_departures_that_do_the_same_are_rivals():
+    found = made(other=BRIGHTER, effects={"known": 0.05, "twin": 0.05})
+    assert found.verdict.outcome is Outcome.EXPLAINED
+    assert any(
+        re.fullmatch(r"(known or twin|twin or known): the data do not tell them apart.", sentence)
+        for sentence in sentences(found)
+    )
+    assert len(document(found, PLAN, "")["attribution"]["rivals"]) == 1
+
+
+def test_what_explains_some_regions_is_named_beside_those_that_differ_for_no_known_reason():
+    """The left half has the departure, a corner of the right one is brighter for a reason of its own."""
+    other = BRIGHTER.copy()
+    other[16:, 16:] *= 1.1
+    found = made(other=other, coverage={}, effects={"known": 0.05}, sigma=0.01)
+    said = sentences(found)
+    assert any(
+        re.search(r"^Partial cause: known\..* It explains \d of the \d regions that differ\.", s) for s in said
+    ), said
+    assert any(re.search(r"^Unexplained: \d regions? differs? ", s) for s in said), said
