@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 
-def difference_scale(reference: np.ndarray, floor: float) -> np.ndarray:
+def difference_scale(reference: np.ndarray, floor: np.ndarray | float) -> np.ndarray:
     """What differences from `reference` are relative to: max(|reference|, floor), elementwise."""
     return np.maximum(np.abs(reference), floor)
 
 
-def relative_difference(gap: np.ndarray, reference: np.ndarray, floor: float) -> np.ndarray:
+def relative_difference(gap: np.ndarray, reference: np.ndarray, floor: np.ndarray | float) -> np.ndarray:
     """`gap` / max(|reference|, floor), elementwise.
 
     0 where the gap is 0; infinite, with the sign of the gap, where only the scale is 0; NaN where either is NaN.

@@ -17,6 +17,24 @@ function formatPercent(value) {
   return (value < 0 ? "−" : "+") + Math.abs(100 * value).toPrecision(3) + " %";
 }
 
+/* A bound as a percentage that is not below it, of two significant digits. As format_bound in lib/report/bound.py. */
+function formatBound(bound) {
+  if (bound === null || !Number.isFinite(bound)) return "unbounded";
+  if (bound === 0) return "0 %";
+  const step = 10 ** (Math.floor(Math.log10(bound)) - 1);
+  return Number((100 * step * Math.ceil((bound / step) * (1 - 1e-9))).toPrecision(6)) + " %";
+}
+
+/* The colour of a bound on the map: green up to the tolerance, from yellow to red at BOUND_ENDS tolerances, grey without one. */
+const BOUND_COLORS = [[27, 127, 92], [240, 228, 120], [200, 62, 36]];
+const BOUND_ENDS = 30;
+function colorBound(bound, tolerance) {
+  if (bound === null || !Number.isFinite(bound)) return [128, 128, 128];
+  if (bound <= tolerance) return BOUND_COLORS[0];
+  const part = Math.min(Math.log(bound / tolerance) / Math.log(BOUND_ENDS), 1);
+  return BOUND_COLORS[1].map((from, c) => Math.round(from + (BOUND_COLORS[2][c] - from) * part));
+}
+
 function formatNumber(value) {
   if (value === null || !Number.isFinite(value)) return "none";
   return Math.abs(value) >= 1e5 ? value.toExponential(3) : value.toPrecision(4);

@@ -6,18 +6,21 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from ..blender_versions import NEWEST_CHECKED, format_release
 from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
 from ..files.plain_data import make_plain
 from ..verdict.causes import Shares, State
 from ..verdict.outcome import Outcome
+from .bound import level_names
 from .causes import cause_sentences, headline, is_shown, proof_seconds, strongest, unexplained
 from .words import forecast_seconds, sentences, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 5
+VERSION = 6
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -28,6 +31,10 @@ CHANGES = {
     "`share` of a departure has an interval, and `role` says what is claimed of it; a region has the `share` of what `attribution` names; "
     "`unexplained` is always a number; EXPLAINED asks for a share near 1, too; "
     "`blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
+    6: "Version 6: `bound` is the difference up to which all regions agree, level by level and look by look, and each region has its own; "
+    "`floor` is one number for each channel; a region has `rare`, `blind_spot`, `largest_share`, `tail_shape` and `dark`; `withdrawn` "
+    "lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has the `divisor` of a smaller image; "
+    "regions of the kind 'cell' are those of coarser grids, and claims on all regions are tested together.",
 }
 
 
@@ -48,6 +55,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "tolerance": verdict.tolerance,
             "confidence": verdict.confidence,
             "floor": verdict.floor,
+            "bound": _bound(comparison),
             "image": {
                 "channel": "RGB"[channel],
                 "difference": verdict.difference[0, channel],
@@ -67,7 +75,12 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
                 "pixels": int(comparison.left_out.sum()),
                 "materials": [{"name": name, "what": what} for name, what in comparison.unknown.items()],
             },
-            "size": {"width": comparison.regions.shape[1], "height": comparison.regions.shape[0]},
+            "withdrawn": [asdict(one) for one in verdict.withdrawn],
+            "size": {
+                "width": comparison.regions.shape[1],
+                "height": comparison.regions.shape[0],
+                "divisor": comparison.divisor,
+            },
             "options": asdict(comparison.options),
             "stopped": comparison.stopped,
             "started": comparison.started,
@@ -91,6 +104,28 @@ def _blender(comparison: Comparison) -> dict[str, Any]:
     }
 
 
+def _bound(comparison: Comparison) -> dict[str, Any]:
+    """The bound on all regions, on each level of them, and at each look."""
+    verdict, levels = comparison.verdict, []
+    for family, name in level_names(comparison):
+        members = (verdict.families == family) & ~np.isnan(verdict.bounds)
+        levels.append(
+            {
+                "level": name,
+                "regions": int(members.sum()),
+                "equivalent": int((members & (verdict.outcomes == Outcome.EQUIVALENT)).sum()),
+                "bound": float(verdict.bounds[members].max()) if members.any() else None,
+            }
+        )
+    agree = (verdict.outcomes == Outcome.EQUIVALENT) & (verdict.blind > 0)
+    return {
+        "value": verdict.bound,
+        "levels": levels,
+        "blind_spot": float(verdict.blind[agree].min()) if agree.any() else None,
+        "history": [asdict(one) for one in comparison.history],
+    }
+
+
 def _region(comparison: Comparison, k: int) -> dict[str, Any]:
     regions, verdict = comparison.regions, comparison.verdict
     return {
@@ -106,6 +141,12 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
         "difference": verdict.difference[k],
         "low": verdict.low[k],
         "high": verdict.high[k],
+        "bound": verdict.bounds[k],
+        "rare": verdict.rare[k],
+        "blind_spot": verdict.blind[k],
+        "largest_share": verdict.tails[k],
+        "tail_shape": verdict.shapes[k],
+        "dark": bool(verdict.dark[k]),
         "causes": [] if comparison.explanation is None else comparison.explanation.causes[k],
         "share": _share(comparison, k),
         "rest": None if comparison.explanation is None else comparison.explanation.rest[k],

@@ -18,7 +18,7 @@ const regions = view.regions.map(pickChannel);
 const blocks = regions.filter((region) => region.kind === "block");
 
 /* The relative difference of one channel of one pixel, by its place in the floats. */
-const relative = (i) => relativeDifference(candidate[i] - reference[i], reference[i], floor);
+const relative = (i) => relativeDifference(candidate[i] - reference[i], reference[i], floor[i % 3]);
 
 /* Images: each painted once per setting into a canvas of its own, then drawn into the panes. */
 
@@ -86,13 +86,13 @@ function paintFlip() {
   });
 }
 
-function paintMap() {
+function paintMap(colorOf) {
   const canvas = document.createElement("canvas");
   canvas.width = width;
   canvas.height = height;
   const context = canvas.getContext("2d");
   for (const block of blocks) {
-    context.fillStyle = `rgb(${MAP_COLORS[block.outcome].join(" ")})`;
+    context.fillStyle = `rgb(${colorOf(block).join(" ")})`;
     context.fillRect(...placeBox(block.box, step));
   }
   context.globalAlpha = 0.55;
@@ -106,14 +106,15 @@ function repaint() {
   paint.reference = paintRadiance(reference);
   paint.candidate = paintRadiance(candidate);
   paint.difference = paintDifference();
-  paint.map = paintMap();
+  paint.map = paintMap((block) => MAP_COLORS[block.outcome]);
+  paint.bounds = paintMap((block) => colorBound(block.bound, tolerance));
 }
 
 const PANES = {
   beside: [[names[0], "reference"], [names[1], "candidate"], ["Relative difference", "difference"]],
   slider: [[`${names[0]} left of the line, ${names[1]} right of it`, "reference"]],
   difference: [["Relative difference", "difference"], ["FLIP, for the eye only", "flip"]],
-  map: [["Verdict of each block, over the reference", "map"]],
+  map: [["Verdict of each cell, over the reference", "map"], ["How closely each cell agrees", "bounds"]],
 };
 let panes = [];
 
@@ -233,8 +234,8 @@ function read(x, y) {
   const seen = state.mode === "difference" && flip[i / 3] !== view.flip.none ? `   FLIP ${(flip[i / 3] / view.flip.one).toFixed(2)}` : "";
   element("reading").textContent =
     `x ${x * step}, y ${y * step}   ${names[0]} ${rgb(reference)}   ${names[1]} ${rgb(candidate)}   difference ${gap}${seen}\n` +
-    (block ? `Block ${block.name}: ${block.outcome}, ${formatPercent(block.difference)} in ${"RGB"[block.channel]} ` +
-      `(${formatPercent(block.low)} to ${formatPercent(block.high)})` : "");
+    (block ? `Cell ${block.name}: ${block.outcome}, agrees within ${formatBound(block.bound)}; ` +
+      `${formatPercent(block.difference)} in ${"RGB"[block.channel]} (${formatPercent(block.low)} to ${formatPercent(block.high)})` : "");
 }
 
 for (const button of document.querySelectorAll("[data-mode]")) {
@@ -305,6 +306,7 @@ function fill() {
     cell(row, region.kind, "");
     cell(row, region.name, "name");
     cell(row, region.outcome, region.outcome);
+    cell(row, formatBound(region.bound), "number");
     cell(row, `${formatPercent(region.difference)} ${"RGB"[region.channel]}`, "number");
     cell(row, `${formatPercent(region.low)} to ${formatPercent(region.high)}`, "number");
     cell(row, formatNumber(region.reference), "number");

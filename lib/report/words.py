@@ -9,13 +9,13 @@ from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
 from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_percent
+from ..verdict.forecast import MOST_GROWTH
 from ..verdict.outcome import Outcome
+from .bound import blind_sentence, both_names, bound_title, format_bound, level_sentence, setting_sentences
 from .causes import cause_sentences, unexplained
 from .language import listed, place, plural
 
 FURTHEST = 5
-# Pixels beyond which a smaller image is recommended where time is short.
-LARGE = 1 << 18
 _ENDED = {
     Stop.DECIDED: "everything was decided",
     Stop.TIME: "the time was spent",
@@ -27,25 +27,24 @@ _ENDED = {
 def title(comparison: Comparison) -> str:
     """The verdict in one sentence."""
     verdict = comparison.verdict
-    names = [f"the {s.name}" if s.name == "reference" else s.name for s in (comparison.candidate, comparison.reference)]
+    names = both_names(comparison)
     limit = f"{format_percent(verdict.tolerance, sign=False)}"
     total = verdict.outcomes.size - _gone(comparison)
-    if verdict.outcome is Outcome.EQUIVALENT:
-        return f"{names[0]} agrees with {names[1]} to within {limit} in all {total} regions."
     count = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
     if verdict.outcome is Outcome.DIFFERENT:
-        return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {total} regions."
+        most = f"; nowhere by more than {format_bound(verdict.bound)}" if np.isfinite(verdict.bound) else ""
+        return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {total} regions{most}."
     if verdict.outcome is Outcome.EXPLAINED:
         causes = comparison.explanation.chosen
         known = "a known departure is" if len(causes) == 1 else "known departures are"
         return f"{names[0]} differs from {names[1]}, and {known} sufficient to explain it: {listed(causes)}."
-    return f"Whether {names[0]} agrees with {names[1]} to within {limit} is not decided."
+    return bound_title(comparison)
 
 
 def sentences(comparison: Comparison) -> tuple[str, ...]:
     """The verdict, what it rests on, where the differences are, and what deciding the rest would cost."""
     verdict = comparison.verdict
-    said = [title(comparison), _basis(comparison)]
+    said = [title(comparison), level_sentence(comparison), _basis(comparison)]
     unchecked = describe_unchecked(comparison.blender)
     if unchecked:
         said.append(unchecked)
@@ -57,6 +56,10 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
         said.append(_excluded(int(comparison.excluded.sum())))
     if comparison.unknown:
         said.append(_left_out(comparison))
+    said += setting_sentences(comparison)
+    blind = blind_sentence(comparison)
+    if blind:
+        said.append(blind)
     forecast = _forecast(comparison)
     return (*said, forecast) if forecast else tuple(said)
 
@@ -143,27 +146,19 @@ def _region(comparison: Comparison, k: int) -> str:
 
 
 def _forecast(comparison: Comparison) -> str:
-    ends = forecast_seconds(comparison)
+    """What more time would show, or why that cannot be told."""
+    verdict, ends = comparison.verdict, forecast_seconds(comparison)
     if ends is None:
-        return ""
+        if verdict.outcome is not Outcome.UNDECIDED or not np.isfinite(verdict.bound) or verdict.bound <= verdict.tolerance:
+            return ""
+        worst = place(comparison, int(np.nanargmax(verdict.bounds)))
+        return f"No forecast: within {MOST_GROWTH:g} times the time so far nothing better can be promised; {worst} is too noisy."
     low, median, high, nearly = ends
-    count = comparison.verdict.forecast.regions
-    most = f"and {format_duration(high)}" if high < 1e8 else "and no upper end yet"
-    samples = comparison.candidate.film.samples * comparison.candidate.replicates * comparison.verdict.forecast.factor
-    drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
-    likely = f"about {format_duration(median)}{drawn}" if median < 1e8 else "longer than can be told"
-    before = f"; nine in ten of them {format_duration(nearly)}" if count >= 10 and nearly < 1e8 else ""
-    sure = f"90 % sure: between {format_duration(low)} {most}"
-    return f"Deciding the {plural(count, 'open region')} takes {likely} ({sure}){before}.{_sooner(comparison)}"
-
-
-def _sooner(comparison: Comparison) -> str:
-    """What to do where a large image would take much longer than was given."""
-    height, width = comparison.regions.shape
-    median = forecast_seconds(comparison)[1]
-    if height * width < LARGE or median < 4 * comparison.seconds:
-        return ""
+    count, bound = verdict.forecast.regions, verdict.forecast.bound
+    samples = comparison.candidate.film.samples * comparison.candidate.replicates * verdict.forecast.factor
+    what = f"{format_percent(bound, sign=False)} everywhere"
+    before = f"; for nine in ten of the {count} open regions after {format_duration(nearly)}" if count >= 10 else ""
     return (
-        " An image a quarter as wide and high has a sixteenth of the blocks and takes about as much less: "
-        "--set scene.render.resolution_percentage=25."
+        f"Forecast: {what} after about {format_duration(median)} ({format_duration(low)} to {format_duration(high)}), "
+        f"{float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}{before}."
     )

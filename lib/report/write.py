@@ -18,6 +18,7 @@ from ..film.exr import write_exr, write_film
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
 from ..pages import render_page
 from ..relative import relative_difference
+from .curve import draw_bound
 from .document import document
 from .flip import flip
 
@@ -90,7 +91,7 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
         "width": images[0].shape[1],
         "height": images[0].shape[0],
         "step": step,
-        "floor": comparison.verdict.floor,
+        "floor": comparison.verdict.floor.tolist(),
         "tolerance": comparison.verdict.tolerance,
         "limit": DIFFERENCE_LIMIT,
         "exposure": exposure,
@@ -105,6 +106,7 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
     values = {
         "figures": figures,
         "view": view,
+        "curve": draw_bound(comparison.history, comparison.verdict.tolerance),
         "floats": [_packed(image.astype("<f4")) for image in images],
         "flip": _packed(bytes_),
     }
@@ -123,6 +125,7 @@ def shorten_region(region: dict[str, Any]) -> dict[str, Any]:
         return [None if v is None else float(f"{v:.6g}") for v in values]
 
     kept = {key: region[key] for key in ("kind", "name", "outcome", "box", "decided_at")}
+    kept["bound"] = None if region["bound"] is None else float(f"{region['bound']:.6g}")
     sizes = {key: round(region[key], 2) for key in ("pixels", "excluded_pixels")}
     return {
         **kept,

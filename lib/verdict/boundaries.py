@@ -8,6 +8,9 @@ exact for a mean of independent replicates: it asks for the probability that thi
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
@@ -17,7 +20,7 @@ GROWTH = 1.2
 # Looks among which the level is shared where nothing says how many there will be: 8 to some 300 replicates.
 EXPECTED_LOOKS = 20
 # Points of the grid on which densities are integrated, and how far it reaches, in standard deviations.
-_POINTS, _REACH = 1024, 8.5
+_POINTS, _REACH = 512, 8.5
 # Of looks that are nearer to each other than this factor, the later one pays by Bonferroni's inequality: the grid is too coarse.
 _NEAREST = 1.01
 
@@ -74,35 +77,48 @@ class Boundary:
 
     def __init__(self, level: float) -> None:
         self.level = level
-        self._time = 0.0
-        self._points = np.zeros(1)
-        self._weights = np.ones(1)
+        # The looks so far as (replicates, share); those that are too near to the one before are not among them.
+        self._looks: tuple[tuple[float, float], ...] = ()
 
     def next(self, replicates: float, share: float) -> float:
         """The level of a test at `replicates` that spends `share` of the whole; at least what Bonferroni's inequality allows."""
-        spend = self.level * share
-        if replicates < _NEAREST * self._time:
-            return spend
-        step = np.sqrt(replicates - self._time)
-        z = self._rejecting(np.sqrt(replicates), step, spend)
-        self._carry(replicates, step, z)
-        return float(ndtr(-z))
+        if self._looks and replicates < _NEAREST * self._looks[-1][0]:
+            return self.level * share
+        self._looks = (*self._looks, (replicates, share))
+        return float(ndtr(-_look(self.level, self._looks).z))
 
-    def _rejecting(self, scale: float, step: float, spend: float) -> float:
-        """The z beyond which the statistic lies with probability `spend`, no look before having rejected."""
 
-        def excess(z: float) -> float:
-            return float(self._weights @ ndtr((self._points - z * scale) / step)) - spend
+@dataclass(frozen=True)
+class _State:
+    """After a look: the `z` beyond which it rejected, and the density of paths that no look has, as `points` and `weights` of a sum."""
 
-        plain = float(-ndtri(spend))
-        return plain if excess(plain) >= 0 else brentq(excess, 0.0, plain, xtol=1e-9)
+    z: float
+    points: np.ndarray
+    weights: np.ndarray
 
-    def _carry(self, time: float, step: float, z: float) -> None:
-        """The density after this look, as points and weights of the trapezoidal rule."""
-        scale = np.sqrt(time)
-        points = np.linspace(-_REACH, z, _POINTS) * scale
-        gap = (points[1] - points[0]) / step
-        density = np.exp(-0.5 * ((points[:, None] - self._points) / step) ** 2) @ self._weights
-        weights = density * gap / np.sqrt(2.0 * np.pi)
-        weights[[0, -1]] *= 0.5
-        self._time, self._points, self._weights = time, points, weights
+
+@lru_cache(maxsize=256)
+def _look(level: float, looks: tuple[tuple[float, float], ...]) -> _State:
+    """The state after the last of `looks`."""
+    before, time = (_look(level, looks[:-1]), looks[-2][0]) if len(looks) > 1 else (_START, 0.0)
+    replicates, share = looks[-1]
+    scale, step = np.sqrt(replicates), np.sqrt(replicates - time)
+    z = _rejecting(before, scale, step, level * share)
+    points = np.linspace(-_REACH, z, _POINTS) * scale
+    density = np.exp(-0.5 * ((points[:, None] - before.points) / step) ** 2) @ before.weights
+    weights = density * (points[1] - points[0]) / (step * np.sqrt(2.0 * np.pi))
+    weights[[0, -1]] *= 0.5
+    return _State(z, points, weights)
+
+
+_START = _State(np.inf, np.zeros(1), np.ones(1))
+
+
+def _rejecting(before: _State, scale: float, step: float, spend: float) -> float:
+    """The z beyond which the statistic lies with probability `spend`, no look before having rejected."""
+
+    def excess(z: float) -> float:
+        return float(before.weights @ ndtr((before.points - z * scale) / step)) - spend
+
+    plain = float(-ndtri(spend))
+    return plain if excess(plain) >= 0 else brentq(excess, 0.0, plain, xtol=1e-9)

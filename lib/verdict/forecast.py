@@ -20,6 +20,8 @@ MOST = 0.9
 MOST_GROWTH = 100.0
 # Bounds that are forecast where the tolerance is out of reach.
 STEPS = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001)
+# Standard errors that stand for infinitely many.
+_FAR = 1e12
 
 
 @dataclass(frozen=True)
@@ -104,11 +106,11 @@ def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments,
         # The room for light that was not met shrinks like 1 / growth, its standard errors like 1 / sqrt(growth).
         met = _less(inside[near], rooms[near] / growth)
         enough = -stdtrit(df * growth, test.looks[-1].level)
-        decided = passing_probability(met, gaps[near], shares[near], enough, growth)
+        decided = passing_probability(met, _finite(gaps[near]), shares[near], enough, growth)
         if bound == test.tolerance:
             p = test.level * ONE_DIFFERS * test.share_after(growth) / (WAYS_TO_DIFFER * test.outcomes.size)
             met = _less(-inside[far], rooms[far] / growth)
-            decided = decided + passing_probability(met, -gaps[far], shares[far], -stdtrit(df * growth, p), growth)
+            decided = decided + passing_probability(met, _finite(-gaps[far]), shares[far], -stdtrit(df * growth, p), growth)
         decided = np.minimum(decided, 1.0)
         reached = {
             "low": decided.min() >= (1 - COVERAGE) / 2,
@@ -142,4 +144,9 @@ def _errors(value: np.ndarray, end: Combination, sign: int) -> np.ndarray:
 def _less(z: np.ndarray, room: np.ndarray) -> np.ndarray:
     """`z` less `room`; where both are infinite, as without noise, -inf: nothing is passed."""
     with np.errstate(invalid="ignore"):
-        return np.nan_to_num(z - room, nan=-np.inf, posinf=np.inf, neginf=-np.inf)
+        return _finite(np.nan_to_num(z - room, nan=-np.inf, posinf=np.inf, neginf=-np.inf))
+
+
+def _finite(z: np.ndarray) -> np.ndarray:
+    """`z` with infinite ones, which no noise can move, as numbers that none will."""
+    return np.clip(z, -_FAR, _FAR)

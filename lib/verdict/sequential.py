@@ -128,9 +128,9 @@ class SequentialTest:
         inside = np.maximum(self.tolerance - rare, 0.0)[:, None]
         p = p_equivalent(*tolerance_ends(candidate, reference, inside, self.floor)) / share
         self._agrees = np.where(now, np.where(rare < self.tolerance, p, np.inf), self._agrees)
-        outside = (self.tolerance + rare)[:, None]
+        outside = (self.tolerance + np.where(np.isfinite(rare), rare, 0.0))[:, None]
         p = p_different(*tolerance_ends(candidate, reference, outside, self.floor)) / share
-        self._differs = np.where(now, p, self._differs)
+        self._differs = np.where(now, np.where(np.isfinite(rare), p, np.inf), self._differs)
         self._claim(replicates, np.isnan(reference.mean + candidate.mean).any(axis=1))
         self.looks.append(
             Look((reference.most, candidate.most), share, level, int(self.undecided.sum()), self.overall_bound())

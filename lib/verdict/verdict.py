@@ -17,7 +17,7 @@ from .rare import blind_spot, describe_tails, pareto_shape
 from .sequential import ALL_AGREE, ONE_DIFFERS, Look, SequentialTest, Withdrawn
 
 
-RARE = "open because of rare light: bright samples are so seldom that a region may not have met its share of them yet"
+RARE = "open because of rare light: too few samples to exclude that bright and seldom ones would make a difference"
 
 
 @dataclass(frozen=True)

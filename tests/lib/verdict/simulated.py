@@ -3,7 +3,9 @@
 
 import numpy as np
 from etalon.lib.film.moments import Moments, merge
-from etalon.lib.verdict.sequential import SequentialTest, next_look
+from etalon.lib.verdict.boundaries import count_looks, next_look
+from etalon.lib.verdict.rare import describe_tails, room_for_rare_light
+from etalon.lib.verdict.sequential import ALL_AGREE, SequentialTest
 
 
 def gaussian(rng, rows, count):
@@ -30,7 +32,7 @@ def decided(rng, candidate, noise, sigma=0.02, tolerance=0.01, confidence=0.99, 
     `look(test, n, reference, candidate)` is called after each look.
     """
     count = candidate.size
-    test = SequentialTest(count, tolerance, confidence)
+    test = SequentialTest(count, tolerance, confidence, expected=count_looks(last))
     sides = [Moments.empty((count, 3)), Moments.empty((count, 3))]
     n = 0
     while n < last and test.undecided.any():
@@ -41,4 +43,30 @@ def decided(rng, candidate, noise, sigma=0.02, tolerance=0.01, confidence=0.99, 
         test.look(*sides, last=n == last)
         if look is not None:
             look(test, n, *sides)
+    return test
+
+
+def decided_on_samples(
+    rng, share, worth, smooth, room=True, count=280, samples=8192, sigma=0.5, tolerance=0.01, confidence=0.99, last=101
+):
+    """The test at its end: regions of mean 1, replicates of so many `samples` of noise `sigma` each.
+
+    The reference has a `share` of its light in samples of `worth` times the mean; the candidate has `smooth` instead, in all samples. With
+    `room`, the claims leave it for such light.
+    """
+    test = SequentialTest(count, tolerance, confidence, expected=count_looks(last))
+    series = [np.empty((0, count)), np.empty((0, count))]
+    n = 0
+    while n < last and test.undecided.any():
+        more = min(next_look(n), last) - n
+        n += more
+        rare = [rng.poisson(samples * share / worth, (more, count)) * worth / samples if share else 0.0, smooth]
+        for k in range(2):
+            body = 1.0 - share + sigma / np.sqrt(samples) * rng.standard_normal((more, count))
+            series[k] = np.vstack([series[k], body + rare[k]])
+        left = 0.0
+        if room:
+            most = max(describe_tails(one, np.full(count, samples)).worth.max() for one in series)
+            left = room_for_rare_light(most, np.full(count, n * samples), ALL_AGREE * test.level)
+        test.look(*(rows_of(np.repeat(one[..., None], 3, axis=2)) for one in series), last=n == last, rare=left)
     return test

@@ -39,7 +39,12 @@ def test_agreement_on_the_very_edge_is_claimed_no_more_often_than_allowed(rng, t
 def test_the_edge_is_seen_where_nothing_is_paid_for(rng, monkeypatch):
     """The same with the level of one look and one set for everything: the test above can fail."""
     monkeypatch.setattr(attribution, "set_share", lambda size, count: 4.0 / ATTRIBUTION_SHARE)
-    monkeypatch.setattr(attribution, "look_share", lambda k, last: 1.0)
+
+    class Free(attribution.Spending):
+        def take(self, last):
+            return 1.0
+
+    monkeypatch.setattr(attribution, "Spending", Free)
     effects = {name: np.zeros(4) for name in NAMES}
     truth = np.array([1.0 + TOLERANCE, 2.0, 1.0, 1.0])
     runs = [simulated(rng, effects, truth, 0.5)[:2] for _ in range(200)]

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from etalon.lib.film.moments import Moments
-from etalon.lib.verdict.forecast import COVERAGE, forecast, passing_probability, spread_of_differences
+from etalon.lib.verdict.forecast import COVERAGE, forecast, forecast_bound, passing_probability, spread_of_differences
 from etalon.lib.verdict.sequential import SequentialTest
 from etalon.tests.lib.verdict.simulated import decided, gaussian, rows_of
 from scipy import stats
@@ -24,7 +24,7 @@ def test_the_true_cost_is_inside_the_interval_as_often_as_it_says(rng, runs, spr
 
         def look(test, n, reference, candidate, asked=asked):
             if n == ASKED_AT and test.undecided.any():
-                asked.append(forecast(test, reference, candidate))
+                asked.append(forecast_bound(test, reference, candidate, test.tolerance))
 
         test = decided(rng, truth, gaussian, sigma, last=30_000, look=look)
         if asked:

@@ -1,33 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sequential decision on simulated regions: how often it is wrong, and what it finds at which cost."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from etalon.lib.film.moments import Moments
 from etalon.lib.verdict import sequential
 from etalon.lib.verdict.outcome import Outcome
-from etalon.lib.verdict.sequential import SequentialTest, holm, look_share, next_look
+from etalon.lib.verdict.boundaries import Boundary, Spending
+from etalon.lib.verdict.sequential import ALL_AGREE, ONE_DIFFERS, PARTS, SequentialTest, find_floor, holm
 from etalon.tests.lib.verdict.simulated import decided, fireflies, gaussian
 from scipy import stats
 
 TOLERANCE = 0.01
 RUNS = [100, pytest.param(1000, marks=pytest.mark.slow)]
-
-
-def test_looks_are_at_least_a_factor_apart():
-    looks = [next_look(0)]
-    while looks[-1] < 100_000:
-        looks.append(next_look(looks[-1]))
-    assert looks[:6] == [8, 12, 18, 27, 41, 62]
-    assert all(b >= 1.5 * a for a, b in pairwise(looks))
-    assert next_look(20) == 27
-
-
-def test_shares_of_all_looks_are_at_most_one():
-    for last in range(1, 60):
-        assert sum(look_share(k, False) for k in range(1, last)) + look_share(last, True) <= 1 + 1e-12
 
 
 def test_holms_procedure_step_by_step(rng):
@@ -44,12 +29,16 @@ def test_holms_procedure_step_by_step(rng):
 
 
 def wrong(rng, runs, noise, bias, confidence):
-    """In how many runs any claim about regions that are all off by `bias` was false; on the edge of the tolerance every claim is."""
+    """In how many runs any claim, at any look, was false: on regions all off by `bias`; on the edge of the tolerance every claim is."""
     truth = np.full(10, 1.0 + bias)
+    false = {Outcome.DIFFERENT, Outcome.EQUIVALENT} if abs(bias) == TOLERANCE else {Outcome.DIFFERENT}
     count = 0
     for _ in range(runs):
-        found = set(decided(rng, truth, noise, 0.03, TOLERANCE, confidence).outcomes)
-        count += bool(found - {Outcome.UNDECIDED} if abs(bias) == TOLERANCE else found & {Outcome.DIFFERENT})
+        found = set()
+        decided(
+            rng, truth, noise, 0.03, TOLERANCE, confidence, look=lambda test, *_, kept=found: kept.update(test.outcomes)
+        )
+        count += bool(found & false)
     return count
 
 
@@ -64,7 +53,8 @@ def test_false_alarms_are_no_more_than_the_level(rng, runs, noise, bias):
 @pytest.mark.parametrize("noise", [gaussian, fireflies])
 def test_looks_that_are_not_paid_for_raise_false_alarms(rng, monkeypatch, noise):
     """The test above can fail."""
-    monkeypatch.setattr(sequential, "look_share", lambda k, last: 1.0)
+    monkeypatch.setattr(Spending, "take", lambda self, last: 1.0)
+    monkeypatch.setattr(Boundary, "next", lambda self, replicates, share: self.level)
     monkeypatch.setattr(sequential, "holm", lambda p, level: p <= level)
     assert wrong(rng, 100, noise, TOLERANCE, 0.9) > stats.binom.ppf(0.999, 100, 0.1)
 
@@ -74,12 +64,13 @@ def test_looks_that_are_not_paid_for_raise_false_alarms(rng, monkeypatch, noise)
 def test_a_planted_bias_on_one_material_is_found(rng, runs, bias):
     """At half its size as tolerance, in at least 95 of 100 runs, at the cost that the normal distribution foretells.
 
-    A claim must meet level / (2 N regions x 6 ways) and its look's share: about 5 standard errors, and two more for a power of 97.5 %.
+    A claim must meet its part of the level / (N regions x 6 ways) and its look's share: about 5 standard errors, and two more for a power
+    of 97.5 %.
     """
     truth = np.ones(20)
     truth[3] += bias
     tolerance, sigma = bias / 2, 2 * bias
-    standard_errors = -stats.norm.ppf(0.01 * look_share(9, False) / (6 * 40)) + 2
+    standard_errors = -stats.norm.ppf(0.01 * ONE_DIFFERS / 20 / (6 * 20)) + 2
     cost = int(np.ceil(2 * (standard_errors * sigma / (bias - tolerance)) ** 2))
     found = 0
     for _ in range(runs):
@@ -89,27 +80,102 @@ def test_a_planted_bias_on_one_material_is_found(rng, runs, bias):
     assert found >= 0.95 * runs - 1
 
 
-def test_once_decided_stays_decided(rng):
-    first = Moments(8, np.ones((2, 3)), np.full((2, 3), 1e-9))
-    test = SequentialTest(2, TOLERANCE, 0.99)
-    test.look(first, first, last=False)
-    assert (test.outcomes == Outcome.EQUIVALENT).all()
-    other = Moments(12, np.full((2, 3), 2.0), np.full((2, 3), 1e-9))
-    test.look(first, other, last=True)
-    assert (test.outcomes == Outcome.EQUIVALENT).all()
-    assert test.decided_at.tolist() == [8, 8]
-    assert [look.undecided for look in test.looks] == [0, 0]
+def rows_of(values):
+    mean = values.mean(axis=0)
+    return Moments(len(values), mean, ((values - mean) ** 2).sum(axis=0))
 
 
-def test_claims_left_are_those_that_can_still_be_made():
-    """Each region makes at most one claim; a decided one leaves one behind."""
+def constant(n, means, spread=1e-9):
+    """Moments of n replicates of regions with these means (K,), nearly without noise."""
+    values = np.repeat(np.asarray(means, float)[:, None], 3, axis=1)
+    return Moments(n, values, np.full(values.shape, spread))
+
+
+def test_a_claim_that_later_data_contradict_is_withdrawn():
     test = SequentialTest(2, TOLERANCE, 0.99)
-    assert test.claims_left == 4
-    mean = np.ones((2, 3))
-    noisy = np.array([[1e-9], [1e9]]) * np.ones(3)
-    test.look(Moments(8, mean, noisy), Moments(8, mean, noisy), last=False)
+    test.look(constant(8, [1, 1]), constant(8, [1, 1]), last=False)
+    assert (test.outcomes == Outcome.EQUIVALENT).all()
+    test.look(constant(10, [1, 1]), constant(10, [1, 2]), last=True)
+    assert test.outcomes.tolist() == [Outcome.EQUIVALENT, Outcome.DIFFERENT]
+    assert test.decided_at.tolist() == [8, 10]
+    (gone,) = test.withdrawn
+    assert (gone.region, gone.outcome, gone.claimed_at, gone.withdrawn_at) == (1, Outcome.EQUIVALENT, 8, 10)
+
+
+def test_a_region_that_is_not_sampled_on_keeps_its_claim():
+    test = SequentialTest(2, TOLERANCE, 0.99)
+    test.look(constant(8, [1, 1]), constant(8, [1, 1]), last=False)
+    n = np.array([8, 10])
+    reference, candidate = constant(n, [1, 1]), constant(n, [2, 1])
+    test.look(reference, candidate, last=False)
+    assert (test.outcomes == Outcome.EQUIVALENT).all()
+    assert not test.withdrawn
+
+
+def test_all_regions_are_tested_together_at_the_level_of_one(rng):
+    """The number of regions costs nothing: with 1,000 regions the bound is that of the worst one at the plain level."""
+    sigma, n = 0.008, 64
+    noise = 1.0 + sigma * gaussian(rng, n, 1000), 1.0 + sigma * gaussian(rng, n, 1000)
+    reference, candidate = (rows_of(values) for values in noise)
+    test = SequentialTest(1000, TOLERANCE, 0.99, expected=1)
+    test.look(reference, candidate, last=True)
+    q = stats.t.isf(0.01 * ALL_AGREE, 2 * n - 2)
+    gap = np.abs(candidate.mean - reference.mean).max()
+    assert test.looks[0].bound == pytest.approx(gap + q * sigma * np.sqrt(2 / n), rel=0.1)
+    assert (test.outcomes == Outcome.EQUIVALENT).all()
+
+
+def test_families_are_claimed_in_order():
+    """Cells of a family that does not pass are claimed one by one; those of families before it all together."""
+    families = np.array([0, 1, 1, 2, 2])
+    means = [1, 1, 1, 1, 1.2]
+    test = SequentialTest(5, TOLERANCE, 0.99, families=families)
+    # A noise that lets one region pass at the plain level, not under Holm's procedure.
+    spread = 8 * 7 * (0.01 / 5.0) ** 2 / 2
+    test.look(constant(8, np.ones(5), spread), constant(8, means, spread), last=False)
+    assert test.within.tolist() == [True, True, True, True, False]
+    assert [o is Outcome.EQUIVALENT for o in test.outcomes] == [True, True, True, False, False]
+    alone = SequentialTest(5, TOLERANCE, 0.99)
+    alone.look(constant(8, np.ones(5), spread), constant(8, means, spread), last=False)
+    assert not (alone.outcomes == Outcome.EQUIVALENT).any()
+
+
+def test_room_for_rare_light_is_left_by_every_claim():
+    same, off = constant(8, [1, 1]), constant(8, [1.0, 1.05])
+    test = SequentialTest(2, TOLERANCE, 0.99)
+    test.look(same, off, last=False, rare=np.array([0.02, 0.03]))
+    assert test.bounds == pytest.approx([0.02, 0.08], abs=1e-4)
+    assert test.outcomes.tolist() == [Outcome.UNDECIDED, Outcome.DIFFERENT]
+    test.look(constant(10, [1, 1]), constant(10, [1, 1.05]), last=False, rare=np.array([0.005, 0.045]))
     assert test.outcomes.tolist() == [Outcome.EQUIVALENT, Outcome.UNDECIDED]
-    assert test.claims_left == 3
+
+
+def test_the_bound_is_wrong_no_more_often_than_its_level(rng):
+    """The truth is 2 % off in one region of 20; the bound must not fall below that, at any look."""
+    truth, runs, confidence = np.ones(20), 300, 0.9
+    truth[7] = 1.02
+    missed = 0
+    for _ in range(runs):
+        bounds = []
+        decided(
+            rng, truth, gaussian, 0.02, 0.03, confidence, look=lambda test, n, a, b, kept=bounds: kept.append(test.looks[-1].bound)
+        )
+        missed += min(bounds) < 0.02
+    assert missed <= stats.binom.ppf(0.999, runs, ALL_AGREE * (1 - confidence))
+
+
+def test_the_floor_is_that_of_what_does_not_emit():
+    """A lamp in a few cells does not lift it, black cells do not lower it, and every channel has its own."""
+    means = np.ones((100, 3)) * [1.0, 0.5, 1e-4]
+    means[:10] = 1e6
+    means[90:] = 0.0
+    floor = find_floor(np.vstack([means.mean(axis=0), means]), np.append(0, np.full(100, 2)))
+    assert floor == pytest.approx([1e-3, 5e-4, 1e-7])
+    assert find_floor(np.zeros((4, 3)), np.zeros(4, int)).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_the_parts_of_the_level_add_up_to_one():
+    assert sum(PARTS) == pytest.approx(1.0)
 
 
 def test_what_is_held_back_is_not_spent(rng):

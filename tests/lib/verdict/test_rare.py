@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light in rare samples: what is said of it, and that verdicts are not wrong because of it."""
+
+import numpy as np
+import pytest
+from etalon.lib.verdict.outcome import Outcome
+from etalon.lib.verdict.rare import (
+    FEWEST,
+    LEAST_WORTH,
+    blind_spot,
+    describe_tails,
+    jump_limit,
+    pareto_shape,
+    room_for_rare_light,
+)
+from etalon.tests.lib.verdict.simulated import decided_on_samples
+from scipy import stats
+
+RUNS = [8, pytest.param(250, marks=pytest.mark.slow)]
+
+
+def test_one_bright_sample_is_a_jump_of_its_worth(rng):
+    series = 1.0 + 0.01 * rng.standard_normal((20, 3))
+    series[7, 1] += 500.0 / 4096
+    tails = describe_tails(series, np.full(3, 4096.0))
+    assert tails.worth[[0, 2]].tolist() == [0.0, 0.0]
+    assert tails.worth[1] == pytest.approx(500.0, rel=0.1)
+    assert tails.largest_share[1] == pytest.approx(500.0 / 4096 / 20, rel=0.1)
+
+
+@pytest.mark.parametrize("replicates", [5, 8, 12, 20, 50])
+def test_normal_noise_is_practically_never_a_jump(rng, replicates):
+    series = 1.0 + 0.1 * rng.standard_normal((replicates, 20_000))
+    assert np.count_nonzero(describe_tails(series, np.ones(20_000)).worth) <= 5
+    assert jump_limit(np.array([100]))[0] == 8.0
+
+
+def test_few_replicates_rounding_and_black_tell_of_no_jump():
+    assert describe_tails(np.array([[1.0], [9.0]]), np.ones(1)).worth.tolist() == [0.0]
+    assert describe_tails(np.zeros((FEWEST, 1)), np.ones(1)).worth.tolist() == [0.0]
+    rounded = 1.0 + 1e-7 * np.arange(20)[:, None]
+    rounded[3] += 3e-6
+    assert describe_tails(rounded, np.ones(1)).worth.tolist() == [0.0]
+
+
+def test_replicates_that_were_not_sampled_do_not_count(rng):
+    series = 1.0 + 0.01 * rng.standard_normal((40, 2))
+    series[20:, 0] = np.nan
+    whole, part = describe_tails(series, np.ones(2)), describe_tails(series[:20, :1], np.ones(1))
+    assert whole.largest_share[0] == pytest.approx(part.largest_share[0])
+
+
+def test_what_was_not_met_may_be_missing_with_its_probability():
+    """A sample of worth v met with probability p each: a region that misses all of N owes v p of its light."""
+    worth, samples, level = 1e4, 1e6, 0.01
+    room = float(room_for_rare_light(worth, np.array([samples]), level)[0])
+    missed = (1.0 - room / worth) ** samples
+    assert missed == pytest.approx(level, rel=0.01)
+    assert room_for_rare_light(0.0, np.array([samples]), level)[0] == pytest.approx(room * LEAST_WORTH / worth)
+    assert np.isinf(room_for_rare_light(worth, np.array([0.0]), level)[0])
+    v = float(blind_spot(np.array([samples]), 0.01, level)[0])
+    assert room_for_rare_light(v, np.array([samples]), level)[0] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("shape", [0.2, 0.5, 1.0])
+def test_the_shape_of_a_pareto_tail_is_found(rng, shape):
+    values = stats.genpareto.rvs(shape, size=(20, 4000), random_state=rng)
+    found = np.array([pareto_shape(one) for one in values])
+    assert found.mean() == pytest.approx(shape, abs=0.08)
+    assert np.isnan(pareto_shape(values[0, :24]))
+    assert np.isnan(pareto_shape(np.ones(100)))
+
+
+@pytest.mark.parametrize("runs", RUNS)
+@pytest.mark.parametrize("worth", [1e2, 1e3, 1e4, 1e5])
+def test_light_in_rare_samples_that_a_side_drops_is_not_called_agreement(rng, runs, worth):
+    """The candidate lacks 3 % of each region's light, in samples of this worth; the tolerance is 1 %."""
+    wrong = sum((decided_on_samples(rng, 0.03, worth, 0.0).outcomes == Outcome.EQUIVALENT).any() for _ in range(runs))
+    assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+@pytest.mark.parametrize("runs", RUNS)
+@pytest.mark.parametrize("worth", [1e2, 1e3, 1e4, 1e5])
+def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, worth):
+    """The means are equal; one side has 3 % of the light in samples of this worth, the other in all of its samples."""
+    wrong = sum((decided_on_samples(rng, 0.03, worth, 0.03).outcomes == Outcome.DIFFERENT).any() for _ in range(runs))
+    assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+@pytest.mark.parametrize(("worth", "smooth", "outcome"), [(1e4, 0.0, Outcome.EQUIVALENT), (1e4, 0.03, Outcome.DIFFERENT)])
+def test_without_room_for_rare_light_both_mistakes_are_made(rng, worth, smooth, outcome):
+    """The tests above can fail."""
+    found = [decided_on_samples(rng, 0.03, worth, smooth, room=False).outcomes for _ in range(5)]
+    assert all((one == outcome).any() for one in found)
+
+
+def test_tame_light_is_decided_as_before(rng):
+    """Safety is not bought by never deciding: without rare samples all regions are found to agree."""
+    found = decided_on_samples(rng, 0.0, 1.0, 0.0)
+    assert (found.outcomes == Outcome.EQUIVALENT).all()
