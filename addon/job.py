@@ -15,7 +15,8 @@ import bpy
 
 from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
-from ..lib.comparison.run import Stop
+from ..lib.comparison.run import Stop, TimedRun
+from ..lib.comparison.size import choose_divisor
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.progress import NO_PROGRESS, Progress
@@ -57,23 +58,36 @@ def judge(
     folder: Path | None,
     repeat: str,
     progress: Progress,
+    may_shrink: bool = True,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
 
-    `repeat` is the command that does the same again; the report shows it.
+    `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
+    `may_shrink` allow it, a smaller one of the same view is compared.
     """
     with nullcontext() if folder is None else replace_files(folder) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
+        verdict, divisor = settings.part(CompareOptions), 1
+        if may_shrink and settings.size == "auto" and settings.samples is None:
+            run = TimedRun(settings.time, progress)
+            divisor = choose_divisor((reference, candidate), scene.camera, run)
+            # What choosing took is part of the time.
+            verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
+        if divisor > 1:
+            size = scene.camera.width // divisor, scene.camera.height // divisor
+            reference, candidate = reference.at_size(*size), candidate.at_size(*size)
         comparison = compare(
-            scene,
+            reference.scene,
             reference,
             candidate,
             coverage(reference.kernel),
-            settings.part(CompareOptions),
+            verdict,
             progress,
             alternatives(reference),
             reached(reference) if reference.kernel.has_unknown else None,
+            divisor,
         )
+        comparison = replace(comparison, options=settings.part(CompareOptions))
         if beside is not None:
             write_report(comparison, reference.plan, beside, repeat)
     return comparison
@@ -95,7 +109,7 @@ def compare_here(
     exported = export(scene, settings.partial)
     with neutral(scene, threads=settings.threads):
         candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
-        comparison = judge(exported, candidate, settings, folder, repeat, progress)
+        comparison = judge(exported, candidate, settings, folder, repeat, progress, not scene.render.use_border)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
             show_unexplained(comparison, folder, partial(show, scene, settings))
         return comparison
@@ -109,7 +123,10 @@ def show_unexplained(
     if box is None:
         (folder / MINIMAL).unlink(missing_ok=True)
     else:
-        show(box, seen(comparison, box), folder / MINIMAL)
+        # In pixels of the whole size, of which a smaller image was compared.
+        times = comparison.divisor
+        whole = box[0] * times, box[1] * times, (box[2] + 1) * times - 1, (box[3] + 1) * times - 1
+        show(whole, seen(comparison, box), folder / MINIMAL)
 
 
 def show(
@@ -148,6 +165,7 @@ class BackgroundJob:
         self.comparison: Comparison | None = None
         self.errors: tuple[str, ...] = ()
         self._settings = settings
+        self._may_shrink = not scene.render.use_border
         self._cancel = threading.Event()
         self._temporary = tempfile.TemporaryDirectory(prefix="etalon-", ignore_cleanup_errors=True)
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
@@ -182,7 +200,8 @@ class BackgroundJob:
                 self._settings,
                 self.folder,
                 self._repeat,
-                Progress(self._report, self._cancel.is_set),
+                Progress(self._report, self._cancel.is_set, self._tell),
+                self._may_shrink,
             )
             if self.comparison.stopped is not Stop.CANCELLED:
                 self.message = "Looking for the cause"
@@ -200,3 +219,6 @@ class BackgroundJob:
 
     def _report(self, fraction: float) -> None:
         self.fraction = fraction
+
+    def _tell(self, text: str) -> None:
+        self.message = f"Agrees {text}"

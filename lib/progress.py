@@ -16,11 +16,15 @@ def _never() -> bool:
     return False
 
 
-class Progress:
-    """Told how far the work is; asked whether it is to end.
+def _tell_nobody(text: str) -> None:
+    pass
 
-    `report` takes the share that is done, 0 to 1; `is_cancelled` says whether the user wants the work to end. Both may be called
-    from any thread.
+
+class Progress:
+    """Told how far the work is and what it has found; asked whether it is to end.
+
+    `report` takes the share that is done, 0 to 1; `tell` takes what is known so far, in one line; `is_cancelled` says whether the user
+    wants the work to end. All may be called from any thread.
 
     >>> told = []
     >>> Progress(told.append).within(0.5, 1.0).report(0.5)
@@ -29,9 +33,13 @@ class Progress:
     """
 
     def __init__(
-        self, report: Callable[[float], None] = _report_nothing, is_cancelled: Callable[[], bool] = _never
+        self,
+        report: Callable[[float], None] = _report_nothing,
+        is_cancelled: Callable[[], bool] = _never,
+        tell: Callable[[str], None] = _tell_nobody,
     ) -> None:
         self.report = report
+        self.tell = tell
         self._is_cancelled = is_cancelled
 
     @property
@@ -46,7 +54,7 @@ class Progress:
 
     def within(self, first: float, last: float) -> Progress:
         """The progress of a part of the work that takes the share from `first` to `last` of the whole."""
-        return Progress(lambda fraction: self.report(first + (last - first) * fraction), self._is_cancelled)
+        return Progress(lambda fraction: self.report(first + (last - first) * fraction), self._is_cancelled, self.tell)
 
     @property
     def silent(self) -> Progress:

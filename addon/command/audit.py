@@ -112,7 +112,7 @@ def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat:
     with (
         replace_files(folder) as beside,
         interruptible() as interrupted,
-        bar(f"{name}: audit") as report,
+        bar(f"{name}: audit") as shown,
         quiet(),
         neutral(scene, max_bounces=MOST_BOUNCES, threads=threads) as changes,
     ):
@@ -125,6 +125,6 @@ def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat:
             samples,
             tuple(asked.same),
             tuple(asked.missing),
-            Progress(report, interrupted),
+            Progress(shown.report, interrupted),
         )
         return Found(found.rounds, found.samples, found.stopped.value, write_audit(found, beside, repeat))

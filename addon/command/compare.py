@@ -24,8 +24,8 @@ def run(target: Target, settings: Settings) -> int:
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
     folder = settings.out or Path("etalon-out") / name
     repeat = repeating_command("compare", as_opened(target), settings)
-    with interruptible() as interrupted, bar(name) as report, quiet():
-        progress = Progress(report, interrupted)
+    with interruptible() as interrupted, bar(name) as shown, quiet():
+        progress = Progress(shown.report, interrupted, shown.tell)
         comparison = job.compare_here(bpy.context.scene, settings, folder, repeat, progress)
     print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
     for sentence in sentences(comparison):

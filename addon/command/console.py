@@ -14,18 +14,31 @@ from tqdm import tqdm
 _BAR = "{desc} {percentage:3.0f} %|{bar}| {elapsed} spent, {remaining} left"
 
 
+class Bar:
+    """A progress bar on standard error: `report` takes the fraction done, 0 to 1, `tell` what is known so far."""
+
+    def __init__(self, description: str, shown: tqdm) -> None:
+        self._description, self._shown = description, shown
+
+    def report(self, fraction: float) -> None:
+        """Move on to a fraction; never back."""
+        self._shown.update(min(max(fraction, self._shown.n), 1.0) - self._shown.n)
+
+    def tell(self, text: str) -> None:
+        """Show a line of text beside the bar, or below one another where there is no terminal."""
+        self._shown.set_description_str(f"{self._description}: {text}", refresh=sys.stderr.isatty())
+        if not sys.stderr.isatty():
+            print(f"{self._description}: {text}", file=sys.stderr, flush=True)
+
+
 @contextmanager
-def bar(description: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on standard error; yields the function that takes the fraction done, 0 to 1."""
+def bar(description: str) -> Iterator[Bar]:
+    """A progress bar that goes away at the end."""
     interval = 0.1 if sys.stderr.isatty() else 10.0
     with tqdm(
         total=1.0, desc=description, bar_format=_BAR, file=sys.stderr, leave=False, mininterval=interval
     ) as shown:
-
-        def progress(fraction: float) -> None:
-            shown.update(min(max(fraction, shown.n), 1.0) - shown.n)
-
-        yield progress
+        yield Bar(description, shown)
 
 
 @contextmanager

@@ -38,8 +38,8 @@ def run(target: Target, settings: CostOptions) -> int:
 
         @contextmanager
         def phase(words: str) -> Iterator[Progress]:
-            with bar(f"{name}: {words}") as report:
-                yield Progress(report, interrupted)
+            with bar(f"{name}: {words}") as shown:
+                yield Progress(shown.report, interrupted)
 
         found = measure_cost(name, bpy.context.scene, settings, folder, repeat, phase, opened)
     print(table(found.figures))

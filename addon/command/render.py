@@ -17,8 +17,8 @@ from .exported import read_scene
 def run(target: Target, settings: RenderOutput) -> int:
     """Render the reference and write it; Ctrl-C writes the replicates that are done."""
     scene = read_scene(target)
-    with replace_file(settings.out) as path, interruptible() as interrupted, bar(scene.name) as report:
-        film = render_film(scene, settings.part(RenderOptions), Progress(report, interrupted))
+    with replace_file(settings.out) as path, interruptible() as interrupted, bar(scene.name) as shown:
+        film = render_film(scene, settings.part(RenderOptions), Progress(shown.report, interrupted))
         if not film.moments.n:
             raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
         write_film(path, film)

@@ -7,6 +7,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,7 @@ class CyclesRenderer:
         self.seed = seed
         self._layer = layers[0]
         self._neutral = {"max_bounces": max_bounces, "threads": threads}
+        self._size: tuple[int, int] | None = None
         with neutral(scene, **self._neutral) as changes:
             build = f"{_text(bpy.app.build_hash)}, {_text(bpy.app.build_date)}"
             self.settings: dict[str, Any] = {
@@ -62,6 +64,12 @@ class CyclesRenderer:
             }
         if changes.refused:
             self.settings["not editable"] = ", ".join(changes.refused)
+
+    def at_size(self, width: int, height: int) -> CyclesRenderer:
+        """The same view with fewer pixels, whose numbers divide the frame's; not for a scene with a render border."""
+        smaller = copy(self)
+        smaller._size = width, height
+        return smaller
 
     def render(
         self,
@@ -104,8 +112,17 @@ class CyclesRenderer:
     @contextmanager
     def _state(self) -> Iterator[None]:
         """The settings under which it renders."""
+        changes = Changes()
         with neutral(self.scene, **self._neutral):
-            yield
+            try:
+                if self._size is not None:
+                    render = self.scene.render
+                    changes.set(render, "resolution_x", self._size[0])
+                    changes.set(render, "resolution_y", self._size[1])
+                    changes.set(render, "resolution_percentage", 100)
+                yield
+            finally:
+                changes.undo()
 
     def _calls(self, windows: Windows, samples: int) -> Iterator[tuple[Box, int, int]]:
         """Each render call as a rectangle, the samples that are done before it, and those that it adds."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Iterator
+from copy import copy as shallow_copy
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ class SecondBlender:
     def __init__(self, copy: Path, scene: str, settings: Settings) -> None:
         self.name = "Cycles"
         self.settings: dict[str, Any] = {}
+        self._size: tuple[int, int] | None = None
         self._log = copy.with_name("second_blender.log")
         request = {"scene": scene, "settings": settings.to_json(), "folder": str(copy.parent)}
         # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
@@ -54,6 +56,12 @@ class SecondBlender:
         self.name, self.settings = reply["name"], reply["settings"]
         return archive.load(Path(reply["scene"]))
 
+    def at_size(self, width: int, height: int) -> SecondBlender:
+        """The same view with fewer pixels, from the same process."""
+        smaller = shallow_copy(self)
+        smaller._size = width, height
+        return smaller
+
     def render(
         self,
         replicate: int,
@@ -66,9 +74,8 @@ class SecondBlender:
         Raises EtalonError if the process ends before it has one; Cancelled if it was stopped because `progress` said so.
         """
         try:
-            self._send(
-                {"replicate": replicate, "samples": samples, "windows": windows and [windows.shape, windows.boxes]}
-            )
+            part = windows and [windows.shape, windows.boxes]
+            self._send({"replicate": replicate, "samples": samples, "windows": part, "size": self._size})
             for reply in self._replies():
                 if "error" in reply:
                     raise EtalonError(reply["error"])

@@ -62,7 +62,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
                     say(shown=True)
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
-                done = renderer.render(
+                sized = renderer.at_size(*wanted["size"]) if wanted["size"] else renderer
+                done = sized.render(
                     wanted["replicate"], wanted["samples"], progress.Progress(lambda f: say(progress=f)), part
                 )
                 np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite)

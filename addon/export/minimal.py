@@ -20,7 +20,10 @@ Shows = Callable[[bpy.types.Scene], bool]
 
 
 def where(comparison: Comparison) -> Box | None:
-    """The block furthest off that no departure explains, as first column, first row, last column, last row; None if all is explained."""
+    """The block furthest off that no departure explains, as first column, first row, last column, last row; None if all is explained.
+
+    It is in pixels of the images that were compared, which may have fewer of them than the scene asks for.
+    """
     left = set(unexplained(comparison))
     blocks = [k for k in comparison.regions.indices("block") if k in left]
     if not blocks:

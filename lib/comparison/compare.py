@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
+import math
 import platform
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -16,6 +16,7 @@ from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import BLOCK, Coverage, Regions, image_regions
 from ..film.windows import Windows
+from ..pages.formats import format_bound, format_duration
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
@@ -98,20 +99,19 @@ def compare(
     among: Alternatives | None = None,
     left_out: np.ndarray | None = None,
     divisor: int = 1,
-    told: Callable[[BoundAt], None] | None = None,
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
     `coverage` maps a kind of region ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small
     replicates gives a first answer and lays out the rest. Once the open regions fill
     no more than a part of the image, only that is sampled on. `progress` is told the share of the time (or of the replicates)
-    that is spent, `told` the bound at each look. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or
+    that is spent, and the bound at each look. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or
     if the renderers disagree on the size of the image. Where regions differ, the causes are sought `among` departures, in a time that
     is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no
     region, nor do those whose paths meet a material that is not known; EtalonError is raised where none is left. `divisor` is how many
     times narrower and lower the image is than the user's, for the record.
     """
-    loop = _Loop(scene, (reference, candidate), options, progress, among, told)
+    loop = _Loop(scene, (reference, candidate), options, progress, among)
     loop.time_calls()
     loop.lay_out(coverage, left_out)
     while loop.stopped is None:
@@ -133,14 +133,12 @@ class _Loop:
         options: CompareOptions,
         progress: Progress,
         among: Alternatives | None,
-        told: Callable[[BoundAt], None] | None,
     ) -> None:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._renderers, self._options = scene, renderers, options
         self._seeks_causes = among is not None
         self._among = among if among is not None and among.departures else None
         self._meter = Meter(options, progress, ASIDE_SHARE if self._among else 0.0)
-        self._told = told
         self._history: list[BoundAt] = []
         # Replicates rendered before those that count now, by the first look.
         self._before = 0
@@ -235,8 +233,7 @@ class _Loop:
             self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first
         )
         self._history.append(bound)
-        if self._told is not None:
-            self._told(bound)
+        self._meter.progress.tell(_describe(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
         differs = (self._test.outcomes == Outcome.DIFFERENT).any()
         self._open = self._test.undecided & (~self._test.within | differs)
@@ -315,6 +312,14 @@ class _Loop:
 
     def _nothing_to_compare(self) -> EtalonError:
         return EtalonError(f"{self._scene.name}: cancelled before both sides had an image; there is nothing to compare")
+
+
+def _describe(bound: BoundAt) -> str:
+    """What is known so far, in one line."""
+    if not math.isfinite(bound.bound):
+        return f"no bound after {format_duration(bound.seconds)}"
+    where = "on a coarse grid" if bound.first else "everywhere"
+    return f"within {format_bound(bound.bound)} {where} after {format_duration(bound.seconds)}"
 
 
 def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:

@@ -19,7 +19,8 @@ class Renderer(Protocol):
     """Either side: `settings` is what the report prints.
 
     `render` gives replicate number `replicate`, independent of all others, with `samples` per pixel, or of the pixels in `windows`
-    alone. It raises Cancelled once `progress` says that the work is to end.
+    alone. It raises Cancelled once `progress` says that the work is to end. `at_size` gives a renderer of the same view with fewer
+    pixels, whose numbers divide its own.
     """
 
     name: str
@@ -33,6 +34,9 @@ class Renderer(Protocol):
         windows: Windows | None = None,
     ) -> Rendering:
         """One replicate."""
+
+    def at_size(self, width: int, height: int) -> Renderer:
+        """The same view on a smaller raster."""
 
 
 @dataclass(eq=False)

@@ -26,6 +26,18 @@ def format_part(value: float) -> str:
     return f"{100 * value:.3g} %" if math.isfinite(value) else "unbounded"
 
 
+def format_bound(bound: float) -> str:
+    """A bound as a percentage that is not below it, of two significant digits.
+
+    >>> format_bound(0.01301), format_bound(0.2), format_bound(0.0)
+    ('1.4 %', '20 %', '0 %')
+    """
+    if not math.isfinite(bound) or bound == 0.0:
+        return "0 %" if bound == 0.0 else "unbounded"
+    step = 10.0 ** (math.floor(math.log10(bound)) - 1)
+    return f"{100 * step * math.ceil(bound / step * (1 - 1e-9)):.6g} %"
+
+
 def format_duration(seconds: float) -> str:
     """Seconds in the unit that a person would use.
 

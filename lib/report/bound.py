@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..comparison.compare import Comparison
-from ..pages.formats import format_duration, format_percent
+from ..pages.formats import format_bound, format_duration, format_percent
 from ..verdict.outcome import Outcome
 from .language import plural
 
@@ -20,18 +20,6 @@ def both_names(comparison: Comparison) -> tuple[str, str]:
     """The candidate and the reference, as sentences call them."""
     sides = comparison.candidate, comparison.reference
     return tuple(f"the {s.name}" if s.name == "reference" else s.name for s in sides)
-
-
-def format_bound(bound: float) -> str:
-    """A bound as a percentage that is not below it, of two significant digits.
-
-    >>> format_bound(0.01301), format_bound(0.2), format_bound(0.0)
-    ('1.4 %', '20 %', '0 %')
-    """
-    if not math.isfinite(bound) or bound == 0.0:
-        return "0 %" if bound == 0.0 else "unbounded"
-    step = 10.0 ** (math.floor(math.log10(bound)) - 1)
-    return f"{100 * step * math.ceil(bound / step * (1 - 1e-9)):.6g} %"
 
 
 def bound_title(comparison: Comparison) -> str:

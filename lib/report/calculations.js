@@ -17,7 +17,7 @@ function formatPercent(value) {
   return (value < 0 ? "−" : "+") + Math.abs(100 * value).toPrecision(3) + " %";
 }
 
-/* A bound as a percentage that is not below it, of two significant digits. As format_bound in lib/report/bound.py. */
+/* A bound as a percentage that is not below it, of two significant digits. As format_bound in lib/pages/formats.py. */
 function formatBound(bound) {
   if (bound === null || !Number.isFinite(bound)) return "unbounded";
   if (bound === 0) return "0 %";

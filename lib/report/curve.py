@@ -8,8 +8,7 @@ import math
 from markupsafe import Markup, escape
 
 from ..comparison.compare import BoundAt
-from ..pages.formats import format_duration
-from .bound import format_bound
+from ..pages.formats import format_bound, format_duration
 
 _WIDTH, _HEIGHT, _LEFT, _BOTTOM, _MARGIN = 640, 220, 64, 34, 12
 _STEPS = (1.0, 2.0, 5.0)

@@ -8,10 +8,10 @@ import numpy as np
 from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
 from ..comparison.run import Stop
-from ..pages.formats import format_duration, format_percent
+from ..pages.formats import format_bound, format_duration, format_percent
 from ..verdict.forecast import MOST_GROWTH
 from ..verdict.outcome import Outcome
-from .bound import blind_sentence, both_names, bound_title, format_bound, level_sentence, setting_sentences
+from .bound import blind_sentence, both_names, bound_title, level_sentence, setting_sentences
 from .causes import cause_sentences, unexplained
 from .language import listed, place, plural
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,3 +61,11 @@ class Camera:
     aperture: Aperture | None = None
     field_of_view: float = 2.0 * np.pi
     polynomial: tuple[float, ...] = ()
+
+
+def smaller_camera(camera: Camera, width: int, height: int) -> Camera:
+    """The camera with a raster of `width` x `height` pixels that sees the same; both divide its own."""
+    plane = camera.plane_from_raster.copy()
+    plane[:, 0] *= camera.width / width
+    plane[:, 1] *= camera.height / height
+    return replace(camera, width=width, height=height, plane_from_raster=plane)

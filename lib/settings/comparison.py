@@ -11,7 +11,9 @@ from ..errors import EtalonError
 from .common import Seeded
 from .declaration import Panel, option
 from .reference import Options
-from .units import FilePath, Flag, Seconds, Share, Whole, WholeOrPair
+from .units import Choice, FilePath, Flag, Seconds, Share, Whole, WholeOrPair
+
+SIZES = ("auto", "full")
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,7 @@ class Settings(CompareOptions, Options):
 
     tolerance, confidence, time, samples, replicates: as in CompareOptions. strategy, direct, masking, sampler, departures,
     russian_roulette, seed, threads: as in Options.
+    size: whether a smaller image may be compared, 'auto', or not, 'full'.
     partial: compare what can be compared where materials are not supported. out: folder for the results.
     Raises EtalonError for a value out of range.
 
@@ -77,6 +80,12 @@ class Settings(CompareOptions, Options):
     etalon.lib.errors.EtalonError: unknown strategy 'visable'; did you mean 'visible'?
     """
 
+    size: str = option(
+        SIZES[0],
+        Choice("SIZE", "size", SIZES),
+        "auto: compare a smaller image of the same view where the whole one gives no useful answer in time; full: never",
+        panel=Panel("Image size"),
+    )
     partial: bool = option(
         False,
         Flag(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import RandomSampler, SobolSampler
+from ..scene.camera import smaller_camera
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from .kernel import Kernel
@@ -64,6 +65,11 @@ class ReferenceRenderer:
     def under(self, options: Options) -> ReferenceRenderer:
         """The same scene under other options; the acceleration structure is shared."""
         return ReferenceRenderer(self.scene, options, self.plan, self.kernel)
+
+    def at_size(self, width: int, height: int) -> ReferenceRenderer:
+        """The same scene on a raster that sees the same with fewer pixels; `width` and `height` divide its own."""
+        scene = replace(self.scene, camera=smaller_camera(self.scene.camera, width, height))
+        return ReferenceRenderer(scene, self.options, self.plan, self.kernel)
 
     @property
     def settings(self) -> dict[str, object]:
