@@ -19,7 +19,7 @@ class Studio:
     """An empty Blender scene with a camera, and the few things that tests do to it."""
 
     def __init__(self, folder):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         self.scene = bpy.context.scene
         self.layer = bpy.context.view_layer
         self.plain = self.probe_material("ShaderNodeNewGeometry", "Position")

@@ -42,7 +42,7 @@ SHADERS = sorted(kind for kind in _SURFACE_SHADERS if (kind in HERE and "Bsdf" i
 
 @pytest.fixture(scope="module")
 def _factory_settings():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 
 @pytest.fixture(autouse=True)

@@ -52,7 +52,7 @@ def test_world_radiance_is_cycles_radiance(tmp_path, rng, kind):
 
 @pytest.fixture
 def world():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     made = bpy.data.worlds.new("World")
     if bpy.app.version < (5, 0):
         made.use_nodes = True
