@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fixtures shared by all tests."""
 
+import os
 import zlib
 
-import numpy as np
 import pytest
+
+# Workers share the cores: threads of BLAS would wait for each other. The plan of a sphere of 20,480 faces took 10 s of CPU time, not 0.8.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
 
 
 @pytest.fixture

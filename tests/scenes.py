@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes made by hand, for tests that run without Blender: parts of meshes, cameras, and the whole around them."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,8 +70,9 @@ def cube(half=1.0, center=(0.0, 0.0, 0.0), material=0) -> Part:
     return Part(corners * half + np.array(center, float)[:, None], triangles, material)
 
 
-def icosphere(radius=1.0, subdivisions=3, material=0, smooth=False) -> Part:
-    """A watertight sphere of 20 * 4^subdivisions triangles about the origin."""
+@functools.cache
+def _unit_icosphere(subdivisions):
+    """Vertices (3, v) on the unit sphere and faces (3, t)."""
     g = 0.5 * (1.0 + np.sqrt(5.0))
     corner = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)]
     corner += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
@@ -115,8 +117,13 @@ def icosphere(radius=1.0, subdivisions=3, material=0, smooth=False) -> Part:
             ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
             split += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         faces = split
-    unit = np.array(vertices).T
-    return Part(unit * radius, np.array(faces).T, material, unit if smooth else None)
+    return np.array(vertices).T, np.array(faces).T
+
+
+def icosphere(radius=1.0, subdivisions=3, material=0, smooth=False) -> Part:
+    """A watertight sphere of 20 * 4^subdivisions triangles about the origin."""
+    unit, faces = _unit_icosphere(subdivisions)
+    return Part(unit * radius, faces, material, unit if smooth else None)
 
 
 def fan(angles, materials=1) -> Part:

@@ -34,26 +34,26 @@ class Moments:
     @property
     def most(self) -> int:
         """The number of observations of the entry that has most."""
-        return int(np.max(self.n))
+        return int(self.n.max()) if isinstance(self.n, np.ndarray) else self.n
 
     @property
     def least(self) -> int:
         """The number of observations of the entry that has fewest."""
-        return int(np.min(self.n))
+        return int(self.n.min()) if isinstance(self.n, np.ndarray) else self.n
 
     @property
     def count(self) -> int | np.ndarray:
         """`n` in a shape that broadcasts against the mean."""
-        return (
-            np.reshape(self.n, np.shape(self.n) + (1,) * (self.mean.ndim - np.ndim(self.n)))
-            if np.ndim(self.n)
-            else self.n
-        )
+        if not isinstance(self.n, np.ndarray):
+            return self.n
+        return self.n.reshape(self.n.shape + (1,) * (self.mean.ndim - self.n.ndim))
 
     @property
     def variance(self) -> np.ndarray:
         """Unbiased variance of one observation; NaN where fewer than two were made."""
         n = self.count
+        if not isinstance(n, np.ndarray):
+            return self.m2 * (np.nan if n < 2 else 1.0 / (n - 1))
         return self.m2 * np.where(n < 2, np.nan, 1.0 / np.maximum(n - 1, 1))
 
     @property

@@ -28,9 +28,12 @@ def hash64(key: np.ndarray) -> np.ndarray:
     """Mix unsigned 64-bit integers; the finaliser of SplitMix64 (Steele, Lea and Flood 2014)."""
     key = np.asarray(key, np.uint64)
     with np.errstate(over="ignore"):
-        key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return key ^ (key >> np.uint64(31))
+        key = key ^ (key >> np.uint64(30))
+        key *= np.uint64(0xBF58476D1CE4E5B9)
+        key ^= key >> np.uint64(27)
+        key *= np.uint64(0x94D049BB133111EB)
+    key ^= key >> np.uint64(31)
+    return key
 
 
 def stream_key(*parts: int) -> np.uint64:
@@ -48,19 +51,26 @@ def sobol_pairs(log2_count: int) -> np.ndarray:
     return np.ascontiguousarray((points * 4294967296.0).astype(np.uint32).T)
 
 
-def owen_scramble(points: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """Nested uniform scrambling (Owen 1995): each bit is flipped by a hash of all bits above it.
+def owen_scramble(depth: int, keys: np.ndarray) -> np.ndarray:
+    """Nested uniform scramblings (Owen 1995) of the points k / 2**depth, (..., 2**depth) uint64 below 2**32.
 
-    `points` uint32, broadcast against the uint64 `keys`, one key per scrambling.
+    `keys`, uint64 (..., 1), one for each scrambling. Each of the first `depth` bits is flipped by a hash of all bits above it. No two
+    points share all of these, so that the bits below are independent of point to point: one hash of the point gives all of them.
     """
-    points = np.asarray(points, np.uint64)
-    scrambled = np.zeros(np.broadcast_shapes(points.shape, keys.shape), np.uint64)
-    for bit in range(32):
-        above = (points >> np.uint64(32 - bit)) | np.uint64(1 << bit)  # the leading one tells the level
-        with np.errstate(over="ignore"):
-            flip = hash64(keys + _GOLDEN * above) >> np.uint64(63)
-        scrambled |= (((points >> np.uint64(31 - bit)) & np.uint64(1)) ^ flip) << np.uint64(31 - bit)
-    return scrambled.astype(np.uint32)
+    scrambled = np.zeros(keys.shape, np.uint64)
+    for bit in range(depth):
+        flip = _hash_level(bit, keys) >> np.uint64(63)
+        halves = np.empty((*scrambled.shape, 2), np.uint64)
+        halves[..., 0] = scrambled << np.uint64(1) | flip
+        halves[..., 1] = halves[..., 0] ^ np.uint64(1)
+        scrambled = halves.reshape(*keys.shape[:-1], 2 << bit)
+    return scrambled << np.uint64(32 - depth) | _hash_level(depth, keys) >> np.uint64(32 + depth)
+
+
+def _hash_level(bit: int, keys: np.ndarray) -> np.ndarray:
+    """A hash of each choice of the first `bit` bits, (..., 2**bit); a leading one tells the level."""
+    with np.errstate(over="ignore"):
+        return hash64(keys + _GOLDEN * np.arange(1 << bit, 2 << bit, dtype=np.uint64))
 
 
 class SobolSampler:
@@ -73,7 +83,8 @@ class SobolSampler:
         self.samples = samples
         self._seed, self._replicate = seed, replicate
         self._log2 = max(samples - 1, 0).bit_length()
-        self._base = sobol_pairs(self._log2)
+        # Which of the 2**log2 intervals each point of the net lies in.
+        self._base = (sobol_pairs(self._log2).astype(np.uint64) >> np.uint64(32 - self._log2)).astype(np.intp)
         self._tables: dict[int, np.ndarray] = {}
         self._lock = threading.Lock()
 
@@ -93,9 +104,9 @@ class SobolSampler:
         count = self._base.shape[1]
         with np.errstate(over="ignore"):
             keys = hash64(key + _GOLDEN * np.arange(1, 2 * SETS + 1, dtype=np.uint64)).reshape(2, SETS, 1)
-        points = owen_scramble(self._base[:, None, :], keys)
         shuffled = order.permuted(np.broadcast_to(np.arange(count), (SETS, count)), axis=1)
-        first, second = np.take_along_axis(points, shuffled[None], axis=2).reshape(2, SETS * count).astype(np.uint64)
+        begin = count * np.arange(2 * SETS).reshape(2, SETS, 1)
+        first, second = np.take(owen_scramble(self._log2, keys), self._base[:, shuffled] + begin).reshape(2, -1)
         return first | second << np.uint64(32)
 
     def tile(self, pixels: np.ndarray) -> SobolTile:

@@ -11,13 +11,15 @@ from etalon.lib.film.exr import read_exr
 
 # What Cycles' table of its pixel filter adds to the centre, in pixels, right and up.
 ASIDE = 0.5 / 1023
+# Rays times triangles that are tried at a time.
+PAIRS_AT_ONCE = 1 << 17
 
 
 class Studio:
     """An empty Blender scene with a camera, and the few things that tests do to it."""
 
     def __init__(self, folder):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         self.scene = bpy.context.scene
         self.layer = bpy.context.view_layer
         self.plain = self.probe_material("ShaderNodeNewGeometry", "Position")
@@ -137,27 +139,34 @@ def camera_rays(camera):
 
 
 def first_hits(mesh, origin, direction):
-    """Triangle (-1 where none) and barycentrics (3, ...) of each ray's nearest hit, by trying every triangle."""
-    a, b, c = (mesh.vertices[:, mesh.triangles[k]] for k in range(3))
+    """Triangle (-1 where none), barycentrics (3, ...) and distance of each ray's nearest hit, by trying every triangle."""
+    corners = [mesh.vertices[:, mesh.triangles[k]] for k in range(3)]
     shape = origin.shape[1:]
-    best = np.full(shape, np.inf)
-    index, weights = np.full(shape, -1), np.zeros((3, *shape))
-    for at in np.ndindex(shape):
-        o, d = origin[(slice(None), *at)][:, None], direction[(slice(None), *at)][:, None]
-        p = np.cross(d, c - a, axis=0)
-        det = np.einsum("it,it->t", b - a, p)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            u = np.einsum("it,it->t", o - a, p) / det
-            q = np.cross(o - a, b - a, axis=0)
-            v = np.einsum("it,it->t", d, q) / det
-            t = np.einsum("it,it->t", c - a, q) / det
-            met = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0)
-        t = np.where(met, t, np.inf)
-        k = int(np.argmin(t)) if t.size else 0
-        if t.size and t[k] < np.inf:
-            best[at], index[at] = t[k], k
-            weights[(slice(None), *at)] = 1 - u[k] - v[k], u[k], v[k]
-    return index, weights, best
+    origin, direction = origin.reshape(3, -1), direction.reshape(3, -1)
+    count = origin.shape[1]
+    index, weights, best = np.full(count, -1), np.zeros((3, count)), np.full(count, np.inf)
+    rays = max(1, PAIRS_AT_ONCE // max(mesh.triangle_count, 1))
+    for start in range(0, count if mesh.triangle_count else 0, rays):
+        part = slice(start, start + rays)
+        t, u, v = _distances(*corners, origin[:, part], direction[:, part])
+        k, ray = np.argmin(t, axis=1), np.arange(len(t))
+        t, u, v = t[ray, k], u[ray, k], v[ray, k]
+        met = t < np.inf
+        best[part], index[part] = t, np.where(met, k, -1)
+        weights[:, part] = np.where(met, [1 - u - v, u, v], 0.0)
+    return index.reshape(shape), weights.reshape(3, *shape), best.reshape(shape)
+
+
+def _distances(a, b, c, origin, direction):
+    """Distance (rays, triangles), infinite where there is no hit, and the barycentrics u and v of corners `b` and `c`."""
+    e1, e2 = (corner - a for corner in (b, c))
+    d, s = direction.T[:, None, :], origin.T[:, None, :] - a.T
+    p, q = np.cross(d, e2.T), np.cross(s, e1.T)
+    det = (p * e1.T).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u, v, t = (p * s).sum(axis=2) / det, (q * d).sum(axis=2) / det, (q * e2.T).sum(axis=2) / det
+        met = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0)
+    return np.where(met, t, np.inf), u, v
 
 
 @pytest.fixture

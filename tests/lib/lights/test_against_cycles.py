@@ -84,7 +84,7 @@ def cycles(tmp_path):
     """Irradiance in the pixels of a 1 mm patch about the origin, (64, 3), from one lamp over a white plane."""
 
     def render(kind, place, properties):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         scene = bpy.context.scene
         scene.render.engine = "CYCLES"
         for owner, values in (

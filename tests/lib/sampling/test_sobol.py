@@ -57,26 +57,43 @@ def test_sobol_is_the_van_der_corput_sequence_and_its_partner():
     assert is_net((x * 2.0**-32)[None], (y * 2.0**-32)[None])
 
 
-def test_owen_scrambling_keeps_what_bits_share(rng):
+def common_bits(x, y):
+    """How many leading bits of 32 two arrays share."""
+    return np.array([32 - int(v).bit_length() for v in (np.asarray(x, np.uint64) ^ np.asarray(y, np.uint64)).ravel()])
+
+
+@pytest.mark.parametrize("depth", [1, 6, 11])
+def test_owen_scrambling_keeps_what_bits_share(depth, rng):
     """Two points that agree in their first k bits, and not in the next, do so after nested scrambling too."""
-    a = rng.integers(0, 2**32, 3000, dtype=np.uint64)
-    shared = rng.integers(0, 32, 3000)
-    b = a ^ (np.uint64(1) << (31 - shared).astype(np.uint64)) ^ (a >> (shared + 1).astype(np.uint64) >> np.uint64(1))
-    key = np.array([987654321], np.uint64)
-    scrambled_a, scrambled_b = (owen_scramble(v.astype(np.uint32), key) for v in (a, b))
-
-    def common(x, y):
-        return np.array([32 - int(v).bit_length() for v in (x ^ y)])
-
-    np.testing.assert_array_equal(common(scrambled_a, scrambled_b), common(a.astype(np.uint32), b.astype(np.uint32)))
+    a, b = rng.integers(0, 2**depth, (2, 3000), dtype=np.uint64)
+    a, b = a[a != b], b[a != b]
+    scrambled = owen_scramble(depth, np.array([987654321], np.uint64))
+    shift = np.uint64(32 - depth)
+    np.testing.assert_array_equal(common_bits(scrambled[a], scrambled[b]), common_bits(a << shift, b << shift))
 
 
-def test_owen_scrambling_makes_any_point_uniform(rng):
-    """Over keys, the image of one fixed point is uniform, and so is each bit given the bits above it."""
+@pytest.mark.parametrize("depth", [0, 5])
+def test_owen_scrambling_makes_any_point_uniform(depth, rng):
+    """Over keys, the image of one fixed point is uniform."""
     keys = rng.integers(0, 2**63, 4000, dtype=np.uint64)
-    for point in (0, 1, 0xFFFFFFFF, 0xDEADBEEF):
-        u = owen_scramble(np.uint32(point), keys) * 2.0**-32
+    for point in {0, 2**depth // 3, 2**depth - 1}:
+        u = owen_scramble(depth, keys[:, None])[:, point] * 2.0**-32
         assert stats.kstest(u, "uniform").pvalue > sidak(LEVEL, 4)
+
+
+def test_owen_scrambling_makes_bits_independent(rng):
+    """Over keys, the flips of three levels and three bits below them are fair coins and go together by chance only."""
+    keys = rng.integers(0, 2**63, 20_000, dtype=np.uint64)
+    u = owen_scramble(3, keys[:, None])
+    columns = []
+    for level, points in ((0, (0,)), (1, (0, 4)), (2, (0, 2, 4, 6)), (3, range(8)), (4, range(8)), (5, range(8))):
+        columns += [(u[:, [point]] >> np.uint64(31 - level)) & np.uint64(1) for point in points]
+    columns = np.concatenate(columns, axis=1).astype(float)
+    n, k = columns.shape
+    level = sidak(LEVEL, k + k * (k - 1) // 2)
+    quantile = stats.norm.isf(0.5 * level) / math.sqrt(n)
+    assert np.abs(2.0 * columns.mean(axis=0) - 1.0).max() < quantile
+    assert np.abs(np.corrcoef(columns.T)[np.triu_indices(k, 1)]).max() < quantile
 
 
 @pytest.mark.parametrize("sampler", [SobolSampler, RandomSampler])

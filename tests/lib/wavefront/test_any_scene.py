@@ -227,9 +227,19 @@ def broken(draw):
     return replace(scene, materials=(*scene.materials, coat)), "coat"
 
 
-@settings(max_examples=150, **KEPT)
-@given(broken())
-def test_any_broken_scene_gives_an_error_that_names_it(case):
-    scene, owner = case
+def assert_refused(scene, owner):
     with pytest.raises(SceneError, match=owner):
         validate(scene)
+
+
+@settings(max_examples=50, **KEPT)
+@given(broken())
+def test_any_broken_scene_gives_an_error_that_names_it(case):
+    assert_refused(*case)
+
+
+@pytest.mark.slow
+@settings(max_examples=500, **KEPT)
+@given(broken())
+def test_any_of_many_broken_scenes_gives_an_error_that_names_it(case):
+    assert_refused(*case)

@@ -88,7 +88,7 @@ def through_emission(build):
 
 
 def prepare(kind, width, height):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     data = bpy.data.cameras.new("camera")

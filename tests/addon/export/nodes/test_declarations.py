@@ -40,9 +40,16 @@ AWAKE = {
 SHADERS = sorted(kind for kind in _SURFACE_SHADERS if (kind in HERE and "Bsdf" in kind) or kind == "ShaderNodeEmission")
 
 
+@pytest.fixture(scope="module")
+def _factory_settings():
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+
+
 @pytest.fixture(autouse=True)
-def _empty_file():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+def _empty_file(_factory_settings):
+    """Nothing of the test before: to read the settings for each takes longer than the tests."""
+    for kind in ("materials", "node_groups", "images", "worlds", "lights"):
+        bpy.data.batch_remove(list(getattr(bpy.data, kind)))
 
 
 def fresh(kind):

@@ -15,7 +15,7 @@ from etalon.tests.addon.export.nodes.node_cells import glowing, node
 
 @pytest.fixture(scope="module", autouse=True)
 def _empty_file():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 
 def lobes(build):
