@@ -138,10 +138,11 @@ class _Loop:
         self._regions = image_regions(*size, coverage, left_out=compared)
         self._left_out = np.zeros(size, bool) if left_out is None else left_out
         self._excluded = np.zeros(size, bool)
-        self._sides = tuple(
+        reference, candidate = (
             Side.empty(renderer, self._regions, samples)
             for renderer, samples in zip(self._renderers, self._samples, strict=True)
         )
+        self._sides = reference, candidate
         held_back = ATTRIBUTION_SHARE if self._among else 0.0
         self._test = SequentialTest(len(self._regions), self._options.tolerance, self._options.confidence, held_back)
         self._search = Search(self._among, self._test, self._meter, self._regions) if self._among else None
@@ -193,20 +194,21 @@ class _Loop:
         if not self._open.any():
             self.stopped = self.stopped or Stop.DECIDED
         elif self._windows is not None or focus(self._regions, self._open) is not None:
-            self._wanted = self._open if self._wanted is None else self._wanted & self._open
-            self._windows = focus(self._regions, self._wanted)
+            wanted = self._open if self._wanted is None else self._wanted & self._open
+            self._wanted, self._windows = wanted, focus(self._regions, wanted)
             self._meter.mark(self._sides[1].replicates)
 
     def conclude(self) -> Comparison:
         """The verdict, and all that it rests on."""
         nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in self._sides}
         explanation = conclude_causes(self._search, self._test, self._sides) if self._seeks_causes else None
-        verdict = conclude(self._test, *(side.regions for side in self._sides), nonfinite, explanation)
+        reference, candidate = self._sides
+        verdict = conclude(self._test, reference.regions, candidate.regions, nonfinite, explanation)
         return Comparison(
             scene=self._scene.name,
             options=self._options,
-            reference=self._sides[0],
-            candidate=self._sides[1],
+            reference=reference,
+            candidate=candidate,
             regions=self._regions,
             excluded=self._excluded,
             verdict=verdict,

@@ -34,6 +34,7 @@ def _measure(renderer: Renderer, share: float, run: TimedRun) -> tuple[Cost, flo
             break
         samples.append(8 * samples[-1])
     again, _ = run.render(renderer, FIRST_CALLS.number(len(seconds)), samples[-1])
-    grid = image_regions(*rendering.radiance.shape[:2], {})
-    means = [RegionMoments(grid).means(np.nan_to_num(r.radiance)) for r in (rendering, again)]
-    return fit_cost(samples, seconds), relative_noise(*means, samples[-1])
+    height, width = rendering.radiance.shape[:2]
+    grid = image_regions(height, width, {})
+    first, second = (RegionMoments(grid).means(np.nan_to_num(r.radiance)) for r in (rendering, again))
+    return fit_cost(samples, seconds), relative_noise(first, second, samples[-1])

@@ -33,6 +33,7 @@ class Renderer(Protocol):
         windows: Windows | None = None,
     ) -> Rendering:
         """One replicate."""
+        ...
 
 
 @dataclass(eq=False)

@@ -255,7 +255,7 @@ def _pair(
         images.append(finite_or_nan(rendering, yardstick.excluded.shape))
         entry.measured.nonfinite += int(rendering.nonfinite.sum())
         level.add(rendering, wall)
-    level.scores.append(yardstick.score(*images, pair))
+    level.scores.append(yardstick.score(images[0], images[1], pair))
 
 
 def _finish(entry: _Entry, samples: int, level: _Level) -> None:

@@ -88,12 +88,12 @@ def image_regions(
             rows.append(_rows(y * np.int32(width) + x, weights.data[weights.data > 0], [x.size], pixels.size))
             kinds.append(kind)
             names.append(name)
-            boxes.append((x.min(), y.min(), x.max(), y.max()))
+            boxes.append((int(x.min()), int(y.min()), int(x.max()), int(y.max())))
     columns = -(-width // block)
     owner = (pixels // width // block) * columns + pixels % width // block
     count = -(-height // block) * columns
     order = np.argsort(owner, kind="stable").astype(np.int32)
-    rows.append(_rows(order, np.ones(pixels.size), np.bincount(owner), pixels.size))
+    rows.append(_rows(order, np.ones(pixels.size), np.bincount(owner).tolist(), pixels.size))
     del owner, order
     for index in range(count):
         x, y = index % columns * block, index // columns * block

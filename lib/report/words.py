@@ -100,7 +100,8 @@ def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float
         return None
     ends = forecast.low, forecast.factor, forecast.high, forecast.most
     round_ = comparison.candidate.replicates * comparison.round_seconds
-    return tuple(comparison.seconds + (f - 1) * round_ for f in ends)
+    low, median, high, most = (comparison.seconds + (f - 1) * round_ for f in ends)
+    return low, median, high, most
 
 
 def _basis(comparison: Comparison) -> str:
@@ -143,24 +144,23 @@ def _region(comparison: Comparison, k: int) -> str:
 
 
 def _forecast(comparison: Comparison) -> str:
-    ends = forecast_seconds(comparison)
-    if ends is None:
+    forecast, ends = comparison.verdict.forecast, forecast_seconds(comparison)
+    if forecast is None or ends is None:
         return ""
     low, median, high, nearly = ends
-    count = comparison.verdict.forecast.regions
+    count = forecast.regions
     most = f"and {format_duration(high)}" if high < 1e8 else "and no upper end yet"
-    samples = comparison.candidate.film.samples * comparison.candidate.replicates * comparison.verdict.forecast.factor
+    samples = comparison.candidate.film.samples * comparison.candidate.replicates * forecast.factor
     drawn = f", {float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}" if samples < 1e9 else ""
     likely = f"about {format_duration(median)}{drawn}" if median < 1e8 else "longer than can be told"
     before = f"; nine in ten of them {format_duration(nearly)}" if count >= 10 and nearly < 1e8 else ""
     sure = f"90 % sure: between {format_duration(low)} {most}"
-    return f"Deciding the {plural(count, 'open region')} takes {likely} ({sure}){before}.{_sooner(comparison)}"
+    return f"Deciding the {plural(count, 'open region')} takes {likely} ({sure}){before}.{_sooner(comparison, median)}"
 
 
-def _sooner(comparison: Comparison) -> str:
-    """What to do where a large image would take much longer than was given."""
+def _sooner(comparison: Comparison, median: float) -> str:
+    """What to do where a large image would take much longer, `median` seconds, than was given."""
     height, width = comparison.regions.shape
-    median = forecast_seconds(comparison)[1]
     if height * width < LARGE or median < 4 * comparison.seconds:
         return ""
     return (
