@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 
 def etalon_command() -> list[str]:
@@ -19,7 +20,7 @@ def etalon_command() -> list[str]:
     return [sys.executable, "-m", "etalon"]
 
 
-def start(command: list[str], temporary: Path | None = None, **pipes: int) -> subprocess.Popen[str]:
+def start(command: list[str], temporary: Path | None = None, **pipes: Any) -> subprocess.Popen[str]:
     """Start `command` in a process group of its own, so that a Ctrl-C on the terminal reaches only this process.
 
     Its temporary files go to the folder `temporary`, so that they go with that folder even where it is ended at once.
@@ -37,6 +38,8 @@ def send(process: subprocess.Popen[str], line: str) -> None:
     Python ignores SIGPIPE and gets that error; inside Blender the signal would end Blender. Nothing stays in a buffer
     that could be written later, without this guard.
     """
+    if process.stdin is None:
+        raise ValueError("the process was started without a pipe to its standard input")
     if sys.platform == "win32":
         os.write(process.stdin.fileno(), line.encode())
         return

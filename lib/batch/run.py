@@ -257,7 +257,12 @@ def _result(out: Path, unit: Unit, row: sqlite3.Row | None) -> Row:
     values = tuple(value for _, value in unit.assignments)
     if row is None:
         return Row(unit.scene, values, status="not run")
-    facts = {"status": row["status"], "seconds": row["seconds"], "folder": row["folder"], "message": row["message"]}
+    facts: dict[str, Any] = {
+        "status": row["status"],
+        "seconds": row["seconds"],
+        "folder": row["folder"],
+        "message": row["message"],
+    }
     if row["status"] != "finished":
         return Row(unit.scene, values, **facts)
     try:

@@ -21,9 +21,11 @@ class Fresnel(Protocol):
 
     def __call__(self, cos: np.ndarray) -> np.ndarray:
         """Reflectance at the cosine (n,) in [0, 1] between light and microfacet."""
+        ...
 
     def part(self, index: np.ndarray) -> Fresnel:
         """The same at fewer points."""
+        ...
 
 
 def part_of(value: np.ndarray, index: np.ndarray) -> np.ndarray:

@@ -20,12 +20,15 @@ class Lobe(Protocol):
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Value f |cos| and density."""
+        ...
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Direction, weight, density."""
+        ...
 
     def part(self, index: np.ndarray) -> Lobe:
         """The same lobe at fewer points."""
+        ...
 
 
 class Mixture:

@@ -179,10 +179,11 @@ class _Loop:
         self._wanted: np.ndarray | None = None
         self._is_last = False
         self._regions = image_regions(*self._left_out.shape, self._coverage, layout.blocks, self._compared)
-        self._sides = tuple(
+        reference, candidate = (
             Side.empty(renderer, self._regions, samples)
             for renderer, samples in zip(self._renderers, layout.samples, strict=True)
         )
+        self._sides = reference, candidate
         for side in self._sides:
             side.exclude(self._excluded | self._left_out, None)
         held_back = ATTRIBUTION_SHARE if self._among else 0.0
@@ -278,16 +279,16 @@ class _Loop:
         if not self._open.any():
             self.stopped = self.stopped or Stop.DECIDED
         elif self._windows is not None or focus(self._regions, self._open) is not None:
-            self._wanted = self._open if self._wanted is None else self._wanted & self._open
-            self._windows = focus(self._regions, self._wanted)
+            wanted = self._open if self._wanted is None else self._wanted & self._open
+            self._wanted, self._windows = wanted, focus(self._regions, wanted)
             self._meter.mark(self._sides[1].replicates)
 
     def conclude(self, divisor: int) -> Comparison:
         """The verdict, and all that it rests on."""
         nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in self._sides}
         explanation = conclude_causes(self._search, self._test, self._sides) if self._seeks_causes else None
-        moments = (side.regions for side in self._sides)
-        verdict = conclude(self._test, *moments, nonfinite, self._layout.samples, explanation)
+        reference, candidate = (side.regions for side in self._sides)
+        verdict = conclude(self._test, reference, candidate, nonfinite, self._layout.samples, explanation)
         return Comparison(
             scene=self._scene.name,
             options=self._options,

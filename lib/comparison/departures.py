@@ -88,17 +88,17 @@ class PairedEffects:
         while len(effects) < count and self._has_time():
             k = len(effects)
             if k == len(self._plain):
-                plain = self._means(frozenset(), k)
+                plain = self._means(self._regions, frozenset(), k)
                 if plain is None:
                     break
                 self._plain.append(plain)
-            changed = self._means(names, k)
+            changed = self._means(self._regions, names, k)
             if changed is None:
                 break
             effects.append(changed - self._plain[k])
         return np.stack(effects[:count]) if effects else None
 
-    def _means(self, names: frozenset[str], pair: int) -> np.ndarray | None:
+    def _means(self, regions: RegionMoments, names: frozenset[str], pair: int) -> np.ndarray | None:
         """The regions' means (N, 3) of one image."""
         if names not in self._renderers:
             self._renderers[names] = self._among.renderer(names)
@@ -106,4 +106,4 @@ class PairedEffects:
             rendering = self._render(self._renderers[names], DEPARTURES.number(pair), self.samples)
         except Cancelled:
             return None
-        return self._regions.means(finite_or_nan(rendering, self._regions.regions.shape))
+        return regions.means(finite_or_nan(rendering, regions.regions.shape))

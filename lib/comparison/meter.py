@@ -38,7 +38,7 @@ class Meter(TimedRun):
 
     def has_time_aside(self, last: bool) -> bool:
         """Whether effects of departures may go on: in the time set aside, and beyond it unless this look is the `last`."""
-        if self.seconds_aside is None:
+        if self.seconds_aside is None or self._options.time is None:
             return True
         most = self.seconds_aside if last else ASIDE_AT_MOST * self._options.time
         return self.spent_aside < most and (last or self.elapsed < self._options.time)
@@ -95,7 +95,7 @@ class Meter(TimedRun):
         self.round_seconds = (sampling - begin) / max(replicates - before, 1)
         if self._options.time is None or replicates < 2:
             return None
-        left = self._options.time - max(self.seconds_aside, self.spent_aside) - sampling
+        left = self._options.time - max(self.seconds_aside or 0.0, self.spent_aside) - sampling
         return Stop.TIME if self.round_seconds * (goal - replicates) > left else None
 
     def report(self, fraction: float) -> None:

@@ -34,6 +34,7 @@ class Renderer(Protocol):
         windows: Windows | None = None,
     ) -> Rendering:
         """One replicate."""
+        ...
 
     def at_size(self, width: int, height: int) -> Renderer:
         """The same view on a smaller raster."""

@@ -62,7 +62,6 @@ class Measured:
     points: list[Point] = field(default_factory=list)
     stages: dict[str, float] = field(default_factory=dict)
     camera_samples: int = 0
-    stage_seconds: float = 0.0
     nonfinite: int = 0
     missing: str = ""
 
@@ -256,7 +255,7 @@ def _pair(
         images.append(finite_or_nan(rendering, yardstick.excluded.shape))
         entry.measured.nonfinite += int(rendering.nonfinite.sum())
         level.add(rendering, wall)
-    level.scores.append(yardstick.score(*images, pair))
+    level.scores.append(yardstick.score(images[0], images[1], pair))
 
 
 def _finish(entry: _Entry, samples: int, level: _Level) -> None:
@@ -265,5 +264,5 @@ def _finish(entry: _Entry, samples: int, level: _Level) -> None:
     if not m.points:
         m.setup = max(m.setup - float(np.median(level.wall)), m.way.opening)
     m.points.append(Point(samples, tuple(level.scores), np.array(level.seconds), np.array(level.wall)))
-    m.stages, m.stage_seconds, m.camera_samples = level.stages, sum(level.seconds), level.camera_samples
+    m.stages, m.camera_samples = level.stages, level.camera_samples
     entry.latest = sum(level.wall)

@@ -68,7 +68,8 @@ def _nanoseconds(kernel: Kernel, exact: Kernel, size: int) -> tuple[float, float
             start = perf_counter()
             function()
             times[k].append(perf_counter() - start)
-    return tuple(float(np.median(t)) / size * 1e9 for t in times)
+    kernel_time, exact_time = (float(np.median(t)) / size * 1e9 for t in times)
+    return kernel_time, exact_time
 
 
 def _fresnel(rng: np.random.Generator) -> list[Form]:
@@ -88,8 +89,8 @@ def _fresnel(rng: np.random.Generator) -> list[Form]:
 def _rational(rng: np.random.Generator) -> list[Form]:
     wo = cosine_hemisphere(*rng.random((2, TILE)))
     names = ("G1 of Beckmann", "rational Lambda", "exact Lambda")
-    forms = (partial(_g1, f, wo, ALPHA, ALPHA) for f in (beckmann.smith_lambda_rational, beckmann.smith_lambda))
-    return [_form(names, *forms, TILE)]
+    rational = partial(_g1, beckmann.smith_lambda_rational, wo, ALPHA, ALPHA)
+    return [_form(names, rational, partial(_g1, beckmann.smith_lambda, wo, ALPHA, ALPHA), TILE)]
 
 
 def _g1(smith_lambda: Callable[..., np.ndarray], *arguments: np.ndarray | float) -> np.ndarray:

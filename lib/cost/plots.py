@@ -35,7 +35,12 @@ _STYLES: dict[str, tuple[str, str, str]] = {
 }
 _STAGE_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#f0e442")
 _INK, _LINE = "#1d2127", "#d9dde3"
-_FONT = {"font.family": "sans-serif", "font.size": 9.5, "svg.fonttype": "path", "axes.edgecolor": "#9aa3ae"}
+_FONT: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.size": 9.5,
+    "svg.fonttype": "path",
+    "axes.edgecolor": "#9aa3ae",
+}
 
 
 def _amount(value: float, _position: int | None = None) -> str:

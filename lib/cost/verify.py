@@ -40,7 +40,7 @@ class Verification:
 def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast] | None:
     """The way with the least forecast seconds of rendering, other models aside; None where none reaches the target."""
     told = {m.way.key: forecast(m, target) for m in measurement.ways if m.points and m.way.group != "model"}
-    reached = {key: f for key, f in told.items() if f.reached}
+    reached = {key: f for key, f in told.items() if f is not None and f.reached}
     if not reached:
         return None
     key = min(reached, key=lambda k: reached[k].seconds.median)
@@ -71,7 +71,7 @@ def verify(
         walls.append(time.monotonic() - start)
         seconds.append(rendering.seconds)
         images.append(finite_or_nan(rendering, measurement.yardstick.excluded.shape))
-    score = measurement.yardstick.score(*images, 0)
+    score = measurement.yardstick.score(images[0], images[1], 0)
     floor = max(score.bias, 0.0) if measured.way.bias is Bias.UNKNOWN else found_floor(measured)
     allowed = target**2 - floor
     mean = sum(seconds) / 2

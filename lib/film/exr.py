@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenImageIO
@@ -26,7 +27,7 @@ def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
     shapes = {np.shape(channel) for channel in channels.values()}
     if len(shapes) != 1:
         raise ValueError(f"{path}: channels of different shapes")
-    _write(Path(path), list(channels), *shapes, lambda rows: [channel[rows] for channel in channels.values()])
+    _write(Path(path), list(channels), shapes.pop(), lambda rows: [channel[rows] for channel in channels.values()])
 
 
 def write_film(path: Path | str, film: Film) -> None:
@@ -55,8 +56,8 @@ def _write(path: Path, names: list[str], shape: tuple[int, int], channels: Calla
         for start in range(0, height if good else 0, _ROWS):
             end = min(start + _ROWS, height)
             pixels = np.stack(channels(slice(start, end)), axis=2, dtype=np.float32, casting="same_kind")
-            good = good and file.write_scanlines(start, end, 0, pixels)
-        good = good and file.close()
+            good = good and file is not None and file.write_scanlines(start, end, 0, pixels)
+        good = good and file is not None and file.close()
         if not good:
             raise _failure(path, file, "cannot be written", "make room or name another folder")
 
@@ -76,6 +77,6 @@ def read_exr(path: Path | str) -> dict[str, np.ndarray]:
     return {name: pixels[..., i] for i, name in enumerate(names)}
 
 
-def _failure(path: Path | str, file: object, what: str, remedy: str) -> EtalonError:
+def _failure(path: Path | str, file: Any, what: str, remedy: str) -> EtalonError:
     reason = (file.geterror() if file is not None else OpenImageIO.geterror()).strip().splitlines()
     return EtalonError(f"{path}: {what} ({reason[0] if reason else 'no reason given'}); {remedy}")

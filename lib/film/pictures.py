@@ -63,7 +63,7 @@ def write_png(path: Path, pixels: np.ndarray) -> None:
     height, width, channels = pixels.shape
     file = OpenImageIO.ImageOutput.create(str(path))
     good = file is not None and file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, "uint8"))
-    good = good and file.write_image(np.ascontiguousarray(pixels)) and file.close()
+    good = good and file is not None and file.write_image(np.ascontiguousarray(pixels)) and file.close()
     if not good:
         reason = file.geterror() if file is not None else OpenImageIO.geterror()
         raise EtalonError(f"{path}: cannot be written ({reason.strip()}); make room or name another folder")

@@ -84,7 +84,7 @@ def image_regions(
             kinds.append(kind)
             names.append(name)
             families.append(1)
-            boxes.append((x.min(), y.min(), x.max(), y.max()))
+            boxes.append((int(x.min()), int(y.min()), int(x.max()), int(y.max())))
     for level, block in enumerate(blocks, start=2):
         weights, cells = _grid(pixels, height, width, block)
         rows.append(weights)
@@ -122,7 +122,7 @@ def _grid(
     columns = -(-width // block)
     owner = (pixels // width // block) * columns + pixels % width // block
     order = np.argsort(owner, kind="stable").astype(np.int32)
-    weights = _rows(order, np.ones(pixels.size), np.bincount(owner), pixels.size)
+    weights = _rows(order, np.ones(pixels.size), np.bincount(owner).tolist(), pixels.size)
     corners = [(x, y) for y in range(0, height, block) for x in range(0, width, block)]
     return weights, [(x, y, min(x + block, width) - 1, min(y + block, height) - 1) for x, y in corners]
 

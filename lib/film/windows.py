@@ -51,7 +51,7 @@ def windows_around(inside: np.ndarray) -> Windows:
     while len(left) > 1:
         joined = {(i, j): _join(left[i], left[j]) for i in range(len(left)) for j in range(i)}
         added = {pair: _area(box) - _area(left[pair[0]]) - _area(left[pair[1]]) for pair, box in joined.items()}
-        pair = min(added, key=added.get)
+        pair = min(added, key=added.__getitem__)
         if added[pair] > _CALL:
             break
         left = [box for k, box in enumerate(left) if k not in pair] + [joined[pair]]

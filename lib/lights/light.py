@@ -36,15 +36,19 @@ class LightSampler(Protocol):
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""
+        ...
 
     def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Indices of all rays that may meet the light, and of few others: what is cheap to say before `intersect` is asked."""
+        ...
 
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance (n,) along unit `direction` (3, n), inf where missed, and the radiance (3, n) met there."""
+        ...
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that `intersect` met at `distance`; 0 elsewhere."""
+        ...
 
 
 def aimed_at_ball(center: np.ndarray, radius2: float, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:

@@ -62,7 +62,7 @@ class RectangleSampler(AreaSampler):
         """Uniform in solid angle; uniform in area where that is below `SMALLEST_SOLID_ANGLE`."""
         bounds, height, dark = self._seen(point)
         x0, x1, y0, y1 = bounds
-        seen = SphericalRectangle(*bounds, height)
+        seen = SphericalRectangle(x0, x1, y0, y1, height)
         solid = seen.solid_angle
         x, y = seen.place(u1, u2)
         small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
@@ -77,7 +77,8 @@ class RectangleSampler(AreaSampler):
         """One over the solid angle that is sampled."""
         bounds, height, dark = self._seen(origin)
         hit = np.isfinite(distance)
-        solid = SphericalRectangle(*bounds, height).solid_angle
+        x0, x1, y0, y1 = bounds
+        solid = SphericalRectangle(x0, x1, y0, y1, height).solid_angle
         small = np.flatnonzero(solid < SMALLEST_SOLID_ANGLE)
         distance = np.where(hit, distance, 0.0)
         hit[dark] = False

@@ -200,7 +200,9 @@ _ATTRIBUTION = ("region", "share", "rest", "small", "proof", "pairs", "samples_p
 def _departures(comparison: Comparison) -> list[dict[str, Any]]:
     """Every departure that applies, with the region in which its share is known best."""
     why, regions, found = comparison.explanation, comparison.regions, []
-    for k, departure in enumerate(() if why is None else why.departures):
+    if why is None:
+        return found
+    for k, departure in enumerate(why.departures):
         explained = [i for i, causes in enumerate(why.causes) if departure.name in causes]
         where, shares = strongest(comparison, k), why.shares[k]
         channel = int(worst_channel(why.effect[k, where][None])[0])

@@ -20,5 +20,5 @@ def flip(reference: np.ndarray, candidate: np.ndarray, exposure: float) -> np.nd
         srgb8(np.where(finite[..., None], image, 0.0), exposure).astype(np.float32) / 255.0
         for image in (reference, candidate)
     ]
-    found, _, _ = flip_evaluator.evaluate(*shown, "LDR", applyMagma=False, computeMeanError=False)
+    found, _, _ = flip_evaluator.evaluate(shown[0], shown[1], "LDR", applyMagma=False, computeMeanError=False)
     return np.where(finite, found[..., 0].astype(float), np.nan)

@@ -103,7 +103,8 @@ def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float
         return None
     ends = forecast.low, forecast.factor, forecast.high, forecast.most
     round_ = comparison.candidate.replicates * comparison.round_seconds
-    return tuple(comparison.seconds + (f - 1) * round_ for f in ends)
+    low, median, high, most = (comparison.seconds + (f - 1) * round_ for f in ends)
+    return low, median, high, most
 
 
 def _basis(comparison: Comparison) -> str:
@@ -147,15 +148,15 @@ def _region(comparison: Comparison, k: int) -> str:
 
 def _forecast(comparison: Comparison) -> str:
     """What more time would show, or why that cannot be told."""
-    verdict, ends = comparison.verdict, forecast_seconds(comparison)
-    if ends is None:
+    verdict, forecast, ends = comparison.verdict, comparison.verdict.forecast, forecast_seconds(comparison)
+    if forecast is None or ends is None:
         if verdict.outcome is not Outcome.UNDECIDED or not np.isfinite(verdict.bound) or verdict.bound <= verdict.tolerance:
             return ""
         worst = place(comparison, int(np.nanargmax(verdict.bounds)))
         return f"No forecast: within {MOST_GROWTH:g} times the time so far nothing better can be promised; {worst} is too noisy."
     low, median, high, nearly = ends
-    count, bound = verdict.forecast.regions, verdict.forecast.bound
-    samples = comparison.candidate.film.samples * comparison.candidate.replicates * verdict.forecast.factor
+    count, bound = forecast.regions, forecast.bound
+    samples = comparison.candidate.film.samples * comparison.candidate.replicates * forecast.factor
     what = f"{format_percent(bound, sign=False)} everywhere"
     before = f"; for nine in ten of the {count} open regions after {format_duration(nearly)}" if count >= 10 else ""
     return (

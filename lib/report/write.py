@@ -45,7 +45,8 @@ def _shown(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
     means = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
     if not comparison.unknown:
         return means
-    return tuple(np.where(comparison.left_out[..., None], np.nan, mean) for mean in means)
+    reference, candidate = (np.where(comparison.left_out[..., None], np.nan, mean) for mean in means)
+    return reference, candidate
 
 
 def pixel_differences(comparison: Comparison) -> np.ndarray:
@@ -85,7 +86,7 @@ def _html(comparison: Comparison, figures: dict[str, Any]) -> str:
         step += 1
     images = [averaged(mean, step) for mean in _shown(comparison)]
     exposure = round(2 * middle_exposure(images[0])) / 2
-    seen = flip(*images, exposure)
+    seen = flip(images[0], images[1], exposure)
     bytes_ = np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)
     view = {
         "width": images[0].shape[1],

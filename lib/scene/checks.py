@@ -109,7 +109,7 @@ def _check_camera(camera: Camera) -> None:
     _demand(camera.clip_start < camera.clip_end, "camera", "its clip planes enclose nothing")
     _demand(0.0 < camera.field_of_view < math.inf, "camera", "its field of view is empty")
     _demand(all(map(math.isfinite, camera.polynomial)), "camera", "its polynomial is not finite")
-    _demand(camera.polynomial or camera.kind != "FISHEYE_LENS_POLYNOMIAL", "camera", "its polynomial is missing")
+    _demand(bool(camera.polynomial) or camera.kind != "FISHEYE_LENS_POLYNOMIAL", "camera", "its polynomial is missing")
     if camera.aperture is not None:
         lens = camera.aperture
         _demand(all(map(math.isfinite, _numbers(lens))), "camera", "its lens is not finite")

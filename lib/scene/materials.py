@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .expressions import ONE, WHITE, ZERO, Constant, Expression
 
 
+@dataclass(frozen=True)
 class Closure:
     """Base of all closures.
 
@@ -20,12 +23,18 @@ class Closure:
 
 
 class Anisotropic(Closure):
-    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`."""
+    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`; no dataclass, so each says its own defaults."""
+
+    distribution: str
+    roughness: Expression
+    anisotropy: Expression
+    rotation: Expression
+    tangent: Tangent
 
     @property
     def is_anisotropic(self) -> bool:
         """Whether the tangent matters: any anisotropy but a constant that counts as none (at most 1e-4, as in Cycles)."""
-        return not (isinstance(self.anisotropy, Constant) and abs(self.anisotropy.value) <= 1e-4)
+        return not (isinstance(self.anisotropy, Constant) and np.all(np.abs(self.anisotropy.value) <= 1e-4))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportReturnType=false
+# mpmath's own types lack functions that it adds when it is imported, and take every real result for a complex one.
 """Cycles' visible normals in float32 as it computes them, and the truth of the same maps; kernel/closure/bsdf_microfacet.h.
 
 GGX is sampled after Heitz 2018 over a concentric disk; Beckmann after Heitz and d'Eon 2014, by three steps of Newton's method at

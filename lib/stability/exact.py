@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportReturnType=false
+# mpmath's own types lack functions that it adds when it is imported, and take every real result for a complex one.
 """The truth: closed forms from their definitions, in mpmath's arithmetic of as many digits as are set when they are called.
 
 Arguments are numbers of mpmath; every function returns a tuple of components. Nothing here is arranged against cancellation: digits

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportReturnType=false
+# mpmath's own types lack functions that it adds when it is imported, and take every real result for a complex one.
 """The truth of the inversions: from uniforms to directions, in mpmath's arithmetic; see exact.py."""
 
 from __future__ import annotations

@@ -130,7 +130,9 @@ def _reciprocity(module: ModuleType) -> Found:
 
 def _square(side: int) -> tuple[np.ndarray, np.ndarray]:
     """The middles of side x side cells of the unit square."""
-    return tuple(grid.ravel() for grid in np.meshgrid(*[(np.arange(side) + 0.5) / side] * 2))
+    middles = (np.arange(side) + 0.5) / side
+    u1, u2 = np.meshgrid(middles, middles)
+    return u1.ravel(), u2.ravel()
 
 
 def _weights(

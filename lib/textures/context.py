@@ -25,21 +25,27 @@ class Context(Protocol):
 
     def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
         """Coordinates (3, n) of a kind named in lib.scene.expressions.Coordinates."""
+        ...
 
     def attribute(self, name: str) -> np.ndarray:
         """Red, green, blue, alpha, factor and presence of an attribute of the mesh, (6, n)."""
+        ...
 
     def object_info(self) -> np.ndarray:
         """Location (3), colour (3), alpha, index and random number of the object, (9, n)."""
+        ...
 
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
+        ...
 
     def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
         """Unit normals (3, n) of the world for those of the object's space."""
+        ...
 
     def moved(self, direction: np.ndarray, step: float) -> Context:
         """The points `step` further along unit vectors (3, n) in the plane of their triangles."""
+        ...
 
 
 class InputEvaluator(Protocol):
@@ -50,3 +56,4 @@ class InputEvaluator(Protocol):
 
     def __call__(self, expression: Expression) -> np.ndarray:
         """A value as () or (n,), a colour as (3, 1) or (3, n); shared with others, so never write into it."""
+        ...

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -134,7 +135,7 @@ def _vector_to_value(node: ex.VectorToValue, read: Evaluator) -> np.ndarray:
     return as_value(read(node.vector).sum(axis=0) / 3)
 
 
-_NODES: dict[type, Callable[[ex.Expression, Evaluator], np.ndarray]] = {
+_NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     **CONVERTERS,
     **PATTERNS,
     ex.Coordinates: lambda node, read: read.context.coordinates(node.kind, node.uv_map),

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from typing import TypeGuard
 
 import numpy as np
 
@@ -61,7 +62,7 @@ def walk(expression: ex.Expression) -> Iterator[ex.Expression]:
             pending.extend(inputs(node).values())
 
 
-def is_constant(expression: ex.Expression) -> bool:
+def is_constant(expression: ex.Expression) -> TypeGuard[ex.Constant]:
     """Whether the expression is a constant as it stands; fold first to find those that come down to one."""
     return isinstance(expression, ex.Constant)
 

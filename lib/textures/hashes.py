@@ -54,7 +54,7 @@ def unit(hashed: np.ndarray) -> np.ndarray:
     return hashed.astype(np.float32).astype(np.float64) * _LARGEST
 
 
-def hash_floats(*values: np.ndarray) -> np.ndarray:
+def hash_floats(*values: np.ndarray | float) -> np.ndarray:
     """A number in [0, 1] for one to four values, by their bits in single precision."""
     arrays = np.broadcast_arrays(*(np.asarray(v, np.float32) for v in values))
     return unit(hash_words(*(np.ascontiguousarray(a).view(np.uint32) for a in arrays)))

@@ -105,12 +105,12 @@ def _smooth(point: np.ndarray, shape: Shape) -> Found:
     """The nearest point, blended with its neighbours; what comes out depends on the order of the cells."""
     base = np.floor(point)
     inside = point - base
-    total: list[np.ndarray] | None = None
+    total: list[np.ndarray] = []
     k = np.where(shape.smoothness != 0.0, shape.smoothness, 1.0)
     for offset in _cells(point.shape[0], 2):
         site = offset + shape.site(base + offset)
         new = [shape.distance(site - inside), shape.color(base + offset), site]
-        if total is None:
+        if not total:
             total = new
             continue
         h = np.clip(0.5 + 0.5 * (total[0] - new[0]) / k, 0.0, 1.0)

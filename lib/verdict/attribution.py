@@ -19,6 +19,7 @@ from itertools import combinations
 from math import comb
 
 import numpy as np
+from scipy import sparse
 
 from ..departures.catalogue import Departure
 from ..film.moments import Moments
@@ -66,7 +67,7 @@ class Attribution:
         departures: Sequence[Departure],
         test: SequentialTest,
         level: float,
-        inside: Callable[[], np.ndarray] | None = None,
+        inside: Callable[[], np.ndarray | sparse.csr_array] | None = None,
     ) -> None:
         self.departures = tuple(departures)
         self.names = tuple(d.name for d in self.departures)
@@ -167,7 +168,7 @@ class Attribution:
         pairs = self.pairs.get(names)
         if pairs is None:
             alone = [self.pairs[frozenset([name])] for name in names]
-            pairs = sum(one[: min(map(len, alone))] for one in alone)
+            pairs = np.sum([one[: min(map(len, alone))] for one in alone], axis=0)
         pairs = pairs[:most]
         mean = pairs.mean(axis=0)
         return Moments(len(pairs), mean, ((pairs - mean) ** 2).sum(axis=0))

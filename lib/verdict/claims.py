@@ -45,15 +45,16 @@ def combine(
     Satterthwaite's degrees of freedom. All NaN where a side has fewer than two replicates.
     """
     parts = [(candidate, 1.0), (reference, -factor)] + ([] if shift is None else [(shift, -factor)])
-    value = sum(weight * part.mean for part, weight in parts) - offset
+    value = np.sum([weight * part.mean for part, weight in parts], axis=0) - offset
     if min(part.most for part, _ in parts) < 2:
         nothing = np.full(value.shape, np.nan)
         return Combination(value, nothing, nothing)
     variances = [weight * weight * part.variance / part.count for part, weight in parts]
-    total = sum(variances)
+    total = np.sum(variances, axis=0)
     even = np.full(value.shape, 1.0 / len(parts))
     shares = [np.divide(v, total, out=even.copy(), where=total > 0) for v in variances]
-    df = 1.0 / sum(share * share / (part.count - 1) for share, (part, _) in zip(shares, parts, strict=True))
+    each = [share * share / (part.count - 1) for share, (part, _) in zip(shares, parts, strict=True)]
+    df = 1.0 / np.sum(each, axis=0)
     return Combination(value, np.sqrt(total), df)
 
 

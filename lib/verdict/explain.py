@@ -143,7 +143,7 @@ def _causes(search: Attribution, sides: Sides) -> tuple[Names, list[Names]]:
         sets = [names for names in explained if open_ and explained[names][k]]
         # Of equal size is the one that serves the image.
         key = {names: (len(names), not names <= best, sorted(names)) for names in sets}
-        causes.append(min(sets, key=key.get) if sets else frozenset())
+        causes.append(min(sets, key=key.__getitem__) if sets else frozenset())
     return best, causes
 
 

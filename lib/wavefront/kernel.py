@@ -48,12 +48,12 @@ class Kernel:
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
-        same_mesh = like is not None and like.scene.mesh is scene.mesh
-        self.caster = like.caster if same_mesh else Raycaster(scene.mesh)
+        same = like if like is not None and like.scene.mesh is scene.mesh else None
+        self.caster = Raycaster(scene.mesh) if same is None else same.caster
         self.camera_caster = self.caster
         if plan.needs(Effect.HIDDEN_OBJECTS):
-            self.camera_caster = like.camera_caster if same_mesh else CameraCaster(scene.mesh)
-        self.tables = like.tables if same_mesh else SurfaceTables(scene.mesh)
+            self.camera_caster = CameraCaster(scene.mesh) if same is None else same.camera_caster
+        self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
         self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
         tables = cycles_tables(scene.blender) if "multiple-scattering tables" in options.departures else None
         self.materials = [PreparedMaterial(m, self.images, options, plan.prunes, tables) for m in self.scene.materials]
