@@ -22,8 +22,8 @@ from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE
-from ..verdict.causes import Explanation
 from ..verdict.boundaries import EXPECTED_LOOKS, count_looks, next_look
+from ..verdict.causes import Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.rare import describe_tails, room_for_rare_light
 from ..verdict.sequential import ALL_AGREE, SequentialTest
@@ -230,9 +230,7 @@ class _Loop:
         """Look at all regions, and seek the causes of those that differ."""
         of_reference, of_candidate = (side.regions.moments for side in self._sides)
         self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light())
-        bound = BoundAt(
-            self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first
-        )
+        bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)
         self._meter.progress.tell(_describe(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
@@ -251,7 +249,9 @@ class _Loop:
         worth, least = 0.0, np.inf
         for side in self._sides:
             samples = side.regions.sizes * side.film.samples
-            worth = max(worth, float(describe_tails(side.regions.series[:, cells], samples[cells]).worth.max(initial=0.0)))
+            worth = max(
+                worth, float(describe_tails(side.regions.series[:, cells], samples[cells]).worth.max(initial=0.0))
+            )
             least = np.minimum(least, samples * side.regions.moments.n)
         return room_for_rare_light(worth, least, ALL_AGREE * self._test.level)
 
@@ -264,7 +264,12 @@ class _Loop:
         left = self._meter.left - (self._meter.seconds_aside or 0.0)
         options = self._options
         layout = main_layout(
-            self._layout, sides, self._timings, (left, options.replicates), options.tolerance, self._test.looks[-1].level
+            self._layout,
+            sides,
+            self._timings,
+            (left, options.replicates),
+            options.tolerance,
+            self._test.looks[-1].level,
         )
         self._pilot_seconds = self._meter.elapsed
         if layout is not None:

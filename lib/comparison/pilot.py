@@ -117,7 +117,9 @@ def main_layout(
     samples = allocate(left, costs, tuple(means), most)
     replicates = left / max(sum(cost.seconds(n) for cost, n in zip(costs, samples, strict=True)), 1e-9)
     replicates = min(replicates, most or np.inf)
-    if replicates < min(FIRST_LOOK, most or np.inf) or replicates * sum(samples) < WORTHWHILE * FIRST_LOOK * sum(first.samples):
+    if replicates < min(FIRST_LOOK, most or np.inf) or replicates * sum(samples) < WORTHWHILE * FIRST_LOOK * sum(
+        first.samples
+    ):
         return None
     variance = sum(noise / (replicates * n) for noise, n in zip(noises, samples, strict=True))
     blocks = choose_grids(first.blocks[0], variance, tolerance / float(-ndtri(level)))

@@ -26,8 +26,9 @@ Coverage = Mapping[str, Iterable[tuple[str, np.ndarray | sparse.sparray]]]
 class Regions:
     """K regions of an image of `shape` (height, width).
 
-    `kinds` and `names` (K each) say what a region is ('image', 'material', 'object', 'cell', 'block', ...) and how the user called
-    it; `families` (K,) numbers the levels from coarse to fine: 0 the image, 1 what the user named, then one grid after the other; `boxes` (K, 4) its bounding box in pixels as first column, first row, last column, last row; `weights` (K, height * width) sparse,
+    `kinds` and `names` (K each) say what a region is ('image', 'material', 'object', 'cell', 'block', ...) and how the user called it;
+    `families` (K,) numbers the levels from coarse to fine: 0 the image, 1 what the user named, then one grid after the other. `boxes`
+    (K, 4) are bounding boxes in pixels as first column, first row, last column, last row; `weights` (K, height * width) are sparse,
     non-negative, row-major over pixels.
     """
 

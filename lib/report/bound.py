@@ -33,9 +33,7 @@ def bound_title(comparison: Comparison) -> str:
     if not math.isfinite(verdict.bound):
         return f"Whether {names[0]} agrees with {names[1]} is not known: there is no bound on the difference yet."
     if verdict.bound <= verdict.tolerance:
-        return (
-            f"{names[0]} agrees with {names[1]} to within {format_bound(verdict.bound)} wherever they can be compared {sure}."
-        )
+        return f"{names[0]} agrees with {names[1]} to within {format_bound(verdict.bound)} wherever they can be compared {sure}."
     return (
         f"{names[0]} agrees with {names[1]} to within {format_bound(verdict.bound)} everywhere {sure}; "
         f"whether to within {limit} is not decided yet."
@@ -123,4 +121,3 @@ def setting_sentences(comparison: Comparison) -> list[str]:
         have = "has" if tails == 1 else "have"
         said.append(f"{plural(tails, 'region')} {have} noise with heavy tails (Pareto shape above {HEAVY:g}).")
     return said
-

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from markupsafe import Markup, escape
 
@@ -25,12 +26,14 @@ def draw_bound(history: tuple[BoundAt, ...], tolerance: float) -> Markup | None:
     parts = [f'<svg class="curve" viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="Bound against time">']
     for value in _ticks(min(bounds), max(bounds)):
         label = escape(format_bound(value))
-        parts.append(f'<line class="grid" x1="{_LEFT}" x2="{_WIDTH - _MARGIN}" y1="{y(value):.1f}" y2="{y(value):.1f}"/>')
+        parts.append(
+            f'<line class="grid" x1="{_LEFT}" x2="{_WIDTH - _MARGIN}" y1="{y(value):.1f}" y2="{y(value):.1f}"/>'
+        )
         parts.append(f'<text x="{_LEFT - 8}" y="{y(value) + 4:.1f}" text-anchor="end">{label}</text>')
     for value in _ticks(min(seconds), max(seconds)):
         label = escape(format_duration(value))
         parts.append(f'<text x="{x(value):.1f}" y="{_HEIGHT - 10}" text-anchor="middle">{label}</text>')
-    level = f'{y(tolerance):.1f}'
+    level = f"{y(tolerance):.1f}"
     parts.append(f'<line class="tolerance" x1="{_LEFT}" x2="{_WIDTH - _MARGIN}" y1="{level}" y2="{level}"/>')
     main = [one for one in seen if not one.first]
     points = " ".join(f"{x(one.seconds):.1f},{y(one.bound):.1f}" for one in main)
@@ -44,7 +47,7 @@ def draw_bound(history: tuple[BoundAt, ...], tolerance: float) -> Markup | None:
     return Markup("".join([*parts, "</svg>"]))
 
 
-def _axis(low: float, high: float, start: float, end: float):
+def _axis(low: float, high: float, start: float, end: float) -> Callable[[float], float]:
     """A function from a value to its place on a logarithmic axis; one value alone lies in the middle."""
     span = math.log(high / low)
     return lambda value: start + (end - start) * (math.log(value / low) / span if span > 0.0 else 0.5)

@@ -150,7 +150,11 @@ def _forecast(comparison: Comparison) -> str:
     """What more time would show, or why that cannot be told."""
     verdict, forecast, ends = comparison.verdict, comparison.verdict.forecast, forecast_seconds(comparison)
     if forecast is None or ends is None:
-        if verdict.outcome is not Outcome.UNDECIDED or not np.isfinite(verdict.bound) or verdict.bound <= verdict.tolerance:
+        if (
+            verdict.outcome is not Outcome.UNDECIDED
+            or not np.isfinite(verdict.bound)
+            or verdict.bound <= verdict.tolerance
+        ):
             return ""
         worst = place(comparison, int(np.nanargmax(verdict.bounds)))
         return f"No forecast: within {MOST_GROWTH:g} times the time so far nothing better can be promised; {worst} is too noisy."

@@ -25,10 +25,10 @@ from ..departures.catalogue import Departure
 from ..film.moments import Moments
 from ..film.regions import RegionMoments
 from ..relative import difference_scale
+from .boundaries import Spending
 from .causes import BAND, Shares, is_off
 from .claims import p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
-from .boundaries import Spending
 from .sequential import SequentialTest, holm
 from .shares import CHANNELS, Sides, p_share_between, share, share_interval
 

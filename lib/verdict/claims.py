@@ -143,9 +143,7 @@ def interval(
     return np.where(missing, np.nan, low), np.where(missing, np.nan, high)
 
 
-def bound(
-    candidate: Moments, reference: Moments, floor: np.ndarray | float, tail: np.ndarray | float
-) -> np.ndarray:
+def bound(candidate: Moments, reference: Moments, floor: np.ndarray | float, tail: np.ndarray | float) -> np.ndarray:
     """The smallest tolerance (K,) at which each region would be within it, each claim with error `tail`; NaN without a mean.
 
     It is the larger end of the interval, in the channel furthest off: two one-sided tests at `tail` pass for a tolerance exactly where the

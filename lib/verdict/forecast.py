@@ -110,7 +110,9 @@ def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments,
         if bound == test.tolerance:
             p = test.level * ONE_DIFFERS * test.share_after(growth) / (WAYS_TO_DIFFER * test.outcomes.size)
             met = _less(-inside[far], rooms[far] / growth)
-            decided = decided + passing_probability(met, _finite(-gaps[far]), shares[far], -stdtrit(df * growth, p), growth)
+            decided = decided + passing_probability(
+                met, _finite(-gaps[far]), shares[far], -stdtrit(df * growth, p), growth
+            )
         decided = np.minimum(decided, 1.0)
         reached = {
             "low": decided.min() >= (1 - COVERAGE) / 2,

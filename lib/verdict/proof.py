@@ -7,9 +7,9 @@ import numpy as np
 from scipy.special import stdtrit
 
 from .attribution import Attribution, Names
+from .boundaries import GROWTH
 from .causes import BAND
 from .claims import combine
-from .boundaries import GROWTH
 from .shares import CHANNELS, Sides, less
 
 _MOST_GROWTH = 1e6

@@ -16,7 +16,6 @@ from .outcome import Outcome
 from .rare import blind_spot, describe_tails, pareto_shape
 from .sequential import ALL_AGREE, ONE_DIFFERS, Look, SequentialTest, Withdrawn
 
-
 RARE = "open because of rare light: too few samples to exclude that bright and seldom ones would make a difference"
 
 

@@ -292,7 +292,9 @@ def test_a_region_of_one_pixel_is_judged():
     dot_outcome = found.verdict.outcomes[found.regions.names.index("Dot")]
     assert dot_outcome is Outcome.DIFFERENT
     one = {"scene": blank(1, 1), "truth": grey(1.0, 1, 1), "sigma": 0.01}
-    assert run(**one, options=CompareOptions(time=None, samples=1024, replicates=40)).verdict.outcome is Outcome.EQUIVALENT
+    assert (
+        run(**one, options=CompareOptions(time=None, samples=1024, replicates=40)).verdict.outcome is Outcome.EQUIVALENT
+    )
 
 
 def test_a_pixel_of_few_samples_is_not_judged():

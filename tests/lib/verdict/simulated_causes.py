@@ -5,8 +5,8 @@ import numpy as np
 from etalon.lib.departures.catalogue import Departure
 from etalon.lib.film.moments import Moments
 from etalon.lib.verdict.attribution import ATTRIBUTION_SHARE, Attribution
-from etalon.lib.verdict.explain import explain
 from etalon.lib.verdict.boundaries import next_look
+from etalon.lib.verdict.explain import explain
 from etalon.lib.verdict.sequential import SequentialTest
 
 TOLERANCE, NOISE, LAST = 0.05, 0.0075, 27

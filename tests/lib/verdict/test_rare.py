@@ -87,7 +87,9 @@ def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, wort
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
 
 
-@pytest.mark.parametrize(("worth", "smooth", "outcome"), [(1e4, 0.0, Outcome.EQUIVALENT), (1e4, 0.03, Outcome.DIFFERENT)])
+@pytest.mark.parametrize(
+    ("worth", "smooth", "outcome"), [(1e4, 0.0, Outcome.EQUIVALENT), (1e4, 0.03, Outcome.DIFFERENT)]
+)
 def test_without_room_for_rare_light_both_mistakes_are_made(rng, worth, smooth, outcome):
     """The tests above can fail."""
     found = [decided_on_samples(rng, 0.03, worth, smooth, room=False).outcomes for _ in range(5)]

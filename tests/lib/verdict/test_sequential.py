@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from etalon.lib.film.moments import Moments
 from etalon.lib.verdict import sequential
-from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.boundaries import Boundary, Spending
+from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.sequential import ALL_AGREE, ONE_DIFFERS, PARTS, SequentialTest, find_floor, holm
 from etalon.tests.lib.verdict.simulated import decided, fireflies, gaussian
 from scipy import stats
@@ -158,7 +158,13 @@ def test_the_bound_is_wrong_no_more_often_than_its_level(rng):
     for _ in range(runs):
         bounds = []
         decided(
-            rng, truth, gaussian, 0.02, 0.03, confidence, look=lambda test, n, a, b, kept=bounds: kept.append(test.looks[-1].bound)
+            rng,
+            truth,
+            gaussian,
+            0.02,
+            0.03,
+            confidence,
+            look=lambda test, n, a, b, kept=bounds: kept.append(test.looks[-1].bound),
         )
         missed += min(bounds) < 0.02
     assert missed <= stats.binom.ppf(0.999, runs, ALL_AGREE * (1 - confidence))
