@@ -8,7 +8,6 @@ import numpy as np
 from ..lights.light import Ball, Emitted, LightSample, LightSampler, Pair, emit_distant, luminance
 from ..sampling.tables import Distribution1D
 from ..sampling.warps import uniform_sphere
-from ..scene.mesh import Mesh
 from ..wavefront.kernel import Kernel
 
 
@@ -28,13 +27,13 @@ class ConstantSky:
 
 
 class Emitters:
-    """All that shines in a scene, chosen by power; `any` is False where nothing does. `with_sky`: a constant world is among it."""
+    """All that shines on a `ball`, chosen by power; `any` is False where nothing does. `with_sky`: a constant world is among it."""
 
-    def __init__(self, kernel: Kernel, with_sky: bool) -> None:
-        self._ball = bounding_ball(kernel.scene.mesh)
+    def __init__(self, kernel: Kernel, ball: Ball, with_sky: bool) -> None:
+        self._ball = ball
         self._emitters: list[LightSampler | ConstantSky] = list(kernel.lights)
         if with_sky and kernel.sky is not None:
-            self._emitters.append(ConstantSky(kernel.sky, self._ball))
+            self._emitters.append(ConstantSky(kernel.sky, ball))
         power = np.array([emitter.power for emitter in self._emitters])
         self.any = bool(power.any())
         self._choice = Distribution1D(power) if self.any else None
@@ -53,9 +52,10 @@ class Emitters:
         return whole
 
 
-def bounding_ball(mesh: Mesh) -> Ball:
-    """The ball about the middle of the bounds that holds all vertices, a millionth larger."""
-    if mesh.triangle_count == 0:
-        return Ball(np.zeros((3, 1)), 0.0)
-    center = 0.5 * (mesh.vertices.min(axis=1) + mesh.vertices.max(axis=1))[:, None]
-    return Ball(center, (1.0 + 1e-6) * float(np.sqrt(np.square(mesh.vertices - center).sum(axis=0).max())))
+def bounding_ball(vertices: np.ndarray) -> Ball:
+    """The ball about the middle of the bounds that holds all vertices (3, v), a millionth larger; rays from afar begin at its edge."""
+    if vertices.shape[1] == 0:
+        return Ball(np.zeros((3, 1)), 0.0, 0.0)
+    center = 0.5 * (vertices.min(axis=1) + vertices.max(axis=1))[:, None]
+    radius = (1.0 + 1e-6) * float(np.sqrt(np.square(vertices - center).sum(axis=0).max()))
+    return Ball(center, radius, radius)

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from itertools import islice
 from time import perf_counter
 
 import numpy as np
@@ -17,12 +19,13 @@ from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from ..wavefront.kernel import Kernel
-from ..wavefront.render import tiles
+from ..wavefront.render import Tile, tiles
 from ..wavefront.sums import PixelSums
-from .emitters import Emitters
+from .emitters import Emitters, bounding_ball
 from .refuse import refuse_unsupported
 from .remainder import RemainderRenderer
 from .select import Everything, Selection
+from .splats import Splats
 from .trace import LightTracer
 
 # Below this many paths the interpreter's share of a tile outweighs what a second thread saves.
@@ -42,7 +45,7 @@ class LightTracingRenderer:
         self._remainder = RemainderRenderer(scene, options, plan)
         self._kernel = self._remainder.kernel
         refuse_unsupported(self._kernel)
-        self._emitters = Emitters(self._kernel, with_sky=True)
+        self._emitters = Emitters(self._kernel, bounding_ball(scene.mesh.vertices), with_sky=True)
 
     def render(self, replicate: int, samples: int, progress: Progress = NO_PROGRESS) -> Rendering:
         """One independent replicate of `samples` light paths for every pixel, and as many camera rays; raises Cancelled."""
@@ -50,7 +53,11 @@ class LightTracingRenderer:
         seen = self._remainder.render(replicate, samples, progress.within(0.0, 0.5))
         camera = self.scene.camera
         paths = camera.width * camera.height * samples
-        sums, rays = trace_light(self._kernel, self._emitters, replicate, paths, progress=progress.within(0.5, 1.0))
+        sums, rays = PixelSums(camera.width * camera.height), 0
+        traced = trace_light(self._kernel, self._emitters, Everything(), replicate, paths, progress.within(0.5, 1.0))
+        for splats, met in traced:
+            sums.add(splats.pixel, splats.value)
+            rays += met
         shape = (camera.height, camera.width)
         return replace(
             seen,
@@ -64,54 +71,47 @@ class LightTracingRenderer:
 def trace_light(
     kernel: Kernel,
     emitters: Emitters,
+    selection: Selection,
     replicate: int,
     paths: int,
-    selection: Selection = Everything(),  # noqa: B008
     progress: Progress = NO_PROGRESS,
-) -> tuple[PixelSums, int]:
-    """Sums over `paths` paths from the lights for every pixel of the image, row by row from the top; and the rays traced.
+    tile_paths: int = TILE_PATHS,
+) -> Iterator[tuple[Splats, int]]:
+    """The contributions of `paths` paths from the lights, tile by tile, with the rays traced in each.
 
-    The sum does not depend on the number of threads. Raises Cancelled.
+    Their order does not depend on the number of threads. Raises Cancelled.
     """
-    camera, options = kernel.scene.camera, kernel.options
-    pixels = camera.width * camera.height
-    whole, rays = PixelSums(pixels), 0
+    options = kernel.options
+    pixels = kernel.scene.camera.width * kernel.scene.camera.height
     if not emitters.any or not any(material.scatters for material in kernel.materials):
-        return whole, rays
+        return
     depth = 1 << min(
         paths.bit_length() // 2, 12
     )  # as many groups as paths in one: a point set costs more, the larger it is
     groups = -(-paths // depth)
     make = SobolSampler if options.sampler == "sobol" else RandomSampler
     sampler = make(options.seed, replicate, depth)
-    work = list(tiles(groups, depth, TILE_PATHS))
+    work = list(tiles(groups, depth, tile_paths))
 
-    def run(first: int, last: int, start: int, stop: int) -> tuple[PixelSums, int]:
+    def run(tile: Tile) -> tuple[Splats, int]:
         # Numbers after the pixels': generators that are seeded by the first of them are then not those of camera paths.
-        uniforms = sampler.tile(pixels + np.arange(first, last))
-        sums = PixelSums(pixels)
-        tracer = LightTracer(kernel, emitters, uniforms, sums, selection)
-        group = np.repeat(np.arange(last - first), stop - start)
-        sample = np.tile(np.arange(start, stop), last - first)
-        kept = (first + group) * depth + sample < paths  # the last group may be larger than what is left
+        uniforms = sampler.tile(pixels + np.arange(tile.first, tile.last))
+        tracer = LightTracer(kernel, emitters, uniforms, selection)
+        group = np.repeat(np.arange(tile.last - tile.first), tile.stop - tile.start)
+        sample = np.tile(np.arange(tile.start, tile.stop), tile.last - tile.first)
+        kept = (tile.first + group) * depth + sample < paths  # the last group may be larger than what is left
         with np.errstate(invalid="ignore"):  # what is not finite is counted by the sums
-            tracer.trace(group[kept], sample[kept])
-        return sums, tracer.rays
+            return tracer.trace(group[kept], sample[kept]), tracer.rays
 
     with ThreadPoolExecutor(options.threads) as pool:
         pending: deque[Future] = deque()
         queue = iter(work)
         try:
             for done in range(len(work)):
-                while len(pending) < 2 * options.threads and (tile := next(queue, None)) is not None:
-                    pending.append(pool.submit(run, tile.first, tile.last, tile.start, tile.stop))
-                sums, traced = pending.popleft().result()
-                whole.radiance += sums.radiance
-                whole.nonfinite += sums.nonfinite
-                rays += traced
+                pending.extend(pool.submit(run, tile) for tile in islice(queue, 2 * options.threads - len(pending)))
+                yield pending.popleft().result()
                 progress.report((done + 1) / len(work))
                 progress.check()
         finally:
             for future in pending:
                 future.cancel()
-    return whole, rays

@@ -14,6 +14,9 @@ from ..surfaces.surface import SurfacePoints
 class Selection(Protocol):
     """What a light tracer asks about the paths that count; `history` (n,) is the selection's own memory of each, 0 at first."""
 
+    def starts(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray | bool:
+        """Which rays (3, n) from the lights can be the beginning of a path that counts, (n,) bool, or True for all."""
+
     def allowed(self, material: PreparedMaterial, points: SurfacePoints, history: np.ndarray) -> np.ndarray | None:
         """Which lobes paths may take on, (lobes, n) bool, one at a time; None: all together."""
 
@@ -25,12 +28,13 @@ class Selection(Protocol):
     ) -> np.ndarray:
         """The history after a scattering by the lobe (n,)."""
 
-    def note(self, pixel: np.ndarray, arriving: np.ndarray, brightness: np.ndarray) -> None:
-        """Told of light (3, n) that arrives in pixels (n,) from emitters of a brightness (n,)."""
-
 
 class Everything:
     """All light counts."""
+
+    def starts(self, origin: np.ndarray, direction: np.ndarray) -> bool:
+        """All rays."""
+        return True
 
     def allowed(self, material: PreparedMaterial, points: SurfacePoints, history: np.ndarray) -> None:
         """All lobes together."""
@@ -43,6 +47,3 @@ class Everything:
     ) -> np.ndarray:
         """Nothing new."""
         return history
-
-    def note(self, pixel: np.ndarray, arriving: np.ndarray, brightness: np.ndarray) -> None:
-        """Nothing to do."""

@@ -21,15 +21,15 @@ from ..sampling.streams import (
     light_step_dimension,
 )
 from ..surfaces.surface import SurfacePoints
-from ..vectors import dot
+from ..vectors import dot, put
 from ..wavefront.flow import Flow
 from ..wavefront.kernel import Kernel
-from ..wavefront.sums import PixelSums
 from ..wavefront.visibility import transmittance
 from .adjoint import light_toward, scatter, see_from
 from .emitters import Emitters
-from .lens import sight
-from .select import Everything, Selection
+from .lens import Sight, sight
+from .select import Selection
+from .splats import Splats
 
 Groups = list[tuple[int, int, int]]
 
@@ -70,7 +70,7 @@ class LightPaths:
 
 
 class LightTracer:
-    """Traces paths from the lights and adds what reaches the camera to `sums`, which are W over the number of paths away from radiance.
+    """Traces paths from the lights; their contributions, over the number of paths, are the pixels' mean radiance.
 
     Counts bounces as path tracing does: a path scatters at most max_bounces + 1 times, the connection's vertex included. A `selection`
     says which of the light counts.
@@ -81,25 +81,24 @@ class LightTracer:
         kernel: Kernel,
         emitters: Emitters,
         uniforms: SobolTile | RandomTile,
-        sums: PixelSums,
-        selection: Selection = Everything(),  # noqa: B008
+        selection: Selection,
     ) -> None:
-        self._kernel, self._emitters, self._uniforms, self._sums = kernel, emitters, uniforms, sums
-        self._selection = selection
+        self._kernel, self._emitters, self._uniforms, self._selection = kernel, emitters, uniforms, selection
         self._flow = Flow.of(kernel)
         self._hidden = np.array([not thing.visible_camera for thing in kernel.scene.mesh.objects] or [False])
         self.rays = 0
 
-    def trace(self, group: np.ndarray, sample: np.ndarray) -> None:
+    def trace(self, group: np.ndarray, sample: np.ndarray) -> Splats:
         """Follow one path for each (group, sample)."""
         paths = self._emit(group, sample)
-        step = 0
+        splats, step = [Splats.none()], 0
         while paths.size:
             paths, points, offset, groups = self._meet(paths)
-            self._connect(paths, points, offset, groups, step)
+            splats.append(self._connect(paths, points, offset, groups, step))
             paths = self._go_on(paths, points, offset, groups, step)
             paths = self._end_weak(paths, step)
             step += 1
+        return Splats.joined(splats)
 
     def _pair(self, dimension: int, paths: LightPaths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(dimension, paths.group, paths.sample)
@@ -112,7 +111,8 @@ class LightTracer:
         paths = LightPaths(
             group, sample, ray.origin, ray.direction, ray.weight, start, count, count, count, ray.brightness
         )
-        return paths.take(np.flatnonzero(start != 0.0))
+        counts = (start != 0.0) & self._selection.starts(ray.origin, ray.direction)
+        return paths.take(np.flatnonzero(counts))
 
     def _meet(self, paths: LightPaths) -> tuple[LightPaths, SurfacePoints, np.ndarray, Groups]:
         """The paths that meet a face, sorted by material; the points as seen from the light; the offsets; the groups."""
@@ -132,32 +132,40 @@ class LightTracer:
         )
         return paths, points, offset, groups
 
-    def _connect(self, paths: LightPaths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int) -> None:
-        """Add what the points send straight to the camera."""
-        if paths.size == 0:
-            return
-        camera = self._kernel.scene.camera
+    def _connect(
+        self, paths: LightPaths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int
+    ) -> Splats:
+        """What the points send straight to the camera."""
         lens = self._pair(light_step_dimension(step, ADJOINT_LENS), paths) if self._flow.has_lens else None
-        seen = sight(camera, points.position, lens)
+        seen = sight(self._kernel.scene.camera, points.position, lens)
+        value = self._sent(paths, points, groups, seen)
+        value *= np.take(paths.weight, seen.index, axis=1) * seen.importance
+        lit = np.flatnonzero(value.any(axis=0))
+        if lit.size == 0:
+            return Splats.none()
+        at, direction = seen.index[lit], np.take(seen.direction, lit, axis=1)
+        ng = np.take(points.ng, at, axis=1)
+        origin = np.take(points.position, at, axis=1) + ng * np.copysign(offset[at], dot(ng, direction))
+        arriving = value[:, lit] * self._visible(origin, direction, seen.reach[lit])
+        arrived = np.flatnonzero(arriving.any(axis=0))
+        return Splats(seen.pixel[lit[arrived]], arriving[:, arrived], paths.brightness[at[arrived]])
+
+    def _sent(self, paths: LightPaths, points: SurfacePoints, groups: Groups, seen: Sight) -> np.ndarray:
+        """`light_toward` the camera for the points in sight, (3, k), 0 where the camera does not see the object."""
         shown = ~self._hidden[self._kernel.scene.mesh.object_index[points.triangle[seen.index]]]
         value = np.zeros((3, seen.index.size))
         for material, start, stop in groups:
             prepared = self._kernel.materials[material]
             here = np.flatnonzero((seen.index >= start) & (seen.index < stop) & shown)
-            if prepared.scatters and here.size:
-                at = seen.index[here]
-                counted = self._selection.connected(prepared, points.at(at), paths.history[at])
-                value[:, here] = light_toward(prepared, points.at(at), seen.direction[:, here], counted)
-        value *= np.take(paths.weight, seen.index, axis=1) * seen.importance
-        lit = np.flatnonzero(value.any(axis=0))
-        if lit.size == 0:
-            return
-        at, direction = seen.index[lit], seen.direction[:, lit]
-        ng = np.take(points.ng, at, axis=1)
-        origin = np.take(points.position, at, axis=1) + ng * np.copysign(offset[at], dot(ng, direction))
-        arriving = value[:, lit] * self._visible(origin, direction, seen.reach[lit])
-        self._sums.add(seen.pixel[lit], arriving)
-        self._selection.note(seen.pixel[lit], arriving, paths.brightness[at])
+            if not prepared.scatters or here.size == 0:
+                continue
+            at = seen.index[here]
+            counted = self._selection.connected(prepared, points.at(at), paths.history[at])
+            if counted is not None:
+                some = np.flatnonzero(counted.any(axis=0))
+                here, at, counted = here[some], at[some], counted[:, some]
+            put(value, here, light_toward(prepared, points.at(at), np.take(seen.direction, here, axis=1), counted))
+        return value
 
     def _visible(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
         """What part of the light arrives at the camera, (1, n) or (3, n)."""
@@ -225,6 +233,10 @@ class LightTracer:
     ) -> LightPaths:
         prepared = self._kernel.materials[material]
         allowed = self._selection.allowed(prepared, points, paths.history)
+        if allowed is not None:
+            some = np.flatnonzero(allowed.any(axis=0))
+            paths, points, offset, allowed = paths.take(some), points.at(some), offset[some], allowed[:, some]
+            uniforms = uniforms[0][some], uniforms[1][some], uniforms[2][some]
         onward = scatter(prepared, points, uniforms, allowed)
         paths.weight = paths.weight * onward.weight
         paths.history = self._selection.remember(prepared, points, paths.history, onward.lobe)

@@ -29,10 +29,11 @@ class LightSample(NamedTuple):
 
 
 class Ball(NamedTuple):
-    """A ball that holds the scene: `center` (3, 1) and `radius`, metres."""
+    """A ball that holds what is to be lit: `center` (3, 1), `radius`, and the distance `away` at which rays from afar begin, metres."""
 
     center: np.ndarray
     radius: float
+    away: float
 
 
 class Emitted(NamedTuple):
@@ -79,7 +80,7 @@ def emit_distant(sample: LightSample, ball: Ball, place: Pair) -> Emitted:
     """Rays against the sampled directions, uniform over the disc that covers the ball and faces them."""
     x, y = uniform_disk(*place)
     t, s = orthonormal_basis(sample.wi)
-    origin = ball.center + ball.radius * (t * x + s * y + sample.wi)
+    origin = ball.center + ball.radius * (t * x + s * y) + ball.away * sample.wi
     weight = sample.radiance * (np.pi * ball.radius**2 / sample.pdf)
     return Emitted(origin, -sample.wi, weight, luminance(sample.radiance))
 
