@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from etalon.lib.bsdfs.specular import SmoothDielectric
 from etalon.lib.light_tracing import adjoint
-from etalon.lib.scene.lights import SphereLight
+from etalon.lib.scene.lights import SphereLight, SunLight
 from etalon.lib.scene.materials import Diffuse
+from etalon.lib.vectors import dot
 from etalon.tests.lib.light_tracing.traced import (
     AREA,
-    CAMERA,
     CAMERAS,
     LIGHTS,
     MATERIALS,
@@ -19,50 +20,55 @@ from etalon.tests.lib.light_tracing.traced import (
     light_traced,
 )
 from etalon.tests.lib.wavefront.test_strategies import LIGHTINGS, SKY, stage
-from etalon.tests.replicates import assert_same, blocks, replicates
-from etalon.tests.scenes import color, cube, emission, glass, material, perspective, quad, scene
+from etalon.tests.scenes import color, cube, diffuse, emission, glass, icosphere, material, perspective, quad, scene
 
 
-@pytest.mark.parametrize("name", LIGHTS)
+def of(table, *quick):
+    """Names of the table's entries; the default run takes the `quick` ones."""
+    return [pytest.param(name, marks=() if name in quick else pytest.mark.slow) for name in table]
+
+
+@pytest.mark.parametrize("name", of(LIGHTS, "skewed_ellipse_with_spread", "spot_with_radius"))
 def test_every_light_gives_the_same_image(name, seed):
-    assert_agree(ball_on_floor(MATERIALS["glossy"], [LIGHTS[name]]), seed, samples=512, precision=0.06)
+    assert_agree(ball_on_floor(MATERIALS["glossy"], [LIGHTS[name]]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("name", MATERIALS)
+@pytest.mark.parametrize("name", of(MATERIALS, "rough_glass", "layers"))
 def test_every_lobe_gives_the_same_image(name, seed):
-    assert_agree(ball_on_floor(MATERIALS[name]), seed, samples=512, precision=0.06)
+    assert_agree(ball_on_floor(MATERIALS[name]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("name", CAMERAS)
+@pytest.mark.parametrize("name", of(CAMERAS, "perspective_with_lens", "orthographic_with_lens"))
 def test_every_camera_gives_the_same_image(name, seed):
-    assert_agree(ball_on_floor(MATERIALS["diffuse"], camera=CAMERAS[name]), seed, samples=512, precision=0.06)
+    assert_agree(ball_on_floor(MATERIALS["diffuse"], camera=CAMERAS[name]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("lighting", ["lamp", "behind_a_veil", "all"])
+@pytest.mark.parametrize("lighting", of(["lamp", "behind_a_veil", "all"], "behind_a_veil", "all"))
 def test_worlds_lamps_and_veils_give_the_same_image(lighting, seed):
-    assert_agree(stage(**LIGHTINGS[lighting]), seed, samples=512, precision=0.06)
+    assert_agree(stage(**LIGHTINGS[lighting]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("bounces", [0, 1, 2])
+@pytest.mark.parametrize("bounces", of([0, 1, 2], 1))
 def test_bounces_mean_the_same_paths(bounces, seed):
-    assert_agree(ball_on_floor(MATERIALS["diffuse"], bounces=bounces), seed, samples=512, precision=0.06)
+    assert_agree(ball_on_floor(MATERIALS["diffuse"], bounces=bounces), seed, precision=0.08)
 
 
+@pytest.mark.slow
 def test_a_mirror_shows_the_same_sky(seed):
     """The sphere belongs to path tracing, what it sends to the floor to light tracing."""
-    assert_agree(ball_on_floor(MATERIALS["mirror"], world=SKY), seed, samples=512, precision=0.06)
+    assert_agree(ball_on_floor(MATERIALS["mirror"], world=SKY), seed, precision=0.08)
 
 
 def test_the_camera_sees_the_same_lamps(seed):
     lights = [SphereLight("shown", (-0.8, -0.5, 1.8), 0.3, (2.0,) * 3, True), replace(AREA, radiance=(1.0,) * 3)]
-    assert_agree(ball_on_floor(MATERIALS["diffuse"], lights), seed, precision=0.06)
+    assert_agree(ball_on_floor(MATERIALS["diffuse"], lights), seed, precision=0.08)
 
 
 def test_the_camera_does_not_see_hidden_objects(seed):
     the_scene = ball_on_floor(MATERIALS["glossy"])
     ball, ground = the_scene.mesh.objects
     mesh = replace(the_scene.mesh, objects=(replace(ball, visible_camera=False), ground))
-    assert_agree(replace(the_scene, mesh=mesh), seed, samples=512, precision=0.06)
+    assert_agree(replace(the_scene, mesh=mesh), seed, precision=0.08)
 
 
 def test_roulette_and_plain_random_numbers_give_the_same_image(seed):
@@ -72,57 +78,51 @@ def test_roulette_and_plain_random_numbers_give_the_same_image(seed):
         perspective(10, 10, 0.8, (0.03, -0.9, 0.1), (0.1, 1.0, -0.2)),
         bounces=6,
     )
-    assert_agree(box, seed, samples=256, precision=0.06, russian_roulette=True, sampler="random")
+    assert_agree(box, seed, precision=0.08, russian_roulette=True, sampler="random")
 
 
 def test_light_through_a_glass_ball_makes_the_same_caustic(seed):
-    """A lamp as wide as the ball, so that path tracing finds it: two refractions, then the floor."""
+    """A lamp wider than the ball, so that path tracing finds it: two refractions, then the floor."""
     the_scene = ball_on_floor(glass(1.5), [replace(AREA, radiance=(6.0,) * 3)], subdivisions=3, bounces=2)
-    assert_agree(the_scene, seed, samples=1024, precision=0.05)
+    assert_agree(the_scene, seed, samples=512, precision=0.08)
 
 
-def without(monkeypatch, name, planted):
-    monkeypatch.setattr(adjoint, name, planted)
-
-
-def assert_differ(the_scene, seed):
+def assert_seen(the_scene, seed, **more):
     with pytest.raises(AssertionError, match="difference"):
-        assert_agree(the_scene, seed, samples=512, precision=0.2)
+        assert_agree(the_scene, seed, **more)
 
 
 def test_a_forgotten_factor_of_refraction_is_seen(monkeypatch, seed):
-    """Light of a sphere within glass: without 1 / eta^2 the floor is 2.25 times too bright. Two crossings of a closed body cancel it."""
-    inside = SphereLight("lamp", (0.0, 0.0, 1.0), 0.3, (5.0, 5.0, 5.0))
-    the_scene = ball_on_floor(glass(1.5), [inside], bounces=2)
-    assert_agree(the_scene, seed, samples=512, precision=0.2)
-    from etalon.lib.bsdfs.specular import SmoothDielectric
-
+    """A lamp within glass: without 1 / eta^2 the floor is 2.25 times too bright. Two crossings of a closed body would cancel it."""
+    lamp = replace(icosphere(0.4, 1, 2), vertices=icosphere(0.4, 1).vertices + np.array([[0.0], [0.0], [1.0]]))
+    the_scene = ball_on_floor(glass(1.5), [], bounces=1, others=[(lamp, emission(5.0))])
+    assert_agree(the_scene, seed, precision=0.08)
     monkeypatch.setattr(
         SmoothDielectric, "widening", lambda self, wi: np.where(wi[2] < 0.0, np.abs(self._wo[2] / wi[2]), 1.0)
     )
-    assert_differ(the_scene, seed)
+    assert_seen(the_scene, seed)
 
 
 def test_a_forgotten_factor_of_shading_normals_is_seen(monkeypatch, seed):
-    """Veach 1997, eq. 5.19 on a sphere of 20 faces that is shaded smooth."""
-    the_scene = ball_on_floor(MATERIALS["diffuse"], subdivisions=0)
-    assert_agree(the_scene, seed, samples=512, precision=0.06)
+    """Veach 1997, eq. 5.19 on a sphere of 20 faces that is shaded smooth; forgotten, |on.n| stands in the weight, as in path tracing."""
+    sun = SunLight("sun", (0.8, 0.0, 0.6), 0.0, (1.0, 1.0, 1.0))
+    the_scene = scene(icosphere(1.0, 0, 0, True), diffuse(0.8), perspective(6, 6, 0.2, (0.0, 0.0, 4.0)), [sun])
+    assert_agree(the_scene, seed, samples=1024, size=1, precision=0.05)
+    original = adjoint._cosines
 
-    def uncorrected(points, here, frame):
-        light = np.abs((frame[2] * points.wo).sum(axis=0))
-        ratio = np.abs((frame[2] * here.wo).sum(axis=0)) / np.maximum(light, 1e-9)
+    def forgotten(points, here, frame):
+        ratio = np.abs(dot(here.n, here.wo)) / np.maximum(np.abs(dot(here.n, points.wo)), 1e-9)
         return np.where(original(points, here, frame) > 0.0, ratio, 0.0)
 
-    original = adjoint._cosines
-    without(monkeypatch, "_cosines", uncorrected)
-    assert_differ(the_scene, seed)
+    monkeypatch.setattr(adjoint, "_cosines", forgotten)
+    assert_seen(the_scene, seed, samples=1024, size=1)
 
 
 def test_lobes_of_the_wrong_side_are_seen(monkeypatch, seed):
-    """Layers are not symmetric: weighing them as seen from the light is wrong."""
+    """Lobes are asked for the direction to the camera: those that are made for the light's side weigh something else."""
     the_scene = ball_on_floor(MATERIALS["rough_glass"])
     monkeypatch.setattr(adjoint, "see_from", lambda points, wo: points)
-    assert_differ(the_scene, seed)
+    assert_seen(the_scene, seed)
 
 
 def test_the_image_does_not_depend_on_the_number_of_threads(seed):
@@ -134,4 +134,3 @@ def test_the_image_does_not_depend_on_the_number_of_threads(seed):
 def test_replicates_differ(seed):
     first, second = light_traced(ball_on_floor(MATERIALS["glossy"]), 2, 16, seed=seed)
     assert not np.array_equal(first, second)
-    assert replicates and blocks and assert_same and CAMERA

@@ -38,7 +38,7 @@ def light_traced(the_scene, count, samples, **options):
 
 def assert_agree(the_scene, seed, samples=256, precision=0.05, size=5, **options):
     """Path tracing and light tracing have the same mean in every block, at the level of tests/replicates.py."""
-    traced = replicates(the_scene, 10, 256, seed=seed, **options)
+    traced = replicates(the_scene, 10, 128, seed=seed, **options)
     lit = light_traced(the_scene, 10, samples, seed=seed + 1, **options)
     assert_same(blocks(traced, size), blocks(lit, size), precision)
 
@@ -96,8 +96,10 @@ CAMERAS = {
 }
 
 
-def ball_on_floor(coat, lights=(AREA,), world=0.0, bounces=3, camera=CAMERA, subdivisions=2, smooth=True):
-    """A sphere, shaded smooth and of few faces, so that normals differ, on a grey floor."""
-    ball = icosphere(0.9, subdivisions, 0, smooth)
+def ball_on_floor(coat, lights=(AREA,), world=0.0, bounces=3, camera=CAMERA, subdivisions=2, others=()):
+    """A sphere, shaded smooth and of few faces, so that normals differ, on a grey floor; `others`: parts and their materials."""
+    ball = icosphere(0.9, subdivisions, 0, True)
     ball = replace(ball, vertices=ball.vertices + np.array([[0.0], [0.0], [1.0]]))
-    return scene([ball, floor(4.0, material=1)], [coat, diffuse(0.6, 0.5, 0.4)], camera, lights, world, bounces)
+    parts = [ball, floor(4.0, material=1), *(part for part, _ in others)]
+    coats = [coat, diffuse(0.6, 0.5, 0.4), *(other for _, other in others)]
+    return scene(parts, coats, camera, lights, world, bounces)
