@@ -23,7 +23,7 @@ def refract(wo: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def refracted_widening(wo: np.ndarray, wi: np.ndarray, eta: np.ndarray) -> np.ndarray:
     """Solid angle about `wi` per solid angle about `wo`, (n,): cos_o / (eta^2 cos_i) beyond the interface, else 1.
 
-    Snell's law differentiated: n^2 cos dw is the same on both sides (Veach 1997, eq. 5.13).
+    Snell's law differentiated: n^2 cos dw is the same on both sides (Veach 1997, section 5.2).
     """
     beyond = np.abs(wo[2]) / np.maximum(np.square(eta) * np.abs(wi[2]), 1e-300)
     return np.where(wi[2] < 0.0, beyond, 1.0)

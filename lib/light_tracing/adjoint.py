@@ -6,7 +6,7 @@ normals that interpolate or are tilted, and interfaces that bend are not symmetr
 
     f(light, on) |light.n|  |on.ng| / |light.ng|  over the density of `on`,
 
-which holds the correction for shading normals (eq. 5.19). The factor eta^2 of refraction (eq. 5.14) comes from f itself, and for Dirac
+which holds the correction for shading normals (section 5.3). The factor eta^2 of refraction (section 5.2) comes from f itself, and for Dirac
 lobes, which have no f, from `widening`, the ratio of solid angles.
 """
 

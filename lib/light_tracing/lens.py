@@ -33,7 +33,7 @@ def sight(camera: Camera, point: np.ndarray, lens: Pair | None) -> Sight:
 
     A pixel is the mean of the radiance over its square of the raster. By the change of variables from the raster to the surface its
     importance is 1 / (A cos^3 d^2) for a perspective camera and 1 / (A cos) for an orthographic one, with the area A of a pixel on the
-    camera plane, the distance d from the lens and the cosine to the view axis (Veach 1997, section 4.6 and eq. 8.7).
+    camera plane, the distance d from the lens and the cosine to the view axis (Veach 1997, chapters 4 and 8).
     """
     axes = camera.world_from_camera[:, :3].T
     seen = to_local(point - camera.world_from_camera[:, 3:], *axes)

@@ -104,7 +104,7 @@ def test_a_forgotten_factor_of_refraction_is_seen(monkeypatch, seed):
 
 
 def test_a_forgotten_factor_of_shading_normals_is_seen(monkeypatch, seed):
-    """Veach 1997, eq. 5.19 on a sphere of 20 faces that is shaded smooth; forgotten, |on.n| stands in the weight, as in path tracing."""
+    """Veach 1997, section 5.3, on a sphere of 20 faces that is shaded smooth; forgotten, |on.n| stands in the weight, as in path tracing."""
     sun = SunLight("sun", (0.8, 0.0, 0.6), 0.0, (1.0, 1.0, 1.0))
     the_scene = scene(icosphere(1.0, 0, 0, True), diffuse(0.8), perspective(6, 6, 0.2, (0.0, 0.0, 4.0)), [sun])
     assert_agree(the_scene, seed, samples=1024, size=1, precision=0.05)

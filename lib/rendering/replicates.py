@@ -12,7 +12,7 @@ from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
 from ..settings.reference import LIGHT_TRACING, STRATEGIES, Options, RenderOptions
-from .render import ReferenceRenderer
+from ..wavefront.render import ReferenceRenderer
 
 
 def render_film(
