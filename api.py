@@ -20,13 +20,13 @@ from .lib.errors import EtalonError as EtalonError
 from .lib.errors import Refused as Refused
 from .lib.film.film import Film
 from .lib.progress import NO_PROGRESS, Progress
+from .lib.rendering.replicates import render_film
 from .lib.settings.common import Target
 from .lib.settings.comparison import Settings
 from .lib.settings.cost import CostOptions
 from .lib.settings.reference import RenderOptions
 from .lib.settings.words import repeating_command
 from .lib.verdict.outcome import Outcome as Outcome
-from .lib.wavefront.replicates import render_film
 
 
 def compare(

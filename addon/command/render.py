@@ -7,9 +7,9 @@ from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_file
 from ...lib.film.exr import write_film
 from ...lib.progress import Progress
+from ...lib.rendering.replicates import render_film
 from ...lib.settings.common import Target
 from ...lib.settings.reference import RenderOptions, RenderOutput
-from ...lib.wavefront.replicates import render_film
 from .console import bar, interruptible
 from .exported import read_scene
 

@@ -13,7 +13,7 @@ from ..microfacets.directions import FLOOR
 from ..microfacets.fresnel import dielectric
 from ..vectors import dot
 from .fresnels import Dielectric, Fresnel, part_of
-from .specular import refract
+from .specular import refract, refracted_widening
 
 _SPLIT = 2.0**16
 
@@ -179,6 +179,10 @@ class SmoothInterface:
         weight = np.where(through, beyond, toward) * np.where(wo[2] > 0.0, 1.0 / np.maximum(share, FLOOR), 0.0)
         mirrored = np.stack([-wo[0], -wo[1], wo[2]])
         return np.where(through, refracted, mirrored), weight, np.full(wo.shape[1], np.inf)
+
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """Solid angle about `wi` per solid angle about wo, (n,)."""
+        return refracted_widening(self._wo, wi, self._eta)
 
     def part(self, index: np.ndarray) -> SmoothInterface:
         """The same lobe at fewer points."""

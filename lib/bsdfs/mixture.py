@@ -32,10 +32,10 @@ class Lobe(Protocol):
 
 
 class Mixture:
-    """Coloured lobes; `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour."""
+    """Coloured `lobes`; their `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour."""
 
     def __init__(self, lobes: list[Lobe], colors: list[np.ndarray], size: int) -> None:
-        self._lobes, self._colors, self._size = lobes, colors, size
+        self.lobes, self.colors, self._size = lobes, colors, size
         self.all_delta = all(lobe.delta for lobe in lobes)
         if len(lobes) > 1:
             guesses = [np.abs(c).mean(axis=0) * getattr(b, "estimate", 1.0) for b, c in zip(lobes, colors, strict=True)]
@@ -45,11 +45,11 @@ class Mixture:
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value f |cos| (3, n) and the density (n,) of `sample`, deltas left out."""
-        if len(self._lobes) == 1:
-            value, pdf = self._lobes[0].evaluate(wi)
-            return self._colors[0] * value, pdf
+        if len(self.lobes) == 1:
+            value, pdf = self.lobes[0].evaluate(wi)
+            return self.colors[0] * value, pdf
         value, pdf = np.zeros_like(wi), np.zeros(self._size)
-        for lobe, color, share in zip(self._lobes, self._colors, self._share, strict=True):
+        for lobe, color, share in zip(self.lobes, self.colors, self._share, strict=True):
             if not lobe.delta:
                 one, density = lobe.evaluate(wi)
                 value += color * one
@@ -58,12 +58,12 @@ class Mixture:
 
     def sample(self, pick: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Direction (3, n), coloured weight (3, n), density (n,), which is infinite where a delta lobe was picked."""
-        if len(self._lobes) == 1:
-            wi, weight, pdf = self._lobes[0].sample(u1, u2)
-            return wi, self._colors[0] * weight, pdf
+        if len(self.lobes) == 1:
+            wi, weight, pdf = self.lobes[0].sample(u1, u2)
+            return wi, self.colors[0] * weight, pdf
         wi, weight, pdf = np.zeros((3, self._size)), np.zeros((3, self._size)), np.zeros(self._size)
         chosen = (pick >= np.cumsum(self._share, axis=0)[:-1]).sum(axis=0)
-        for k, lobe in enumerate(self._lobes):
+        for k, lobe in enumerate(self.lobes):
             index = np.flatnonzero(chosen == k)
             if index.size:
                 self._sample_one(k, lobe.part(index), index, (u1[index], u2[index]), (wi, weight, pdf))
@@ -79,17 +79,17 @@ class Mixture:
     ) -> None:
         """Sample lobe `k` where it was picked, and weigh the direction by all lobes; fills `out` at `index`."""
         direction, factor, density = lobe.sample(*uniforms)
-        color = _at(self._colors[k], index)
+        color = _at(self.colors[k], index)
         share = self._share[k, index]
         if lobe.delta:
             total_weight, total_pdf = color * factor / share, density
         else:
             total_pdf = share * density
             others = np.zeros_like(direction)
-            for j, other in enumerate(self._lobes):
+            for j, other in enumerate(self.lobes):
                 if j != k and not other.delta:
                     one, other_density = other.part(index).evaluate(direction)
-                    others += _at(self._colors[j], index) * one
+                    others += _at(self.colors[j], index) * one
                     total_pdf += self._share[j, index] * other_density
             divisor = np.where(total_pdf > 0.0, total_pdf, 1.0)
             # Beside black lobes the first quotient is 1, and the weight is the lobe's own to the last bit.

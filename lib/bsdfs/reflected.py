@@ -41,6 +41,10 @@ class Reflected:
         wi, weight, pdf = self._lobe.sample(u1, u2)
         return wi, weight * self._factor(wi), pdf
 
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """The lobe's own, (n,)."""
+        return self._lobe.widening(wi)
+
     def part(self, index: np.ndarray) -> Reflected:
         """The same lobe at fewer points."""
         return Reflected(self._lobe.part(index), np.take(self._wo, index, axis=1), self._reflectance.part(index))

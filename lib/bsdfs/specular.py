@@ -20,6 +20,15 @@ def refract(wo: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([-wo[0] * inverse, -wo[1] * inverse, -cos]), total
 
 
+def refracted_widening(wo: np.ndarray, wi: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    """Solid angle about `wi` per solid angle about `wo`, (n,): cos_o / (eta^2 cos_i) beyond the interface, else 1.
+
+    Snell's law differentiated: n^2 cos dw is the same on both sides (Veach 1997, section 5.2).
+    """
+    beyond = np.abs(wo[2]) / np.maximum(np.square(eta) * np.abs(wi[2]), 1e-300)
+    return np.where(wi[2] < 0.0, beyond, 1.0)
+
+
 class Mirror:
     """Perfect reflection about the normal."""
 
@@ -38,6 +47,10 @@ class Mirror:
         wo = self._wo
         above = np.where(wo[2] > 0.0, 1.0, 0.0)
         return np.stack([-wo[0], -wo[1], wo[2]]), above, np.full(wo.shape[1], np.inf)
+
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """Solid angle about `wi` per solid angle about wo, (n,): 1."""
+        return np.ones(wi.shape[1])
 
     def part(self, index: np.ndarray) -> Mirror:
         """The same lobe at fewer points."""
@@ -76,6 +89,10 @@ class SmoothDielectric:
         reflectance = fresnel.dielectric(np.clip(wo[2], 0.0, 1.0), self._eta)
         mirrored = np.stack([-wo[0], -wo[1], wo[2]])
         return np.where(u1 < reflectance, mirrored, refracted), weight, np.full(wo.shape[1], np.inf)
+
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """Solid angle about `wi` per solid angle about wo, (n,)."""
+        return refracted_widening(self._wo, wi, self._eta)
 
     def part(self, index: np.ndarray) -> SmoothDielectric:
         """The same lobe at fewer points."""

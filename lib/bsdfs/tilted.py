@@ -35,6 +35,10 @@ class Tilted:
         wi = (self._rows * own[:, None]).sum(axis=0)
         return wi, weight * (own[2] * wi[2] > 0.0), pdf
 
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """The lobe's own, (n,)."""
+        return self._lobe.widening((self._rows * wi).sum(axis=1))
+
     def part(self, index: np.ndarray) -> Tilted:
         """The same lobe at fewer points."""
         return Tilted(self._lobe.part(index), np.take(self._rows, index, axis=2))

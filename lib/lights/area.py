@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
+from ..sampling.warps import uniform_disk
 from ..scene.lights import AreaLight
 from ..vectors import dot
-from .light import LightSample, aimed_at_ball, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance
 from .spread import Spread
 
 _SMALLEST = 1e-300
@@ -55,6 +56,11 @@ class AreaSampler:
         self._spread = Spread(light.spread) if 0.0 < light.spread < math.pi else None
         self.power = math.pi * area * self._area_of_unit * float(luminance(np.abs(self._radiance))[0])
 
+    @property
+    def area(self) -> float:
+        """Square metres, 0 for a light that is lit nowhere."""
+        return self._area if self._lights else 0.0
+
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform over the area."""
         x, y, height = self.local(point)
@@ -96,6 +102,23 @@ class AreaSampler:
         """Area density times distance^2 / cosine at the light."""
         _, _, height = self.local(origin)
         return self._density(height, distance, self._area)
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Uniform by area, and by the cosine within the spread."""
+        s, t = self._place(*place)
+        across, up, normal = self._axes
+        origin = self._center + across * self._along_u(s, t) + up * (t * self._length_v)
+        widest = 1.0 if self._spread is None else self._spread.sin2_half
+        x, y = uniform_disk(*heading)
+        x, y = x * math.sqrt(widest), y * math.sqrt(widest)
+        across2 = x * x + y * y
+        z = np.sqrt(1.0 - across2)
+        factor = np.ones_like(z)
+        if self._spread is not None:
+            factor *= self._spread(np.sqrt(across2) / np.maximum(z, _SMALLEST))
+        radiance = self._radiance * factor
+        weight = radiance * (math.pi * widest * self.area)
+        return Emitted(origin, across * x + up * y + normal * z, weight, luminance(radiance))
 
     def local(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Components (n,) of points (3, n) in the light's frame; height > 0 on the emitting side."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..scene.lights import AreaLight
 from .area import AreaSampler
-from .light import LightSample, column
+from .light import Ball, Emitted, LightSample, Pair, column
 
 
 class BeamSampler:
@@ -32,3 +32,10 @@ class BeamSampler:
         wi = np.empty(point.shape)
         wi[:] = self._towards
         return LightSample(wi, np.abs(height), self._irradiance * lit, np.ones_like(height))
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Uniform by area, along the normal."""
+        emitted = self._shape.emit(ball, place, heading)
+        direction = np.broadcast_to(-self._towards, emitted.direction.shape)
+        weight = np.broadcast_to(self._irradiance * self._shape.area, direction.shape)
+        return Emitted(emitted.origin, direction, weight, np.full(weight.shape[1], np.inf))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..sampling.tables import Distribution2D
 from ..sampling.warps import circle
-from .light import LightSample, luminance
+from .light import Ball, Emitted, LightSample, Pair, emit_distant, luminance
 
 # Each cell is looked at in PROBES x PROBES places, so that what interpolation spreads from a bright texel into its neighbours is seen.
 PROBES = 2
@@ -89,6 +89,10 @@ class EnvironmentSampler:
         cell *= self._columns
         cell += np.minimum(u.astype(np.intp), self._columns - 1)
         return np.take(self._density, cell)
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Through the ball, from where the world is bright."""
+        return emit_distant(self.sample(np.empty((3, heading[0].size)), *heading), ball, place)
 
     def _probe(self) -> tuple[np.ndarray, int]:
         """Mean luminance (magnitude) of every cell (rows, columns), and how many probes were not finite."""

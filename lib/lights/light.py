@@ -7,7 +7,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..vectors import dot
+from ..sampling.warps import uniform_disk
+from ..vectors import dot, orthonormal_basis
+
+Pair = tuple[np.ndarray, np.ndarray]
+"""Two uniforms (n,) for each ray."""
 
 
 class LightSample(NamedTuple):
@@ -22,6 +26,28 @@ class LightSample(NamedTuple):
     distance: np.ndarray
     radiance: np.ndarray
     pdf: np.ndarray
+
+
+class Ball(NamedTuple):
+    """A ball that holds what is to be lit: `center` (3, 1), `radius`, and the distance `away` at which rays from afar begin, metres."""
+
+    center: np.ndarray
+    radius: float
+    away: float
+
+
+class Emitted(NamedTuple):
+    """Rays that leave a light, for light tracing.
+
+    origin, direction (3, n); weight (3, n), W: radiance times cosine over the densities of place and direction, so that its mean is the
+    light's flux (of distant lights the flux through the ball's cross-section). brightness (n,): luminance of the radiance that a ray which
+    meets the light there finds, inf for a light that no ray can meet.
+    """
+
+    origin: np.ndarray
+    direction: np.ndarray
+    weight: np.ndarray
+    brightness: np.ndarray
 
 
 class LightSampler(Protocol):
@@ -49,6 +75,18 @@ class LightSampler(Protocol):
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that `intersect` met at `distance`; 0 elsewhere."""
         ...
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Rays that leave the light, by two uniforms (n,) each for the place and the direction; `ball` holds the scene."""
+
+
+def emit_distant(sample: LightSample, ball: Ball, place: Pair) -> Emitted:
+    """Rays against the sampled directions, uniform over the disc that covers the ball and faces them."""
+    x, y = uniform_disk(*place)
+    t, s = orthonormal_basis(sample.wi)
+    origin = ball.center + ball.radius * (t * x + s * y) + ball.away * sample.wi
+    weight = sample.radiance * (np.pi * ball.radius**2 / sample.pdf)
+    return Emitted(origin, -sample.wi, weight, luminance(sample.radiance))
 
 
 def aimed_at_ball(center: np.ndarray, radius2: float, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:

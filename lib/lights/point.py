@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..sampling.warps import uniform_sphere
 from ..scene.lights import PointLight
 from ..vectors import dot
-from .light import LightSample, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, column, luminance
 
 
 class PointSampler:
@@ -30,3 +31,13 @@ class PointSampler:
         wi *= inverse
         inverse *= inverse
         return LightSample(wi, distance, self._intensity * inverse, np.ones_like(distance))
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Uniform in all directions."""
+        return self.emit_along(uniform_sphere(*heading), 1.0 / (4.0 * np.pi), place)
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray | float, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` per steradian."""
+        weight = np.broadcast_to(self._intensity / density, direction.shape)
+        origin = np.broadcast_to(self._position, direction.shape)
+        return Emitted(origin, direction, weight, np.full(direction.shape[1], np.inf))

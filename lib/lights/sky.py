@@ -15,7 +15,7 @@ from ..textures.sky import toward
 from ..vectors import put
 from .cone import uniform_cone
 from .environment import EnvironmentSampler
-from .light import LightSample, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, column, emit_distant, luminance
 from .sun import SunSampler
 
 Sun = tuple[tuple[float, float, float], float]
@@ -83,6 +83,10 @@ class SunnySampler:
         for chance, sun in zip(self._chance[1:], self._suns, strict=True):
             total += chance * sun.pdf(origin, direction, distance)
         return total
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Through the ball, from where the world is bright."""
+        return emit_distant(self.sample(np.empty((3, heading[0].size)), *heading), ball, place)
 
     def _sun(self, direction: tuple[float, float, float], half_angle: float, scene_radius: float) -> SunSampler:
         """A sun as bright on average as what stands there."""

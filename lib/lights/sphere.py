@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from ..sampling.warps import uniform_disk, uniform_sphere
 from ..scene.lights import SphereLight
-from ..vectors import dot
+from ..vectors import dot, orthonormal_basis
 from .cone import density, uniform_cone
-from .light import LightSample, aimed_at_ball, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance
 
 
 class SphereSampler:
@@ -54,6 +56,19 @@ class SphereSampler:
         """One over the solid angle of the sphere, 1 / (4 pi) from inside."""
         offset = self.center - origin
         return density(_one_minus_cos(dot(offset, offset), self.radius2)) * np.isfinite(distance)
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Outwards, uniform over the sphere and by the cosine there; what the light sends to its inside is not among it."""
+        return self.emit_along(uniform_sphere(*heading), 1.0 / (4.0 * np.pi), place)
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray | float, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` per steradian: uniform on the disc that is seen from there."""
+        x, y = uniform_disk(*place)
+        rise = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
+        t, s = orthonormal_basis(direction)
+        origin = self.center + math.sqrt(self.radius2) * (t * x + s * y + direction * rise)
+        weight = np.broadcast_to(self.radiance * (np.pi * self.radius2 / density), direction.shape)
+        return Emitted(origin, direction, weight, np.full(x.shape, float(luminance(self.radiance)[0])))
 
     def inside(self, point: np.ndarray) -> np.ndarray:
         """Whether the points (3, n) lie inside, (n,)."""

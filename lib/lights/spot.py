@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..sampling.warps import uniform_sphere
 from ..scene.lights import Cone, PointLight, SphereLight, SpotLight
 from ..vectors import dot
-from .light import LightSample, column
+from .cone import uniform_cone
+from .light import Ball, Emitted, LightSample, Pair, column
 from .point import PointSampler
 from .sphere import SphereSampler
 
@@ -47,6 +49,15 @@ class SpotSampler:
         """That of the sphere."""
         return self._emitter.pdf(origin, direction, distance)
 
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Uniform in the cone, each ray dimmed; in all directions where the cone is stretched."""
+        direction, solid_angle = self._falloff.sample(*heading)
+        emitted = self._emitter.emit_along(direction, 1.0, place)
+        factor = self._falloff(-direction)
+        weight = emitted.weight * (factor * solid_angle)
+        brightness = emitted.brightness if self.delta else emitted.brightness * factor
+        return emitted._replace(weight=weight, brightness=brightness)
+
     def _dimming(self, point: np.ndarray, wi: np.ndarray) -> np.ndarray:
         factor = self._falloff(wi)
         if not self.delta:
@@ -85,6 +96,13 @@ class Falloff:
         c /= self._width
         np.clip(c, 0.0, 1.0, out=c)
         return c * c * (3.0 - 2.0 * c)
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, float]:
+        """Directions (3, n) away from the light that hold all that it sends out, and the solid angle in which they are uniform."""
+        if self._stretched:
+            return uniform_sphere(u1, u2), 4.0 * np.pi
+        direction, _ = uniform_cone(self._axis, 1.0 - self._cos_edge, u1, u2)
+        return direction, 2.0 * np.pi * (1.0 - self._cos_edge)
 
     def mean(self) -> float:
         """Mean of the factor over all directions of an unstretched cone: smoothstep is 1/2 on the average of its edge."""

@@ -17,6 +17,7 @@ class Spread:
     def __init__(self, spread: float) -> None:
         h = 0.5 * spread
         self.tan_half = math.tan(h)
+        self.sin2_half = math.sin(h) ** 2
         # tan h - h cancels; of sin h - h cos h = h^3 / 3 (1 - h^2 / 10 + h^4 / 280 - ...) the series does not.
         series = term = 1.0
         k = 2

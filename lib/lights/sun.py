@@ -10,7 +10,7 @@ import numpy as np
 from ..scene.lights import SunLight
 from ..vectors import dot
 from .cone import density, uniform_cone
-from .light import LightSample, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, column, emit_distant, luminance
 
 
 class SunSampler:
@@ -47,6 +47,12 @@ class SunSampler:
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """One over the solid angle of the sun."""
         return density(self._one_minus_cos) * self._within(direction)
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Through the ball, from directions uniform in the cone."""
+        sample = self.sample(np.empty((3, heading[0].size)), *heading)
+        emitted = emit_distant(sample, ball, place)
+        return emitted._replace(brightness=np.full(sample.pdf.shape, np.inf)) if self.delta else emitted
 
     def _within(self, direction: np.ndarray) -> np.ndarray:
         """Whether directions lie in the cone, by |a - b|^2 = 2 (1 - cos): a narrow cone keeps its digits."""

@@ -57,16 +57,7 @@ class EmissiveTriangles:
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> TriangleSample:
         """Uniform by area on a triangle chosen by power, seen from `point` (3, n); PBRT 4th edition, eq. A.15 for the place."""
-        which, rest = self._choice.sample(u1)
-        root = np.sqrt(rest)
-        b1 = 1.0 - root
-        b2 = root * u2
-        wi = np.take(self._edge1, which, axis=1)
-        wi *= b1
-        along = np.take(self._edge2, which, axis=1)
-        along *= b2
-        wi += along
-        wi += np.take(self._corner, which, axis=1)
+        which, b1, b2, wi = self.place(u1, u2)
         wi -= point
         distance = np.sqrt(dot(wi, wi))
         wi /= np.maximum(distance, _SMALLEST)
@@ -75,6 +66,24 @@ class EmissiveTriangles:
         # A place seen edge on, or met exactly, has no solid angle: its density is bounded, and its contribution vanishes.
         pdf = np.maximum(self.pdf_of_hit(triangle, distance, facing), _SMALLEST)
         return TriangleSample(wi, distance, pdf, triangle, b1, b2, facing)
+
+    def place(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Index among the emissive triangles, barycentric weights b1 and b2, (n,) each, and the point (3, n)."""
+        which, rest = self._choice.sample(u1)
+        root = np.sqrt(rest)
+        b1 = 1.0 - root
+        b2 = root * u2
+        point = np.take(self._edge1, which, axis=1)
+        point *= b1
+        along = np.take(self._edge2, which, axis=1)
+        along *= b2
+        point += along
+        point += np.take(self._corner, which, axis=1)
+        return which, b1, b2, point
+
+    def area_density(self, triangle: np.ndarray) -> np.ndarray:
+        """Density per square metre with which `place` gives a point of the scene triangles (n,)."""
+        return np.take(self._density, triangle, mode="clip")
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, facing: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that meets scene triangle `triangle` at `distance`.

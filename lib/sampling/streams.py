@@ -43,8 +43,9 @@ TRUTH = Stream("the long render that cost measurements compare with", 1 << 19, (
 REACH = Stream("pixels that unsupported materials can affect", (1 << 20) - 1, 1)
 FIRST_CALLS = Stream("pilots and first calls: timed, counted nowhere", 1 << 20, 1 << 20)
 DEPARTURES = Stream("pairs of images with and without departures, of the reference alone", 1 << 21, 1 << 21)
+SCOUTING = Stream("batches of light paths that look for caustics", 1 << 22, 1 << 12)
 
-STREAMS = (COVERAGE, COUNTED, VERIFICATION, TRUTH, REACH, FIRST_CALLS, DEPARTURES)
+STREAMS = (COVERAGE, COUNTED, VERIFICATION, TRUTH, REACH, FIRST_CALLS, DEPARTURES, SCOUTING)
 
 # Cycles has one seed for an image: numbered replicate first, then chunk of the image's samples. No stream that Cycles renders reaches
 # beyond this many replicates.
@@ -57,6 +58,11 @@ DIMENSIONS_PER_STEP = 4
 # The wavelength of a path where an index depends on it: beyond every step.
 WAVELENGTH = 1 << 30
 
+# Dimensions of a path from a light, apart from those of camera paths, which a replicate of light tracing traces too: the emitter, the
+# place and the direction in which the ray leaves it, then for each step a lobe and roulette, the direction, the lens, and the chance to pass.
+EMITTER, PLACE, HEADING, FIRST_LIGHT_STEP = (k + (1 << 29) for k in range(4))
+ADJOINT_CHOICES, ADJOINT_BSDF, ADJOINT_LENS, ADJOINT_FATE = 0, 1, 2, 3
+
 # Keys beside the dimensions: how pixels pick and shift point sets, and the generator of plain random numbers.
 PIXEL_KEYS, RANDOM_NUMBERS = -2, -1
 
@@ -64,3 +70,8 @@ PIXEL_KEYS, RANDOM_NUMBERS = -2, -1
 def step_dimension(step: int, decision: int) -> int:
     """The dimension of a `decision` (BSDF, LIGHT, CHOICES or FATE) at a step of the path, counted from 0."""
     return FIRST_STEP + DIMENSIONS_PER_STEP * step + decision
+
+
+def light_step_dimension(step: int, decision: int) -> int:
+    """The dimension of a `decision` (ADJOINT_CHOICES, _BSDF, _LENS or _FATE) at a step of a path from a light, counted from 0."""
+    return FIRST_LIGHT_STEP + DIMENSIONS_PER_STEP * step + decision

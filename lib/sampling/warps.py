@@ -47,6 +47,13 @@ def uniform_hemisphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     return direction
 
 
+def uniform_sphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
+    """Direction with density 1 / (4 pi), (3, n): phi = 2 pi u1, cos(theta) = 1 - 2 u2."""
+    x, y = circle(u1)
+    radius = 2.0 * np.sqrt(u2 * (1.0 - u2))
+    return np.stack([x * radius, y * radius, 1.0 - 2.0 * u2])
+
+
 def regular_polygon(u1: np.ndarray, u2: np.ndarray, sides: int, rotation: float) -> tuple[np.ndarray, np.ndarray]:
     """Point uniform on the regular polygon of circumradius 1 with vertices at rotation + (2 k + 1) pi / sides.
 

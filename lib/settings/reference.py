@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import ClassVar
 
 from .common import Run
-from .declaration import option, required
+from .declaration import again, option, required
 from .units import Choice, FilePath, Flag, Names, Whole
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
+LIGHT_TRACING = "light-tracing"
 DIRECT = ("mis", "lights", "bsdf")
 MASKING = ("correlated", "separable", "torrance_sparrow")
 SAMPLERS = ("sobol", "random")
@@ -62,8 +63,16 @@ class Options(Run):
 class RenderOptions(Options):
     """Options of `etalon render` and `etalon.render`: those of the reference, and how much of it is rendered.
 
-    samples: samples per pixel in each replicate. replicates: number of independent scramblings.
+    samples: samples per pixel in each replicate. replicates: number of independent scramblings. strategy: as in Options, or 'light-tracing',
+        which starts paths at the lights, `samples` for every pixel.
     """
+
+    strategy: str = again(
+        Options,
+        "strategy",
+        unit=Choice("NAME", "strategy", (*STRATEGIES, LIGHT_TRACING)),
+        help=f"sampling of glossy lobes: {', '.join(STRATEGIES)}; or {LIGHT_TRACING}: paths from the lights",
+    )
 
     samples: int = option(64, Whole("N", 1), "samples per pixel in each replicate")
     replicates: int = option(8, Whole("R", 1), "number of independent replicates")

@@ -9,7 +9,7 @@ from ..bsdfs.mixture import Mixture
 from ..effects.facts import adding_lobes, is_zero
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
-from ..scene.materials import Closure, Emission, Glass, Material, Refraction, Translucent, Transparent
+from ..scene.materials import Closure, Diffuse, Emission, Glass, Material, Refraction, Translucent, Transparent
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
@@ -66,6 +66,14 @@ class PreparedMaterial:
         for weight, closure in self._scattering:
             total = total + np.abs(self._color(weight, closure, points)).mean(axis=0)
         return total
+
+    def alphas(self, points: SurfacePoints) -> np.ndarray:
+        """Roughness squared of each scattering lobe, (lobes, n), as in `mixture`; inf for diffuse ones."""
+        found = np.full((len(self._scattering), points.size), np.inf)
+        for k, (_, closure) in enumerate(self._scattering):
+            if not isinstance(closure, Diffuse | Translucent):
+                found[k] = np.clip(self._evaluate(closure.roughness, points), 0.0, 1.0) ** 2
+        return found
 
     def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
         """The scattering lobes for local directions `wo` in the frame (t, s, n)."""

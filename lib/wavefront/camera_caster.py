@@ -20,6 +20,10 @@ class CameraCaster:
         self._index = np.append(index, -1).astype(np.int32)  # a miss, -1, reads the last entry
         self._caster = Raycaster(replace(mesh, triangles=np.take(mesh.triangles, index, axis=1)))
 
+    def occluded(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """As Raycaster.occluded."""
+        return self._caster.occluded(origin, direction, reach)
+
     def closest(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray | None = None) -> Hits:
         """As Raycaster.closest."""
         hits = self._caster.closest(origin, direction, reach)

@@ -71,14 +71,14 @@ def _panorama(
         lens = None if lens is None else (lens[0][index], lens[1][index])
     origin = np.zeros_like(direction)
     if camera.aperture is not None and lens is not None:
-        lens_x, lens_y = _lens_point(camera.aperture, *lens)
+        lens_x, lens_y = lens_point(camera.aperture, *lens)
         first, second = across(camera, direction)
         origin = first * lens_x + second * lens_y
         direction = normalize(direction * camera.aperture.focus_distance - origin)
     return _in_world(camera, origin, direction, camera.clip_start, camera.clip_end, index)
 
 
-def _lens_point(aperture: Aperture, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def lens_point(aperture: Aperture, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A point of the lens, in metres, (n,) each."""
     if aperture.blades >= 3:
         lens_x, lens_y = regular_polygon(u1, u2, aperture.blades, aperture.rotation)
@@ -91,7 +91,7 @@ def _through_lens(
     aperture: Aperture, origin: np.ndarray, direction: np.ndarray, u1: np.ndarray, u2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rays from a point of the lens to the pinhole ray's point on the plane in focus, in camera space."""
-    lens_x, lens_y = _lens_point(aperture, u1, u2)
+    lens_x, lens_y = lens_point(aperture, u1, u2)
     offset = np.stack([lens_x, lens_y, np.zeros_like(lens_x)])
     focus = origin + direction * aperture.focus_distance
     start = origin + offset

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..lights.light import LightSample, luminance
+from ..lights.light import Ball, Emitted, LightSample, Pair, luminance
 from ..lights.triangles import EmissiveTriangles
+from ..sampling.warps import cosine_hemisphere
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints, SurfaceTables
-from ..vectors import cross, dot
+from ..vectors import cross, dot, orthonormal_basis, to_world
 
 
 class EmissiveMesh:
@@ -29,6 +30,7 @@ class EmissiveMesh:
         self._normal, self._plane_of = planes[:3, triangles], np.full(mesh.triangle_count, -1, np.intp)
         self._plane_of[triangles] = np.arange(triangles.size)
         self._offset = float(planes[4].max())
+        self._triangles, self._offsets = triangles, planes[4, triangles]
         normal = cross(*edges)
         flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edges)  # both faces
         self._sampler = EmissiveTriangles(corner, *edges, triangles, flux)
@@ -64,6 +66,20 @@ class EmissiveMesh:
         # Both ends of the shadow ray may stand off their planes by the offset, which an edge-on face stretches.
         reach = found.distance * (1.0 - 2.0**-20) - 4.0 * self._offset / np.maximum(np.abs(found.facing), 1e-30)
         return LightSample(found.wi, reach, self._radiance(points), found.pdf)
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Uniform by area on a face chosen by power, by the cosine on either side of it; origins stand off the face."""
+        which, b1, b2, position = self._sampler.place(*place)
+        triangle = np.take(self._triangles, which)
+        normal = np.take(self._normal, which, axis=1)
+        turn, side = np.modf(2.0 * heading[0])
+        local = cosine_hemisphere(turn, heading[1])
+        facing = np.where(side > 0.0, -normal, normal)
+        direction = to_world(local, *orthonormal_basis(facing), facing)
+        radiance = self._radiance(SurfacePoints(self._tables, triangle, b1, b2, position, normal, direction))
+        density = np.maximum(self._sampler.area_density(triangle), 1e-300)
+        weight = radiance * (2.0 * np.pi / density)
+        return Emitted(position + facing * self._offsets[which], direction, weight, luminance(radiance))
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that hit `triangle` at `distance`."""

@@ -14,7 +14,7 @@ from ..effects.plan import Plan, make_plan
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
-from ..sampling.sobol import RandomSampler, SobolSampler
+from ..sampling.sobol import RandomSampler, RandomTile, SobolSampler, SobolTile
 from ..scene.camera import smaller_camera
 from ..scene.scene import Scene
 from ..settings.reference import Options
@@ -138,6 +138,10 @@ class ReferenceRenderer:
         seconds = perf_counter() - begin
         return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown)
 
+    def tracer(self, uniforms: SobolTile | RandomTile, sums: PixelSums, clock: StageClock) -> Tracer:
+        """What traces one tile."""
+        return Tracer(self.kernel, uniforms, sums, clock)
+
     def _tile_paths(self, paths: int) -> int:
         """Paths in a tile: as the options say, but small images still give every thread several tiles."""
         return min(self.options.tile_paths, max(paths // (4 * self.options.threads), SMALLEST_TILE))
@@ -148,7 +152,7 @@ class ReferenceRenderer:
         row, column = np.divmod(index, self.scene.camera.width)
         depth = tile.stop - tile.start
         sums, clock = PixelSums(index.size), StageClock()
-        tracer = Tracer(self.kernel, sampler.tile(index), sums, clock)
+        tracer = self.tracer(sampler.tile(index), sums, clock)
         pixel = np.repeat(np.arange(index.size), depth)
         sample = np.tile(np.arange(tile.start, tile.stop), index.size)
         with np.errstate(invalid="ignore"):  # what is not finite is counted by the sums; a warning would say less

@@ -181,7 +181,7 @@ class Tracer:
             )
         self._clock.lap(Stage.LIGHTS)
         uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
-        shaded = shade_all(kernel, self._sampling, points, groups, light, uniforms)
+        shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms))
         self._clock.lap(Stage.SHADE)
         origins = _Origins(points, offset, kernel.one_sided)
         if light is not None:
@@ -192,6 +192,10 @@ class Tracer:
             self._pair(step_dimension(step, FATE), paths)[1] if self._flow.roulette and step >= ROULETTE_AFTER else None
         )
         return self._advance(paths, origins, shaded, fate)
+
+    def _selected(self, paths: Paths, shaded: Shaded) -> Shaded:
+        """What counts of it: all, unless another estimator takes a part of the paths."""
+        return shaded
 
     def _take_color(self, paths: Paths, points: SurfacePoints, groups: Groups) -> None:
         """Give paths the colour of their wavelength where they first meet a material whose index depends on it."""

@@ -6,25 +6,34 @@ from __future__ import annotations
 import numpy as np
 
 from ..surfaces.surface import SurfacePoints
+from ..vectors import dot
 from .kernel import Kernel
 
 
 def transmittance(
-    kernel: Kernel, transparent: bool, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+    kernel: Kernel,
+    transparent: bool,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    reach: np.ndarray,
+    to_camera: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What part of the light arrives over distance `reach`, (1, n) or (3, n), and which rays a material that is not known ends, (k,).
 
     Opaque scenes need one occlusion query. Where materials are `transparent` the ray goes on through them, at most
-    `transparent_max_bounces` times, as in Cycles.
+    `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the light, meet only what the
+    camera sees, and pass faces as the camera sees them.
     """
+    caster = kernel.camera_caster if to_camera else kernel.caster
+    viewer = 1.0 if to_camera else -1.0
     unknown = np.empty(0, np.intp)
     if not transparent:
-        return (~kernel.caster.occluded(origin, direction, reach))[None].astype(np.float64), unknown
+        return (~caster.occluded(origin, direction, reach))[None].astype(np.float64), unknown
     through = np.ones_like(direction)
     active = np.arange(direction.shape[1])
     start, left = origin, reach.copy()
     for _ in range(kernel.scene.transport.transparent_max_bounces + 1):
-        hits = kernel.caster.closest(start, direction[:, active], np.minimum(left, 1e30))
+        hits = caster.closest(start, direction[:, active], np.minimum(left, 1e30))
         met = np.flatnonzero(hits.triangle >= 0)
         if met.size == 0:
             return through, unknown
@@ -34,9 +43,9 @@ def transmittance(
         along = direction[:, active]
         point = start[:, met] + along * hits.distance[met]
         placed, ng, offset = kernel.caster.on_plane(triangle, point)
-        points = SurfacePoints(kernel.tables, triangle, hits.u[met], hits.v[met], placed, ng, -along)
+        points = SurfacePoints(kernel.tables, triangle, hits.u[met], hits.v[met], placed, ng, viewer * along)
         through[:, active] *= kernel.transparency(points)
-        start = placed - points.ng * offset
+        start = placed + ng * np.copysign(offset, dot(ng, along))
         left = left[met] - hits.distance[met] - offset
         alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
         active, start, left = active[alive], start[:, alive], left[alive]

@@ -55,7 +55,12 @@ def test_a_number_beyond_the_range_is_refused():
 
 def test_what_cycles_renders_has_seeds_of_its_own():
     """A chunk of an image's samples adds CYCLES_REPLICATES to the seed, so every replicate must stay below it."""
-    on_both_sides = set(streams.STREAMS) - {streams.COVERAGE, streams.REACH, streams.DEPARTURES}
+    on_both_sides = set(streams.STREAMS) - {
+        streams.COVERAGE,
+        streams.REACH,
+        streams.DEPARTURES,
+        streams.SCOUTING,
+    }
     assert all(stream.first >= 0 for stream in on_both_sides)
     assert all(stream.first + stream.count <= streams.CYCLES_REPLICATES for stream in on_both_sides)
 
@@ -64,6 +69,9 @@ def test_dimensions_of_a_path_are_distinct():
     decisions = (streams.BSDF, streams.LIGHT, streams.CHOICES, streams.FATE)
     dimensions = [streams.PIXEL, streams.LENS, streams.PIXEL_KEYS, streams.RANDOM_NUMBERS]
     dimensions += [streams.step_dimension(step, decision) for step, decision in product(range(200), decisions)]
+    dimensions += [streams.WAVELENGTH, streams.EMITTER, streams.PLACE, streams.HEADING]
+    of_lights = (streams.ADJOINT_CHOICES, streams.ADJOINT_BSDF, streams.ADJOINT_LENS, streams.ADJOINT_FATE)
+    dimensions += [streams.light_step_dimension(step, decision) for step, decision in product(range(200), of_lights)]
     assert len(set(dimensions)) == len(dimensions)
     assert set(decisions) == set(range(streams.DIMENSIONS_PER_STEP))
 

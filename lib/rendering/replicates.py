@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..errors import Cancelled
 from ..film.film import Film
+from ..light_tracing.render import LightTracingRenderer
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
-from ..settings.reference import Options, RenderOptions
-from .render import ReferenceRenderer
+from ..settings.reference import LIGHT_TRACING, STRATEGIES, Options, RenderOptions
+from ..wavefront.render import ReferenceRenderer
 
 
 def render_film(
@@ -19,7 +22,7 @@ def render_film(
 ) -> Film:
     """Render `options.replicates` independent replicates; cancelling keeps those that are done, which may be none."""
     film = Film.empty(scene.camera.height, scene.camera.width, options.samples)
-    renderer = ReferenceRenderer(scene, options.part(Options))
+    renderer = _renderer(scene, options)
     for k in range(options.replicates):
         part = progress.within(k / options.replicates, (k + 1) / options.replicates)
         try:
@@ -27,3 +30,10 @@ def render_film(
         except Cancelled:
             break
     return film
+
+
+def _renderer(scene: Scene, options: RenderOptions) -> ReferenceRenderer | LightTracingRenderer:
+    """Path tracing or light tracing, by the strategy."""
+    if options.strategy == LIGHT_TRACING:
+        return LightTracingRenderer(scene, replace(options, strategy=STRATEGIES[0]).part(Options))
+    return ReferenceRenderer(scene, options.part(Options))
