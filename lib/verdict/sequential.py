@@ -24,7 +24,7 @@ import numpy as np
 
 from ..film.moments import Moments
 from .boundaries import EXPECTED_LOOKS, GROWTH, Boundary, Spending
-from .claims import FLOOR_SHARE, bound, p_different, p_equivalent, tolerance_ends
+from .claims import FLOOR_SHARE, bound, difference, p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
 
 ALL_AGREE, ONE_AGREES, ONE_DIFFERS = PARTS = (0.5, 0.1, 0.4)
@@ -131,7 +131,8 @@ class SequentialTest:
         outside = (self.tolerance + np.where(np.isfinite(rare), rare, 0.0))[:, None]
         p = p_different(*tolerance_ends(candidate, reference, outside, self.floor)) / share
         self._differs = np.where(now, np.where(np.isfinite(rare), p, np.inf), self._differs)
-        self._claim(replicates, np.isnan(reference.mean + candidate.mean).any(axis=1))
+        gap = np.abs(difference(candidate, reference, self.floor)).max(axis=1)
+        self._claim(replicates, gap, np.isnan(reference.mean + candidate.mean).any(axis=1))
         self.looks.append(
             Look((reference.most, candidate.most), share, level, int(self.undecided.sum()), self.overall_bound())
         )
@@ -142,16 +143,23 @@ class SequentialTest:
         known = known[~np.isnan(known)]
         return float(known.max()) if known.size else np.inf
 
-    def _claim(self, replicates: int, missing: np.ndarray) -> None:
-        """The outcomes as of now; regions that are `missing` have no pixel left and are not asked about."""
-        outcomes = np.full(self.outcomes.size, Outcome.UNDECIDED)
+    def _claim(self, replicates: int, gap: np.ndarray, missing: np.ndarray) -> None:
+        """The outcomes as of now, with estimated differences `gap` (N,); regions that are `missing` have no pixel left.
+
+        A claim is made when its test passes, and stands while the data bear it: the estimate, with room for rare light, lies on its side of
+        the tolerance. To let it stand costs nothing, since all looks together have the level.
+        """
         within = self.within | missing
         # Of the families in their order, all before the first that does not pass as a whole.
         failed = [family for family in np.unique(self.families) if not within[self.families == family].all()]
         passed = self.families < failed[0] if failed else np.ones_like(within)
         agrees = (passed & ~missing) | holm(self._agrees, ONE_AGREES * self.level)
-        outcomes[agrees] = Outcome.EQUIVALENT
-        outcomes[holm(self._differs, ONE_DIFFERS * self.level)] = Outcome.DIFFERENT
+        agrees |= (self.outcomes == Outcome.EQUIVALENT) & (gap + self.rare <= self.tolerance)
+        differs = holm(self._differs, ONE_DIFFERS * self.level)
+        differs |= (self.outcomes == Outcome.DIFFERENT) & (gap - self.rare > self.tolerance)
+        outcomes = np.full(self.outcomes.size, Outcome.UNDECIDED)
+        outcomes[agrees & ~differs] = Outcome.EQUIVALENT
+        outcomes[differs & ~agrees] = Outcome.DIFFERENT
         changed = outcomes != self.outcomes
         for k in np.flatnonzero(changed & ~self.undecided):
             self.withdrawn.append(Withdrawn(int(k), self.outcomes[k], int(self.decided_at[k]), replicates))
