@@ -268,7 +268,8 @@ def _result(out: Path, unit: Unit, row: sqlite3.Row | None) -> Row:
     try:
         image = read_verdict(out / row["folder"] / "verdict.json")["image"]
     except EtalonError as error:
-        return Row(unit.scene, values, **facts | {"status": "not run", "message": str(error)})
+        facts |= {"status": "not run", "message": str(error)}
+        return Row(unit.scene, values, **facts)
     low, high = image["interval"]
     verdict = VERDICTS[row["exit_code"]]
     return Row(unit.scene, values, **facts, verdict=verdict, difference=image["difference"], low=low, high=high)

@@ -176,7 +176,8 @@ def save(figure: Figure, folder: Path, name: str) -> str:
     """Write NAME.png and NAME.svg into `folder`; the SVG's text, without its header."""
     figure.savefig(folder / f"{name}.png", dpi=150)
     text = io.StringIO()
-    with mpl.rc_context(_FONT | {"svg.hashsalt": name}):
+    style: dict[Any, Any] = _FONT | {"svg.hashsalt": name}
+    with mpl.rc_context(style):
         figure.savefig(text, format="svg", metadata={"Date": None})
     (folder / f"{name}.svg").write_text(text.getvalue(), encoding="utf-8")
     return text.getvalue()[text.getvalue().index("<svg") :]

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from time import perf_counter
+from typing import Any
 
 from ..comparison.compare import Renderer
 from ..scene.scene import Scene
@@ -41,7 +42,7 @@ class Way:
 
 
 # Key, label, group, what differs from visible normals with multiple importance sampling and Sobol' points.
-_REFERENCE: tuple[tuple[str, str, str, dict[str, str]], ...] = (
+_REFERENCE: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("mis", "visible normals, MIS", "sampling", {}),
     ("bounded-mis", "bounded visible normals, MIS", "sampling", {"strategy": "bounded"}),
     ("d-cos-mis", "D cos, MIS", "sampling", {"strategy": "d_cos"}),

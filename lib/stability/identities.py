@@ -112,13 +112,14 @@ def _slopes_seen(module: ModuleType, begin: float) -> tuple[np.ndarray, np.ndarr
 def _reciprocity(module: ModuleType) -> Found:
     rng = np.random.default_rng(zlib.crc32(b"reciprocity"))
     alpha, wo = domain.alphas(rng, 4000), domain.directions(rng, 4000)
+    alpha_x, alpha_y = alpha
     m = domain.lobe_normals(rng, alpha)
     wi = 2.0 * (wo * m).sum(axis=0) * m - wo
     wi /= np.sqrt((wi * wi).sum(axis=0))
     wi[2] = np.abs(wi[2])
     for form in ("correlated", "separable"):
-        there = MicrofacetReflection(wo, *alpha, module, form, "visible").evaluate(wi)[0] / wi[2]
-        back = MicrofacetReflection(wi, *alpha, module, form, "visible").evaluate(wo)[0] / wo[2]
+        there = MicrofacetReflection(wo, alpha_x, alpha_y, module, form, "visible").evaluate(wi)[0] / wi[2]
+        back = MicrofacetReflection(wi, alpha_x, alpha_y, module, form, "visible").evaluate(wo)[0] / wo[2]
         shines = np.maximum(there, back) > 1e-280
         error = np.where(shines, np.abs(there - back) / np.where(shines, np.maximum(there, back), 1.0), 0.0)
         k = int(np.argmax(error))

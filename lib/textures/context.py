@@ -57,3 +57,7 @@ class InputEvaluator(Protocol):
     def __call__(self, expression: Expression) -> np.ndarray:
         """A value as () or (n,), a colour as (3, 1) or (3, n); shared with others, so never write into it."""
         ...
+
+    def moved(self, context: Context) -> InputEvaluator:
+        """An evaluator of the same images at other points."""
+        ...
