@@ -13,6 +13,7 @@ from pathlib import Path
 
 import bpy
 
+from ..lib.comparison.caustics import scout
 from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
 from ..lib.comparison.run import Stop, TimedRun
@@ -67,15 +68,15 @@ def judge(
     """
     with nullcontext() if folder is None else replace_files(folder) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
-        verdict, divisor = settings.part(CompareOptions), 1
+        verdict, divisor, run = settings.part(CompareOptions), 1, TimedRun(settings.time, progress)
         if may_shrink and settings.size == "auto" and settings.samples is None:
-            run = TimedRun(settings.time, progress)
             divisor = choose_divisor((reference, candidate), scene.camera, run)
-            # What choosing took is part of the time.
-            verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
         if divisor > 1:
             size = scene.camera.width // divisor, scene.camera.height // divisor
             reference, candidate = reference.at_size(*size), candidate.at_size(*size)
+        scouted = scout(reference.kernel, run)
+        # What choosing the size and scouting took is part of the time.
+        verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
         comparison = compare(
             reference.scene,
             reference,
@@ -86,6 +87,7 @@ def judge(
             alternatives(reference),
             reached(reference) if reference.kernel.has_unknown else None,
             divisor,
+            scouted,
         )
         comparison = replace(comparison, options=settings.part(CompareOptions))
         if beside is not None:

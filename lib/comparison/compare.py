@@ -16,6 +16,7 @@ from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.regions import BLOCK, Coverage, Regions, image_regions
 from ..film.windows import Windows
+from ..light_tracing.scouting import Scouted
 from ..pages.formats import format_bound, format_duration
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
@@ -29,6 +30,7 @@ from ..verdict.rare import describe_tails, room_for_rare_light
 from ..verdict.sequential import ALL_AGREE, SequentialTest
 from ..verdict.verdict import Verdict, conclude
 from ..version import VERSION
+from .caustics import caustics_in
 from .departures import Alternatives
 from .focus import focus
 from .meter import Meter
@@ -64,8 +66,9 @@ class Comparison:
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
     where regions differ and causes were sought. `stopped` says why sampling ended. `seconds` counts
     everything, `pilot_seconds` the timed calls and the first look alone, `round_seconds` what one more replicate of both sides takes, of
-    all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at
-    each look. `divisor` says how many times narrower and lower the images are than the scene asks for.
+    all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at each
+    look. `divisor` says how many times narrower and lower the images are than the scene asks for. `caustics` (K,) is the part of
+    each region's light that arrives by caustics, at most, where a scouting pass was made.
     """
 
     scene: str
@@ -87,6 +90,7 @@ class Comparison:
     blender: Release | None
     history: tuple[BoundAt, ...]
     divisor: int
+    caustics: np.ndarray | None
 
 
 def compare(
@@ -99,6 +103,7 @@ def compare(
     among: Alternatives | None = None,
     left_out: np.ndarray | None = None,
     divisor: int = 1,
+    scouted: Scouted | None = None,
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
@@ -109,9 +114,9 @@ def compare(
     if the renderers disagree on the size of the image. Where regions differ, the causes are sought `among` departures, in a time that
     is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no
     region, nor do those whose paths meet a material that is not known; EtalonError is raised where none is left. `divisor` is how many
-    times narrower and lower the image is than the user's, for the record.
+    times narrower and lower the image is than the user's, for the record. `scouted` tells of light that path tracing can hardly find.
     """
-    loop = _Loop(scene, (reference, candidate), options, progress, among)
+    loop = _Loop(scene, (reference, candidate), options, progress, among, scouted)
     loop.time_calls()
     loop.lay_out(coverage, left_out)
     while loop.stopped is None:
@@ -133,12 +138,14 @@ class _Loop:
         options: CompareOptions,
         progress: Progress,
         among: Alternatives | None,
+        scouted: Scouted | None,
     ) -> None:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._renderers, self._options = scene, renderers, options
         self._seeks_causes = among is not None
         self._among = among if among is not None and among.departures else None
         self._meter = Meter(options, progress, ASIDE_SHARE if self._among else 0.0)
+        self._scouted = scouted
         self._history: list[BoundAt] = []
         # Replicates rendered before those that count now, by the first look.
         self._before = 0
@@ -179,6 +186,7 @@ class _Loop:
         self._wanted: np.ndarray | None = None
         self._is_last = False
         self._regions = image_regions(*self._left_out.shape, self._coverage, layout.blocks, self._compared)
+        self._caustics = caustics_in(self._scouted, self._regions) if self._scouted is not None else None
         reference, candidate = (
             Side.empty(renderer, self._regions, samples)
             for renderer, samples in zip(self._renderers, layout.samples, strict=True)
@@ -253,7 +261,12 @@ class _Loop:
                 worth, float(describe_tails(side.regions.series[:, cells], samples[cells]).worth.max(initial=0.0))
             )
             least = np.minimum(least, samples * side.regions.moments.n)
-        return room_for_rare_light(worth, least, ALL_AGREE * self._test.level)
+        level = ALL_AGREE * self._test.level
+        room = room_for_rare_light(worth, least, level)
+        if self._caustics is None:
+            return room
+        mean = self._sides[0].regions.moments.mean
+        return np.maximum(room, self._caustics.room(mean, self._test.floor, least, level))
 
     def begin_main_run(self) -> None:
         """After the first look: begin anew with larger replicates and finer grids, or go on with the first look as it is."""
@@ -313,8 +326,14 @@ class _Loop:
             unknown={material.name: material.unknown for material in self._scene.materials if material.unknown},
             blender=self._scene.blender,
             history=tuple(self._history),
+            caustics=self._caustic_shares(),
             divisor=divisor,
         )
+
+    def _caustic_shares(self) -> np.ndarray | None:
+        if self._caustics is None:
+            return None
+        return self._caustics.share(self._sides[0].regions.moments.mean, self._test.floor)
 
     def _nothing_to_compare(self) -> EtalonError:
         return EtalonError(f"{self._scene.name}: cancelled before both sides had an image; there is nothing to compare")

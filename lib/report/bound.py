@@ -10,7 +10,7 @@ import numpy as np
 from ..comparison.compare import Comparison
 from ..pages.formats import format_bound, format_duration, format_percent
 from ..verdict.outcome import Outcome
-from .language import plural
+from .language import place, plural
 
 # Above this shape of its tail the noise of a region's replicates has no variance to rely on (Vehtari et al. 2024: 0.7).
 HEAVY = 0.7
@@ -104,6 +104,7 @@ def setting_sentences(comparison: Comparison) -> list[str]:
             f"Compared at {width} x {height} pixels, {comparison.divisor} times narrower and lower than the scene asks for: the whole size "
             f"gives no useful answer in {format_duration(comparison.options.time)} (--size full insists on it)."
         )
+    said += _caustics(comparison)
     dark = int((verdict.dark & ~np.isnan(verdict.bounds)).sum())
     if dark:
         are = "is" if dark == 1 else "are"
@@ -121,3 +122,20 @@ def setting_sentences(comparison: Comparison) -> list[str]:
         have = "has" if tails == 1 else "have"
         said.append(f"{plural(tails, 'region')} {have} noise with heavy tails (Pareto shape above {HEAVY:g}).")
     return said
+
+
+def _caustics(comparison: Comparison) -> list[str]:
+    """How much of the light path tracing can hardly find, where that matters."""
+    share, verdict = comparison.caustics, comparison.verdict
+    if share is None:
+        return []
+    much = share > verdict.tolerance
+    if not much.any():
+        return []
+    most = place(comparison, int(np.argmax(share)))
+    open_ = int((much & (verdict.outcomes == Outcome.UNDECIDED)).sum())
+    return [
+        f"Caustics, found by tracing light from the lamps, give more than {format_percent(verdict.tolerance, sign=False)} of the light of "
+        f"{plural(int(much.sum()), 'region')}, most in {most}: at most {format_bound(float(share.max()))}. A path from the camera seldom meets "
+        f"such light, so {open_} of them stay undecided until there are samples enough."
+    ]

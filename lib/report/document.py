@@ -32,8 +32,8 @@ CHANGES = {
     "`unexplained` is always a number; EXPLAINED asks for a share near 1, too; "
     "`blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
     6: "Version 6: `bound` is the difference up to which all regions agree, level by level and look by look, and each region has its own; "
-    "`floor` is one number for each channel; a region has `rare`, `blind_spot`, `largest_share`, `tail_shape` and `dark`; `withdrawn` "
-    "lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has the `divisor` of a smaller image; "
+    "`floor` is one number for each channel; a region has `rare`, `blind_spot`, `largest_share`, `tail_shape`, `dark` and `caustics`; "
+    "`withdrawn` lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has the `divisor` of a smaller image; "
     "regions of the kind 'cell' are those of coarser grids, and claims on all regions are tested together.",
 }
 
@@ -147,6 +147,7 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
         "largest_share": verdict.tails[k],
         "tail_shape": verdict.shapes[k],
         "dark": bool(verdict.dark[k]),
+        "caustics": None if comparison.caustics is None else comparison.caustics[k],
         "causes": [] if comparison.explanation is None else comparison.explanation.causes[k],
         "share": _share(comparison, k),
         "rest": None if comparison.explanation is None else comparison.explanation.rest[k],

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light that camera paths can hardly find: how much of it each region receives, and how much may have been missed.
+
+A diffuse face that a mirror or a clear glass lights from a small lamp gets that light, in path tracing, from the rare path that happens to
+be reflected into the lamp. Light tracing finds it at once, so a short pass of it, before anything that counts, tells where a verdict
+of path tracers must not be trusted before they have had the samples to meet it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from ..film.regions import Regions
+from ..light_tracing.scouting import Scouted, scout_caustics
+from ..progress import Progress
+from ..relative import difference_scale
+from ..scene.camera import PANORAMAS
+from ..wavefront.kernel import Kernel
+from .run import TimedRun
+
+# Rays from the lights: of the trial that tells what they cost, and at most; and what the pass may take of the time.
+TRIAL, MOST, SHARE = 1 << 15, 1 << 21, 0.03
+# What a region receives is taken to be at most so many standard errors above the estimate.
+STANDARD_ERRORS = 3.0
+
+
+@dataclass(frozen=True)
+class Caustics:
+    """Of K regions: `radiance` (K, 3), what they receive by caustics at most, and `brightness` (K,), the radiance of the brightest lamp that
+    arrives so: what one sample is worth that meets it. Both in W m^-2 sr^-1.
+    """
+
+    radiance: np.ndarray
+    brightness: np.ndarray
+
+    def share(self, reference: np.ndarray, floor: np.ndarray | float) -> np.ndarray:
+        """The part (K,) of the light of each region, of means `reference` (K, 3), in the channel where it is largest."""
+        scale = difference_scale(reference, floor)
+        return np.divide(self.radiance, scale, out=np.zeros(scale.shape), where=scale > 0).max(axis=1)
+
+    def room(self, reference: np.ndarray, floor: np.ndarray | float, samples: np.ndarray, level: float) -> np.ndarray:
+        """The relative difference (K,) that a region of so many `samples` (K,) may owe to caustics that none of them met.
+
+        It is at most all that arrives so, and at most what samples of that worth may hide with probability `level` (verdict/rare.py).
+        """
+        mean = np.maximum(difference_scale(reference, floor).mean(axis=1), np.finfo(float).tiny)
+        hidden = self.brightness / mean * np.log(1.0 / level)
+        missed = np.divide(hidden, samples, out=np.full(mean.shape, np.inf), where=np.asarray(samples) > 0)
+        return np.minimum(self.share(reference, floor), missed)
+
+
+def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
+    """A pass of light tracing in a small share of the time; None where the camera is panoramic, which cannot be connected to.
+
+    Raises Cancelled.
+    """
+    if kernel.scene.camera.kind in PANORAMAS:
+        return None
+    silent = Progress(is_cancelled=lambda: run.progress.is_cancelled)
+    trial = scout_caustics(kernel, TRIAL, progress=silent)
+    seconds = np.inf if run.budget is None else SHARE * run.budget
+    paths = int(min(seconds / max(trial.seconds, 1e-6) * TRIAL, MOST))
+    return scout_caustics(kernel, paths, progress=silent) if trial.pixel.size and paths > TRIAL else trial
+
+
+def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:
+    """What a scouting pass found, by region.
+
+    Lights without size are left out: no path from a camera, of either renderer, ever meets one by chance.
+    """
+    seen = np.isfinite(scouted.brightness)
+    pixel, batch = scouted.pixel[seen], scouted.batch[seen]
+    pixels = regions.shape[0] * regions.shape[1]
+    sizes = np.maximum(regions.sizes, np.finfo(float).tiny)[:, None]
+    channels = []
+    for value in scouted.value[:, seen]:
+        each = sparse.csr_array((value, (pixel, batch)), shape=(pixels, scouted.batches))
+        means = (regions.weights @ each).toarray() / sizes
+        error = means.std(axis=1, ddof=1) / np.sqrt(scouted.batches)
+        channels.append(means.mean(axis=1) + STANDARD_ERRORS * error)
+    brightest = np.zeros(pixels)
+    np.maximum.at(brightest, pixel, scouted.brightness[seen])
+    weights = regions.weights
+    found = np.maximum.reduceat(np.append(brightest[weights.indices], 0.0), weights.indptr[:-1])
+    return Caustics(np.stack(channels, axis=1), np.where(np.diff(weights.indptr) > 0, found, 0.0))
