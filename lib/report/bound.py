@@ -137,5 +137,5 @@ def _caustics(comparison: Comparison) -> list[str]:
     return [
         f"Caustics, found by tracing light from the lamps, give more than {format_percent(verdict.tolerance, sign=False)} of the light of "
         f"{plural(int(much.sum()), 'region')}, most in {most}: at most {format_bound(float(share.max()))}. A path from the camera seldom meets "
-        f"such light, so {open_} of them stay undecided until there are samples enough."
+        f"such light: {open_} of them stay undecided until there are samples enough."
     ]

@@ -33,7 +33,7 @@ CHANGES = {
     "`blender` names the Blender under test, its build, and whether it is newer than the newest that was checked.",
     6: "Version 6: `bound` is the difference up to which all regions agree, level by level and look by look, and each region has its own; "
     "`floor` is one number for each channel; a region has `rare`, `blind_spot`, `largest_share`, `tail_shape`, `dark` and `caustics`; "
-    "`withdrawn` lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has the `divisor` of a smaller image; "
+    "`withdrawn` lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has a `divisor`; "
     "regions of the kind 'cell' are those of coarser grids, and claims on all regions are tested together.",
 }
 

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The verdict in sentences."""
 
+import re
 from dataclasses import replace
+
+import numpy as np
 
 from etalon.lib.pages.formats import format_duration, format_percent
 from etalon.lib.report.document import document
@@ -11,22 +14,32 @@ from etalon.tests.lib.report.comparisons import CASES, PLAN, made, written_page
 
 def test_the_verdict_in_words():
     said = {name: sentences(made(**CASES[name])) for name in ("equivalent", "different", "undecided", "one replicate")}
-    assert said["equivalent"][0] == "Cycles agrees with the reference to within 1 % in all 6 regions."
+    assert re.fullmatch(
+        r"Cycles agrees with the reference to within 0\.\d+ % everywhere \(99 % confidence\)\.", said["equivalent"][0]
+    )
+    assert said["equivalent"][1].startswith("Within 1 %: the whole image; the only one of the materials; all 4 cells of")
     assert said["different"][0].startswith("Cycles differs from the reference by more than 1 % in ")
-    assert "Furthest off: material Test +5" in said["different"][2]
-    assert said["undecided"][0] == "Whether Cycles agrees with the reference to within 1 % is not decided."
-    assert said["undecided"][-1].startswith("Deciding the 6 open regions takes ")
+    assert "Furthest off: material Test +5" in said["different"][3]
+    assert said["undecided"][0].startswith("Cycles agrees with the reference to within ")
+    assert said["undecided"][0].endswith("; whether to within 1 % is not decided yet.")
+    assert said["undecided"][-1].startswith("Forecast: 2 % everywhere after about ")
     assert any("Fewer than two replicates" in sentence for sentence in said["one replicate"])
 
 
-def test_a_smaller_image_is_recommended_where_a_large_one_takes_long(monkeypatch):
+def test_a_smaller_image_is_said_to_be_one():
+    found = replace(made(**CASES["equivalent"]), divisor=2)
+    (said,) = (s for s in sentences(found) if "narrower" in s)
+    assert said.startswith("Compared at 24 x 20 pixels, 2 times narrower and lower than the scene asks for")
+
+
+def test_caustics_are_said_where_they_matter():
     found = made(**CASES["undecided"])
-    advice = "--set scene.render.resolution_percentage=25"
-    assert advice not in sentences(found)[-1]
-    monkeypatch.setattr("etalon.lib.report.words.LARGE", 400)
-    slow = replace(found, round_seconds=1e3)
-    assert advice in sentences(slow)[-1]
-    assert advice not in sentences(replace(found, round_seconds=1e-6))[-1]
+    share = np.full(len(found.regions), 0.001)
+    assert not any("Caustics" in s for s in sentences(replace(found, caustics=share)))
+    share[3] = 0.052
+    (said,) = (s for s in sentences(replace(found, caustics=share)) if "Caustics" in s)
+    assert f"of 1 region, most in block {found.regions.names[3]}: at most 5.2 %" in said
+    assert "1 of them stay undecided" in said
 
 
 def test_a_blender_newer_than_the_newest_checked_is_reported_in_words_and_figures(tmp_path):
