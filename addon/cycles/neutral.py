@@ -48,7 +48,7 @@ CYCLES = {
     "texture_limit_render": "OFF",
     "texture_resolution_render": 1.0,
 }
-_RENDER = {
+RENDER = {
     "engine": "CYCLES",
     "film_transparent": False,
     "use_motion_blur": False,
@@ -59,6 +59,8 @@ _RENDER = {
     "use_multiview": False,
     "use_stamp": False,
     "use_render_cache": False,
+    "use_texture_cache": False,  # reads textures from copies at lower resolutions, which blur them
+    "use_auto_generate_texture_cache": False,
     "use_placeholder": False,
     "use_overwrite": True,
     "save_output": True,
@@ -76,8 +78,8 @@ _IMAGE = {
     "exr_codec": "NONE",
     "color_management": "FOLLOW_SCENE",
 }
-_VIEW_LAYER = {"use_sky": True, "use_solid": True}
-_OBJECT = {
+VIEW_LAYER = {"use_sky": True, "use_solid": True}
+OBJECT = {
     # moves the origins of shadow rays on smooth meshes
     "shadow_terminator_geometry_offset": 0.0,
     "shadow_terminator_normal_offset": 0.0,
@@ -90,9 +92,9 @@ OBJECT_CYCLES = {
     "is_caustics_caster": False,
 }
 _MODIFIER = {"use_adaptive_subdivision": False}
-_MATERIAL = {"use_transparent_shadow": True}
+MATERIAL = {"use_transparent_shadow": True}
 MATERIAL_CYCLES = {"use_bump_map_correction": False}
-_LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
+LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
 LIGHT_CYCLES = {"max_bounces": 1024, "use_multiple_importance_sampling": True, "is_caustics_light": False}
 WORLD_CYCLES = {"max_bounces": 1024, "is_caustics_light": False}
 
@@ -179,21 +181,21 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
     changes.set_all("cycles", [cycles], dict.fromkeys(bounces, max_bounces))
     changes.set_all("cycles", [cycles], {"transparent_max_bounces": max(cycles.transparent_max_bounces, 64)})
     threads = render.threads if threads is None else threads
-    changes.set_all("render", [render], _RENDER | {"threads": threads})
+    changes.set_all("render", [render], RENDER | {"threads": threads})
     changes.remember(render.image_settings, reversed(_IMAGE))
     changes.set_all("image_settings", [render.image_settings], _IMAGE)
-    changes.set_all("view_layer", scene.view_layers, _VIEW_LAYER)
+    changes.set_all("view_layer", scene.view_layers, VIEW_LAYER)
     changes.set_all("render", [render], {"use_persistent_data": True})
 
 
 def _set_data(changes: Changes) -> None:
     data = bpy.data
-    changes.set_all("object", data.objects, _OBJECT)
+    changes.set_all("object", data.objects, OBJECT)
     changes.set_all("object.cycles", (o.cycles for o in data.objects), OBJECT_CYCLES)
     changes.set_all("modifier", (m for o in data.objects for m in o.modifiers), _MODIFIER)
-    changes.set_all("material", data.materials, _MATERIAL)
+    changes.set_all("material", data.materials, MATERIAL)
     changes.set_all("material.cycles", (m.cycles for m in data.materials), MATERIAL_CYCLES)
-    changes.set_all("light", data.lights, _LIGHT)
+    changes.set_all("light", data.lights, LIGHT)
     changes.set_all("light.cycles", (light.cycles for light in data.lights), LIGHT_CYCLES)
     changes.set_all("world.cycles", (w.cycles for w in data.worlds), WORLD_CYCLES)
 

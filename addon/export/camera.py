@@ -12,6 +12,7 @@ from ...lib.errors import EtalonError, Refusal
 from ...lib.scene.camera import PANORAMAS, Aperture, Camera
 from ...lib.scene.matrices import affine, is_sheared
 from ..host.frame import full_frame, rendered_region
+from .properties import refuse_undeclared
 
 _KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
 _POLYNOMIAL = "FISHEYE_LENS_POLYNOMIAL"
@@ -32,13 +33,16 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
         raise EtalonError(f"{camera.name}: the scene looks through an object that is no camera; choose a camera object")
     data = camera.data
     owner = f"camera '{camera.name}'"
+    before = len(refusals)
+    refuse_undeclared(owner, "camera", data, refusals)
+    refuse_undeclared(owner, "camera.dof", data.dof, refusals)
     kind = data.panorama_type if data.type == "PANO" else _KINDS.get(data.type)
     if kind is None:
         refusals.append(Refusal(owner, f"the lens type {data.type}", "make it perspective, orthographic or panoramic"))
     matrix = affine(camera.matrix_world)
     if is_sheared(matrix):
         refusals.append(Refusal(owner, "a sheared matrix", "apply the scale of its parents"))
-    if kind is None or is_sheared(matrix):
+    if len(refusals) > before:
         return None
     matrix[:, :3] /= np.linalg.norm(matrix[:, :3], axis=0)
     full_width, full_height = full_frame(render)

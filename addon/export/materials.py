@@ -47,6 +47,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
         r, g, b, _ = material.diffuse_color
         return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
     owner = f"material '{material.name}'"
+    refuse_undeclared(owner, "material", material, refusals)
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
     bump_only = material.displacement_method == "BUMP"
     lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
@@ -60,7 +61,9 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
     if world is None:
         return World(ex.BLACK, _NO_TABLE)
     owner = f"world '{world.name}'"
+    refuse_undeclared(owner, "world", world, refusals)
     refuse_undeclared(owner, "world.cycles", world.cycles, refusals)
+    refuse_undeclared(owner, "world.cycles_visibility", world.cycles_visibility, refusals)
     for ray in ("camera", "diffuse", "glossy", "transmission"):
         if not getattr(world.cycles_visibility, ray):
             refusals.append(Refusal(owner, f"ray visibility without '{ray}'", "switch all rays on"))

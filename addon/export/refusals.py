@@ -32,11 +32,24 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
     }
     owner = f"scene '{scene.name}'"
     refusals.extend(Refusal(owner, what, "switch it off") for what, on in settings.items() if on)
+    if hasattr(bpy.data, "colorspace"):  # since Blender 5.0
+        refuse_undeclared("the file", "colorspace", bpy.data.colorspace, refusals)
+    refuse_undeclared(owner, "scene", scene, refusals)
+    refuse_undeclared(owner, "render", render, refusals)
     refuse_undeclared(owner, "cycles", scene.cycles, refusals)
     filters = {"its environment": layer.use_sky, "its surfaces": layer.use_solid}
     owner = f"view layer '{layer.name}'"
     refusals.extend(Refusal(owner, f"leaving out {what}", "include it again") for what, on in filters.items() if not on)
+    refuse_undeclared(owner, "view_layer", layer, refusals)
     refuse_undeclared(owner, "view_layer.cycles", layer.cycles, refusals)
+    _refuse_layer_collections(layer.layer_collection, refusals)
+
+
+def _refuse_layer_collections(collection: bpy.types.LayerCollection, refusals: list[Refusal]) -> None:
+    """Append what of a collection's settings in the view layer is not known, and of those in it."""
+    refuse_undeclared(f"collection '{collection.name}'", "layer_collection", collection, refusals)
+    for child in collection.children:
+        _refuse_layer_collections(child, refusals)
 
 
 def refuse_object(
@@ -49,12 +62,23 @@ def refuse_object(
         refusals.append(Refusal(owner, "particle hair", "convert it to a mesh, or do not render it"))
     if not instance.show_self:
         return
-    refuse_undeclared(owner, "object.cycles", thing.cycles, refusals)
+    _refuse_properties(instance, owner, refusals)
     kind = _unsupported_kind(thing)
     if kind:
         refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it"))
     elif isinstance(thing.data, bpy.types.Mesh):
         refusals.extend(Refusal(owner, what, remedy) for what, remedy in _object_flags(instance, depsgraph))
+
+
+def _refuse_properties(instance: bpy.types.DepsgraphObjectInstance, owner: str, refusals: list[Refusal]) -> None:
+    """Append the properties of an object, its mesh and its instancer that are in no table and changed."""
+    thing = instance.object
+    refuse_undeclared(owner, "object", thing, refusals)
+    refuse_undeclared(owner, "object.cycles", thing.cycles, refusals)
+    if instance.parent is not None:
+        refuse_undeclared(f"object '{instance.parent.name}'", "object", instance.parent, refusals)
+    if isinstance(thing.data, bpy.types.Mesh):
+        refuse_undeclared(f"mesh '{thing.data.name}'", "mesh", thing.data, refusals)
 
 
 def is_invisible(instance: bpy.types.DepsgraphObjectInstance) -> bool:
@@ -87,6 +111,8 @@ def refuse_light_rays(
         "light linking": _is_linked(light),
     }
     owner = f"light '{light.name}'"
+    refuse_undeclared(owner, "object", light, refusals)
+    refuse_undeclared(owner, "light", data, refusals)
     refuse_undeclared(owner, "light.cycles", cycles, refusals)
     refusals.extend(Refusal(owner, what, "set it back to its default") for what, on in switches.items() if on)
 

@@ -11,6 +11,7 @@ import bpy
 from ...lib.errors import EtalonError
 from .nodes.declarations import DECLARATIONS
 from .nodes.declared import remember_defaults
+from .properties import remember_properties
 
 Result = TypeVar("Result")
 
@@ -22,6 +23,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
     `function` raises is raised here; EtalonError where the scene renders no view layer.
     """
     remember_defaults(DECLARATIONS)
+    remember_properties()
     results: list[Result] = []
     errors: list[BaseException] = []
 

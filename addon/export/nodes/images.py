@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ....lib.errors import EtalonError
+from ....lib.errors import EtalonError, Refusal
 from ....lib.scene.images import Image
 from ....lib.srgb import srgb_encode
+from ..properties import refuse_undeclared
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 _SOURCES = ("FILE", "GENERATED")
@@ -60,6 +61,12 @@ class ImageTable:
         reason = _unsupported(image)
         if reason:
             refuse(f", image '{image.name}' ({reason[0]}),", reason[1])
+            return None
+        changed: list[Refusal] = []
+        refuse_undeclared("", "image", image, changed)
+        for refusal in changed:
+            refuse(f", image '{image.name}', {refusal.what},", refusal.remedy)
+        if changed:
             return None
         pixels = _load(image)
         if not np.isfinite(pixels).all():
