@@ -20,6 +20,7 @@ from .camera import read_camera
 from .lights import read_light
 from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import read_mesh
+from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
 
@@ -51,6 +52,7 @@ def export_scene(
     world = read_world(layer.world_override or scene.world, images, refusals)
     materials = MaterialTable(layer.material_override, images, refusals, partial)
     lights = _read_things(depsgraph, bounces, materials, refusals)
+    _check_attributes(depsgraph, materials)
     if refusals:
         raise Refused(list(dict.fromkeys(refusals)))
     mesh = _read_meshes(depsgraph, materials)
@@ -94,6 +96,13 @@ class MaterialTable:
         slots = [slot.material for slot in thing.material_slots] or [None]
         return np.array([self._index(self._override or material) for material in slots], np.int32)
 
+    def refuse_attribute(self, index: int, refusal: Refusal) -> None:
+        """Refuse an attribute that the material `index` reads; where only parts are compared, leave out the material."""
+        if self._partial:
+            self._materials[index] = Material(self._materials[index].name, (), refusal.what)
+        else:
+            self._refusals.append(refusal)
+
     def _index(self, material: bpy.types.Material | None) -> int:
         key = None if material is None else material.name_full
         if key not in self._indices:
@@ -133,6 +142,25 @@ def _read_things(
         if instance.show_self and isinstance(thing.data, bpy.types.Mesh):
             materials.of_slots(thing)
     return tuple(lights)
+
+
+def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> None:
+    """Refuse attributes of meshes that a material of the mesh reads and the export cannot."""
+    seen: set[tuple[int, tuple[int, ...]]] = set()
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        mesh = thing.data
+        if not instance.show_self or not isinstance(mesh, bpy.types.Mesh) or is_invisible(instance):
+            continue
+        slots = tuple(materials.of_slots(thing).tolist())
+        if (mesh.as_pointer(), slots) in seen:
+            continue
+        seen.add((mesh.as_pointer(), slots))
+        for index in dict.fromkeys(slots):
+            for name in sorted(requirements([materials.materials[index]]).attributes):
+                found = unreadable(mesh, name)
+                if found is not None:
+                    materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", *found))
 
 
 def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Mesh:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from .tree import Scope, TreeReader, valid_link
 
@@ -24,6 +25,46 @@ _GEOMETRY = {
 _OBJECT_INFO = {"Object Index": "INDEX"}
 _DIRECTION = ex.Coordinates("GENERATED")
 _WORLD_COORDINATES = {"Generated": _DIRECTION, "Object": _DIRECTION}
+# Under these names Cycles shows something of its own, or ends the process ("P", "generated_transform").
+_CYCLES_NAMES = (
+    "P",
+    "N",
+    "uv",
+    "generated",
+    "generated_transform",
+    "tangent",
+    "tangent_sign",
+    "undisplaced_tangent",
+    "undisplaced_tangent_sign",
+    "vertex_color",
+    "undeformed",
+    "undisplaced",
+    "undisplaced_N",
+    "pointiness",
+    "random_per_island",
+    "particle",
+    "ptex_face_id",
+    "ptex_uv",
+)
+# Of these, which mean something in volumes and hair, Cycles up to 5.2 shows 0 even where the mesh has such an attribute.
+_VOLUME_NAMES = (
+    "density",
+    "color",
+    "flame",
+    "heat",
+    "temperature",
+    "velocity",
+    "velocity_x",
+    "velocity_y",
+    "velocity_z",
+    "shadow_transparency",
+    "curve_intercept",
+    "curve_length",
+    "curve_random",
+    "point_random",
+    "radius",
+)
+_VOLUME_NAMES_TAKEN = Versions(None, "5.2")
 _INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
 _NEUTRAL_MAPPING = {
     "translation": (0.0, 0.0, 0.0),
@@ -54,9 +95,18 @@ def _uv_map(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> e
     return ex.Coordinates("UV", node.uv_map)
 
 
+def _check_name(reader: TreeReader, node: bpy.types.Node, name: str, scope: Scope) -> None:
+    """Refuse a name that Cycles gives a meaning of its own, whatever the mesh has under it."""
+    own = name in _CYCLES_NAMES or (name in _VOLUME_NAMES and bpy.app.version in _VOLUME_NAMES_TAKEN)
+    if own:
+        remedy = "use the node that gives it" if name in _CYCLES_NAMES else "rename the attribute"
+        reader.refuse(node, scope, f", name '{name}', which Cycles keeps for itself,", remedy)
+
+
 def _vertex_color(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
+    _check_name(reader, node, node.layer_name, scope)
     if output == "Alpha":  # here, unlike in an Attribute node, nothing has an alpha of 0
         there = ex.Attribute(node.layer_name, "PRESENCE")
         return ex.Math("MULTIPLY", ex.Attribute(node.layer_name, "ALPHA"), there, ex.ZERO)
@@ -69,6 +119,8 @@ def _attribute(reader: TreeReader, node: bpy.types.Node, output: str, scope: Sco
         reader.refuse(node, scope, f", {kind},", "choose the type Geometry on a surface")
     elif not node.attribute_name:
         reader.refuse(node, scope, " without a name", "name an attribute of the mesh")
+    else:
+        _check_name(reader, node, node.attribute_name, scope)
     return ex.Attribute(node.attribute_name, {"Fac": "FACTOR", "Alpha": "ALPHA"}.get(output, "COLOR"))
 
 
