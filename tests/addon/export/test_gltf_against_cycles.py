@@ -12,6 +12,8 @@ from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.nodes.node_cells import node
 from mathutils import Vector
 
+pytestmark = pytest.mark.compares_with_cycles
+
 REPLICATES, SAMPLES, SIZE, BLOCK = 4, 64, 32, 8
 
 

@@ -14,6 +14,8 @@ from etalon.reference_scenes import building
 from etalon.tests.chi2 import sidak
 from scipy.stats import t
 
+pytestmark = pytest.mark.compares_with_cycles
+
 LEVEL = 1e-3
 REPLICATES = 12
 ANGLES = np.radians([64.0, 78.0, 87.1])

@@ -16,6 +16,8 @@ from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.reference_scenes import building
 
+pytestmark = pytest.mark.compares_with_cycles
+
 COSINES = (0.03, 0.08, 0.2, 0.45, 0.7, 0.95)
 TILE = 4
 RED = (0.9, 0.5, 0.2, 1.0)

@@ -14,6 +14,8 @@ from etalon.lib.lights.build import light_sampler
 from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
 from scipy import stats
 
+pytestmark = pytest.mark.compares_with_cycles
+
 bpy = pytest.importorskip("bpy")
 oiio = pytest.importorskip("OpenImageIO")
 

@@ -22,6 +22,8 @@ from etalon.tests.addon.export.nodes.node_cells import (
     through_emission,
 )
 
+pytestmark = pytest.mark.compares_with_cycles
+
 
 def coarser(expression):
     """The expression with every fourth entry of the tables of its curves."""

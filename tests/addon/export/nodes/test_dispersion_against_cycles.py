@@ -14,7 +14,10 @@ from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, q
 from mathutils import Vector
 from scipy.spatial import cKDTree
 
-pytestmark = pytest.mark.skipif(bpy.app.version < (5, 3), reason="Blender has dispersion from 5.3 on")
+pytestmark = [
+    pytest.mark.compares_with_cycles,
+    pytest.mark.skipif(bpy.app.version < (5, 3), reason="Blender has dispersion from 5.3 on"),
+]
 TILT, ROUGHNESS = 0.1, 0.4
 SUNS = {"refracted": (0.3, 0.2, -1.0), "reflected": (0.35, -0.3, 1.0)}
 WHITE = np.ones((3, 1))

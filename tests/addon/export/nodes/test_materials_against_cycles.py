@@ -29,6 +29,8 @@ from etalon.tests.addon.export.nodes.node_cells import (
     through_emission,
 )
 
+pytestmark = pytest.mark.compares_with_cycles
+
 RAMP_ENTRIES = 257
 
 

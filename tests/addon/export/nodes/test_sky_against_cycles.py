@@ -2,11 +2,14 @@
 """A matt and a glossy plate under a sky and its sun, judged by the comparison itself."""
 
 import bpy
+import pytest
 from etalon.addon.job import compare_here
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad
 from etalon.tests.addon.export.nodes.test_sky import world_of
+
+pytestmark = pytest.mark.compares_with_cycles
 
 NEWEST = "MULTIPLE_SCATTERING" if bpy.app.version >= (5, 0) else "NISHITA"
 PLATES = (("BsdfDiffuse", {"Color": (0.7, 0.6, 0.5, 1.0)}), ("BsdfGlossy", {"Roughness": 0.7}))
