@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..comparison.compare import Comparison
-from ..pages.formats import format_bound, format_duration, format_percent
+from ..pages.formats import format_bound, format_percent
 from ..verdict.outcome import Outcome
 from .language import place, plural
 
@@ -101,8 +101,8 @@ def setting_sentences(comparison: Comparison) -> list[str]:
     height, width = comparison.regions.shape
     if comparison.divisor > 1:
         said.append(
-            f"Compared at {width} x {height} pixels, {comparison.divisor} times narrower and lower than the scene asks for: the whole size "
-            f"gives no useful answer in {format_duration(comparison.options.time)} (--size full insists on it)."
+            f"Compared at {width} x {height} pixels, {comparison.divisor} times narrower and lower than the scene asks for: the time is too "
+            "short for the whole size (--size full insists on it)."
         )
     said += _caustics(comparison)
     dark = int((verdict.dark & ~np.isnan(verdict.bounds)).sum())

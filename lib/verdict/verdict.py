@@ -90,7 +90,6 @@ def conclude(
     Else it is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, or UNDECIDED: a pixel that
     has no value agrees with nothing, and no sampling will give it one.
     """
-    of_reference, of_candidate = reference.moments, candidate.moments
     reasons = _reasons(test, reference, candidate, nonfinite)
     different = bool((test.outcomes == Outcome.DIFFERENT).any())
     outcome = Outcome.DIFFERENT if different else Outcome.UNDECIDED if reasons else Outcome.EQUIVALENT
@@ -107,32 +106,48 @@ def conclude(
                     "known departures explain every region that differs; whether they explain all the rest is open"
                 )
         outcomes[covered] = Outcome.EXPLAINED
+    return _figures(test, reference, candidate, samples, outcome, tuple(reasons), outcomes)
+
+
+def _figures(
+    test: SequentialTest,
+    reference: RegionMoments,
+    candidate: RegionMoments,
+    samples: tuple[int, int],
+    outcome: Outcome,
+    reasons: tuple[str, ...],
+    outcomes: np.ndarray,
+) -> Verdict:
+    """All figures beside what is claimed."""
+    of_reference, of_candidate = reference.moments, candidate.moments
     tail = ONE_DIFFERS * test.level * _shares(test, of_reference, of_candidate) / (6 * test.outcomes.size)
     low, high = interval(of_candidate, of_reference, test.floor, tail)
+    tails, shapes = _tails((reference, candidate), samples)
     return Verdict(
-        outcome,
-        tuple(reasons),
-        test.tolerance,
-        test.confidence,
-        test.floor,
-        outcomes,
-        test.decided_at.copy(),
-        of_reference.mean,
-        of_candidate.mean,
-        difference(of_candidate, of_reference, test.floor),
-        low,
-        high,
-        reference.regions.sizes - reference.sizes,
-        test.overall_bound(),
-        test.bounds.copy(),
-        test.rare.copy(),
-        blind_spot(_fewest(reference, candidate, samples), test.tolerance, ALL_AGREE * test.level),
-        *_tails((reference, candidate), samples),
-        (np.abs(of_reference.mean) < test.floor).all(axis=1),
-        test.families,
-        tuple(test.withdrawn),
-        tuple(test.looks),
-        None if outcome is Outcome.EXPLAINED else forecast(test, of_reference, of_candidate),
+        outcome=outcome,
+        reasons=reasons,
+        tolerance=test.tolerance,
+        confidence=test.confidence,
+        floor=test.floor,
+        outcomes=outcomes,
+        decided_at=test.decided_at.copy(),
+        reference=of_reference.mean,
+        candidate=of_candidate.mean,
+        difference=difference(of_candidate, of_reference, test.floor),
+        low=low,
+        high=high,
+        excluded=reference.regions.sizes - reference.sizes,
+        bound=test.overall_bound(),
+        bounds=test.bounds.copy(),
+        rare=test.rare.copy(),
+        blind=blind_spot(_fewest(reference, candidate, samples), test.tolerance, ALL_AGREE * test.level),
+        tails=tails,
+        shapes=shapes,
+        dark=(np.abs(of_reference.mean) < test.floor).all(axis=1),
+        families=test.families,
+        withdrawn=tuple(test.withdrawn),
+        looks=tuple(test.looks),
+        forecast=None if outcome is Outcome.EXPLAINED else forecast(test, of_reference, of_candidate),
     )
 
 

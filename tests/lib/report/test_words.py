@@ -5,7 +5,6 @@ import re
 from dataclasses import replace
 
 import numpy as np
-
 from etalon.lib.pages.formats import format_duration, format_percent
 from etalon.lib.report.document import document
 from etalon.lib.report.words import sentences
@@ -17,7 +16,9 @@ def test_the_verdict_in_words():
     assert re.fullmatch(
         r"Cycles agrees with the reference to within 0\.\d+ % everywhere \(99 % confidence\)\.", said["equivalent"][0]
     )
-    assert said["equivalent"][1].startswith("Within 1 %: the whole image; the only one of the materials; all 4 cells of")
+    assert said["equivalent"][1].startswith(
+        "Within 1 %: the whole image; the only one of the materials; all 4 cells of"
+    )
     assert said["different"][0].startswith("Cycles differs from the reference by more than 1 % in ")
     assert "Furthest off: material Test +5" in said["different"][3]
     assert said["undecided"][0].startswith("Cycles agrees with the reference to within ")

@@ -7,11 +7,11 @@ from typing import Any
 
 import bpy
 
-from ...lib.errors import Refusal
-from .blender_properties import BLENDER_GROUPS
-from .cycles_properties import CYCLES_GROUPS
+from ....lib.errors import Refusal
 from .fresh_structs import content_of, make_structs
-from .known_properties import Group
+from .known import Group
+from .of_blender import BLENDER_GROUPS
+from .of_cycles import CYCLES_GROUPS
 
 GROUPS: dict[str, Group] = {**CYCLES_GROUPS, **BLENDER_GROUPS}
 """By kind of struct: what is known of its properties."""
