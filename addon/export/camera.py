@@ -12,7 +12,7 @@ from ...lib.errors import EtalonError, Refusal
 from ...lib.scene.camera import PANORAMAS, Aperture, Camera
 from ...lib.scene.matrices import affine, is_sheared
 from ..host.frame import full_frame, rendered_region
-from .properties import refuse_undeclared
+from .properties.undeclared import refuse_undeclared
 
 _KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
 _POLYNOMIAL = "FISHEYE_LENS_POLYNOMIAL"

@@ -16,7 +16,7 @@ from .nodes.images import ImageTable
 from .nodes.shaders import make_shader_reader
 from .nodes.tree import Scope, TreeReader, valid_link
 from .nodes.values import VALUES
-from .properties import refuse_undeclared
+from .properties.undeclared import refuse_undeclared
 
 _GREY = Diffuse(ex.Constant((0.8, 0.8, 0.8)))
 _INDEX, _HALF = ex.Constant(1.5), ex.Constant(0.5)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import bpy
 
 from ...lib.errors import Refusal
-from .properties import refuse_undeclared
+from .properties.undeclared import refuse_undeclared
 
 # Object types that Cycles renders and the reference does not.
 _TYPES = {

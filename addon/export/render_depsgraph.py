@@ -11,7 +11,7 @@ import bpy
 from ...lib.errors import EtalonError
 from .nodes.declarations import DECLARATIONS
 from .nodes.declared import remember_defaults
-from .properties import remember_properties
+from .properties.undeclared import remember_properties
 
 Result = TypeVar("Result")
 

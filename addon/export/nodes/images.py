@@ -13,7 +13,7 @@ import numpy as np
 from ....lib.errors import EtalonError, Refusal
 from ....lib.scene.images import Image
 from ....lib.srgb import srgb_encode
-from ..properties import refuse_undeclared
+from ..properties.undeclared import refuse_undeclared
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 _SOURCES = ("FILE", "GENERATED")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from etalon.addon.cycles.neutral import neutral
 from etalon.addon.cycles.renderer import CyclesRenderer
-from etalon.addon.export import properties
+from etalon.addon.export.properties import undeclared as properties
 from etalon.lib.errors import Refused
 
 REFUSED = {

@@ -7,11 +7,11 @@ from typing import Any
 
 import bpy
 
-from ...lib.errors import Refusal
-from .blender_properties import BLENDER_GROUPS
-from .cycles_properties import CYCLES_GROUPS
+from ....lib.errors import Refusal
+from .blender import BLENDER_GROUPS
+from .cycles import CYCLES_GROUPS
 from .fresh_structs import content_of, make_structs
-from .known_properties import Group
+from .group import Group
 
 GROUPS: dict[str, Group] = {**CYCLES_GROUPS, **BLENDER_GROUPS}
 """By kind of struct: what is known of its properties."""

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...lib.blender_versions import Versions
-from ..cycles import neutral
-from .known_properties import Group
+from ....lib.blender_versions import Versions
+from ...cycles import neutral
+from .group import Group
 
 _EDITING = "steers the viewport, the editors or the timeline"
 _EEVEE = "belongs to other render engines"

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...lib.blender_versions import Versions
-from ..cycles import neutral
-from .known_properties import Group
+from ....lib.blender_versions import Versions
+from ...cycles import neutral
+from .group import Group
 
 _PREVIEW = "steers the viewport"
 _NOISE = "steers noise, memory or time, not the mean"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import cached_property
 
-from ...lib.blender_versions import Versions
+from ....lib.blender_versions import Versions
 
 EVERY_RELEASE = Versions()
 
