@@ -21,10 +21,11 @@ from ..scene.camera import PANORAMAS
 from ..wavefront.kernel import Kernel
 from .run import TimedRun
 
-# Rays from the lights: of the trial that tells what they cost, and at most; and what the pass may take of the time.
-TRIAL, MOST, SHARE = 1 << 15, 1 << 21, 0.03
-# What a region receives is taken to be at most so many standard errors above the estimate.
-STANDARD_ERRORS = 3.0
+# Rays from the lights: of the trial that tells what they cost, at least and at most; and what the pass may take of the time.
+TRIAL, LEAST, MOST, SHARE = 1 << 15, 1 << 16, 1 << 21, 0.05
+# What a region receives is taken to be at most so many standard errors above the estimate, and what so many contributions more of the mean
+# size would add: a region that met none may still receive some (with 5.3 in the mean, none comes with a probability of 0.5 %).
+STANDARD_ERRORS, UNMET = 3.0, 5.3
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
     silent = Progress(is_cancelled=lambda: run.progress.is_cancelled)
     trial = scout_caustics(kernel, TRIAL, progress=silent)
     seconds = np.inf if run.budget is None else SHARE * run.budget
-    paths = int(min(seconds / max(trial.seconds, 1e-6) * TRIAL, MOST))
-    return scout_caustics(kernel, paths, progress=silent) if trial.pixel.size and paths > TRIAL else trial
+    paths = int(np.clip(seconds / max(trial.seconds, 1e-6) * TRIAL, LEAST, MOST))
+    return scout_caustics(kernel, paths, progress=silent) if trial.pixel.size else trial
 
 
 def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:
@@ -80,9 +81,12 @@ def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:
         each = sparse.csr_array((value, (pixel, batch)), shape=(pixels, scouted.batches))
         means = (regions.weights @ each).toarray() / sizes
         error = means.std(axis=1, ddof=1) / np.sqrt(scouted.batches)
-        channels.append(means.mean(axis=1) + STANDARD_ERRORS * error)
+        unmet = UNMET * (value.mean() if value.size else 0.0) / (sizes[:, 0] * scouted.batches)
+        channels.append(means.mean(axis=1) + STANDARD_ERRORS * error + unmet)
     brightest = np.zeros(pixels)
     np.maximum.at(brightest, pixel, scouted.brightness[seen])
     weights = regions.weights
     found = np.maximum.reduceat(np.append(brightest[weights.indices], 0.0), weights.indptr[:-1])
-    return Caustics(np.stack(channels, axis=1), np.where(np.diff(weights.indptr) > 0, found, 0.0))
+    # What a region may receive without having met it may come from any lamp.
+    found = np.where((np.diff(weights.indptr) > 0) & (found > 0.0), found, brightest.max(initial=0.0))
+    return Caustics(np.stack(channels, axis=1), found)

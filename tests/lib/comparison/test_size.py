@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smaller images where time is short."""
+
+import numpy as np
+import pytest
+from etalon.lib.comparison import run as module
+from etalon.lib.comparison.run import TimedRun
+from etalon.lib.comparison.size import SMALL, choose_divisor
+from etalon.lib.film.rendering import Rendering
+from etalon.lib.progress import NO_PROGRESS
+from etalon.lib.scene.camera import smaller_camera
+from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.tests.lib.renderers import Clock
+from etalon.tests.scenes import diffuse, floor, orthographic, scene
+
+
+class Timed:
+    """A renderer that takes `fixed` seconds and `per` seconds for each sample of a pixel."""
+
+    def __init__(self, clock, per, fixed=0.1, pixels=None):
+        self.clock, self.per, self.fixed, self.pixels = clock, per, fixed, pixels
+
+    def at_size(self, width, height):
+        return Timed(self.clock, self.per, self.fixed, width * height)
+
+    def render(self, replicate, samples, progress, windows=None):
+        assert self.pixels is not None, "an image of the whole size was rendered"
+        self.clock.now += self.fixed + self.per * samples * self.pixels
+        return Rendering(np.zeros((1, 1, 3)), np.zeros((1, 1), int), 0.0)
+
+
+def chosen(monkeypatch, width, height, seconds, per=1e-6):
+    clock = Clock()
+    monkeypatch.setattr(module, "time", clock)
+    camera = orthographic(width, height, 1.0, (0.0, 0.0, 1.0))
+    sides = Timed(clock, per), Timed(clock, per)
+    return choose_divisor(sides, camera, TimedRun(seconds, NO_PROGRESS)), clock.now - 100.0
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "seconds", "divisor"),
+    [
+        (256, 256, 5.0, 1),
+        (1920, 1080, None, 1),
+        (1920, 1080, 600.0, 1),
+        (1920, 1080, 60.0, 2),
+        (3840, 2160, 60.0, 4),
+        (3840, 2160, 600.0, 2),
+        (1921, 1080, 60.0, 1),
+        (1920, 1080, 1.0, 4),
+    ],
+)
+def test_the_size_is_the_largest_of_which_replicates_enough_fit_into_the_time(
+    monkeypatch, width, height, seconds, divisor
+):
+    found, spent = chosen(monkeypatch, width, height, seconds)
+    assert found == divisor
+    assert spent <= max(0.05 * (seconds or 0.0), 1.0)
+
+
+def test_no_image_is_made_smaller_than_need_be(monkeypatch):
+    found, _ = chosen(monkeypatch, 1920, 1080, 1.0, per=1e-3)
+    assert 1920 * 1080 / found**2 <= SMALL < 1920 * 1080 / (found - 1) ** 2
+
+
+@pytest.mark.parametrize("divisor", [2, 4])
+def test_a_smaller_image_of_the_reference_shows_the_same(divisor):
+    """Its pixels are the means of the pixels that they cover, up to noise and the pixel filter."""
+    camera = orthographic(64, 48, 1.5, (0.3, 0.1, 1.0))
+    made = ReferenceRenderer(scene(floor(), diffuse(0.5), camera))
+    large = made.render(0, 16).radiance
+    small = made.at_size(64 // divisor, 48 // divisor).render(0, 16).radiance
+    pooled = large.reshape(48 // divisor, divisor, 64 // divisor, divisor, 3).mean(axis=(1, 3))
+    assert small.shape == pooled.shape
+    assert small.mean() == pytest.approx(pooled.mean(), rel=0.02)
+
+
+def test_the_corners_of_a_smaller_raster_are_those_of_the_whole():
+    camera = orthographic(64, 48, 1.5, (0.3, 0.1, 1.0))
+    small = smaller_camera(camera, 16, 12)
+    for x, y in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        whole = camera.plane_from_raster @ [64 * x, 48 * y, 1]
+        assert small.plane_from_raster @ [16 * x, 12 * y, 1] == pytest.approx(whole)
