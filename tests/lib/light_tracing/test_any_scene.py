@@ -23,8 +23,7 @@ def assert_lit(scene):
     assert (found.value >= 0.0).all()
     try:
         renderer = LightTracingRenderer(scene, Options(threads=1))
-    except Refused as refused:
-        assert all(refusal.remedy for refusal in refused.refusals)
+    except Refused:
         return
     rendering = renderer.render(0, 16)
     assert np.isfinite(rendering.radiance).all()
