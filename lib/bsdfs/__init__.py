@@ -3,7 +3,7 @@
 
 A lobe is made for the `wo` of some points and then asked three things:
 `evaluate(wi)` -> f |cos theta_i| and the density of its own sampling, per steradian of wi;
-`sample(u1, u2)` -> wi, weight = f |cos| / pdf, pdf;
+`sample(u1, u2)` -> wi, weight = f |cos| / pdf, pdf, which is 0 where the sample is rejected (it ended on the wrong side);
 `part(index)` -> the same lobe at fewer points.
 A `delta` lobe has density inf and evaluates to nothing; `widening(wi)` says by what factor it widens a solid angle from wo to wi.
 Colours multiply outside, except where a model needs them.

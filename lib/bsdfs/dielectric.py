@@ -141,6 +141,7 @@ class RoughDielectric:
         pdf = self._distribution.density(m, *self._alpha)
         pdf /= self._cos_o * (1.0 + self._lambda_o)
         pdf *= np.where(through, _refraction_factor(cos_om, cos_t, eta, length), 0.25) * share
+        pdf *= valid
         return wi, np.where(through, refracted, reflected) * weight, pdf
 
     def part(self, index: np.ndarray) -> RoughDielectric:

@@ -131,7 +131,9 @@ class MicrofacetReflection:
             lit &= cos_om > 0.0
             weight *= cos_om / (self._cos_o * m[2])
         weight *= lit
-        return wi, weight, self._pdf(wi, m, self._distribution.density(m, *alpha))
+        pdf = self._pdf(wi, m, self._distribution.density(m, *alpha))
+        pdf *= lit
+        return wi, weight, pdf
 
     def part(self, index: np.ndarray) -> MicrofacetReflection:
         """The same lobe at fewer points."""

@@ -92,8 +92,9 @@ class Mixture:
                     others += _at(self.colors[j], index) * one
                     total_pdf += self._share[j, index] * other_density
             divisor = np.where(total_pdf > 0.0, total_pdf, 1.0)
-            # Beside black lobes the first quotient is 1, and the weight is the lobe's own to the last bit.
+            # Beside black lobes the first quotient is 1, and the weight is exactly the lobe's own.
             total_weight = color * (factor * (density / divisor)) + others / divisor
+            total_weight *= density != 0.0
         for whole, part in zip(out, (direction, total_weight, total_pdf), strict=True):
             put(whole, index, part)
 

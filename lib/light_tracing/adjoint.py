@@ -79,7 +79,7 @@ def scatter(
     apart = allowed is not None
     chances = _chances(mixture, points, allowed)
     lobe = (uniforms[0] >= np.cumsum(chances, axis=0)[:-1]).sum(axis=0)
-    local, dirac = _draw(mixture, points, frame, lobe, uniforms[1:])
+    local, dirac, kept = _draw(mixture, points, frame, lobe, uniforms[1:])
     density = _density(mixture, points, local, frame, chances, lobe, apart)
     onward = to_world(local, *frame)
     here = see_from(points, onward)
@@ -93,7 +93,7 @@ def scatter(
             color = np.broadcast_to(seen.colors[k], weight.shape)
             above = to_local(onward, *seen_frame)[2, at] > 0.0
             put(weight, at, color[:, at] * dirac[:, at] * (above / chances[k, at]))
-    weight *= _cosines(points, here, seen_frame)
+    weight *= _cosines(points, here, seen_frame) * kept
     return Onward(onward, weight, np.where(lobe < len(mixture.lobes), lobe, -1))
 
 
@@ -142,9 +142,13 @@ def _draw(
     frame: tuple[np.ndarray, ...],
     lobe: np.ndarray,
     uniforms: tuple[np.ndarray, np.ndarray],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Local directions (3, n) of the picked lobes; and of Dirac lobes the weight times the widening, (3, n), else 0."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Local directions (3, n) of the picked lobes; of Dirac lobes the weight times the widening, (3, n), else 0; and which count (n,).
+
+    What a lobe samples with weight 0 does not: reflection that ends below the surface is not refraction, although it looks like it.
+    """
     local, dirac = np.zeros((3, points.size)), np.zeros((3, points.size))
+    kept = np.ones(points.size, bool)
     for k, one in enumerate((*mixture.lobes, None)):
         at = np.flatnonzero(lobe == k)
         if at.size == 0:
@@ -156,9 +160,10 @@ def _draw(
         piece = one.part(at)
         wi, weight, _ = piece.sample(u1, u2)
         put(local, at, wi)
+        kept[at] = np.atleast_2d(weight != 0.0).any(axis=0)
         if one.delta:
             put(dirac, at, np.broadcast_to(weight * piece.widening(wi), wi.shape))
-    return local, dirac
+    return local, dirac, kept
 
 
 def _about_face(points: SurfacePoints, frame: tuple[np.ndarray, ...], u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
@@ -177,7 +182,10 @@ def _density(
     lobe: np.ndarray,
     apart: bool,
 ) -> np.ndarray:
-    """Density per steradian of the sampled directions (n,): of all lobes together, or of the picked one; 0 for Dirac lobes."""
+    """Density per steradian of the sampled directions (n,): of all lobes together, or of the picked one; 0 for Dirac lobes.
+
+    A lobe counts where it has a value, as it keeps only what it samples with weight.
+    """
     density = np.zeros(points.size)
     is_dirac = np.zeros(points.size, bool)
     for k, one in enumerate(mixture.lobes):
@@ -185,7 +193,9 @@ def _density(
         if one.delta:
             is_dirac |= picked
         else:
-            density += chances[k] * one.evaluate(local)[1] * (picked if apart else 1.0)
+            value, pdf = one.evaluate(local)
+            counts = np.atleast_2d(value != 0.0).any(axis=0)
+            density += chances[k] * pdf * (counts & picked if apart else counts)
     if not apart and chances[-1].any():
         cosine = np.abs(dot(to_local(points.ng, *frame), local))
         density += chances[-1] * cosine * (0.5 / np.pi)

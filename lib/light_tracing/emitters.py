@@ -3,12 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..lights.light import Ball, Emitted, LightSample, LightSampler, Pair, emit_distant, luminance
+from ..lights.light import Aimable, Ball, Emitted, LightSample, LightSampler, Pair, emit_distant, luminance
 from ..sampling.tables import Distribution1D
 from ..sampling.warps import uniform_sphere
 from ..wavefront.kernel import Kernel
+from .aim import Aim
+
+# Above this solid angle, in steradians, a light's own distribution of directions serves as well as aiming.
+WIDEST_AIM = np.pi
 
 
 class ConstantSky:
@@ -27,14 +33,22 @@ class ConstantSky:
 
 
 class Emitters:
-    """All that shines on a `ball`, chosen by power; `any` is False where nothing does. `with_sky`: a constant world is among it."""
+    """All that shines on a `ball`, chosen by power; `any` is False where nothing does.
 
-    def __init__(self, kernel: Kernel, ball: Ball, with_sky: bool) -> None:
+    `with_sky`: a constant world is among it. With `targets` only light that may reach one of those balls is wanted: rays are aimed at
+    them where the light has a place of its own, and lights are chosen by what they send there, roughly.
+    """
+
+    def __init__(self, kernel: Kernel, ball: Ball, with_sky: bool, targets: Sequence[Ball] = ()) -> None:
         self._ball = ball
         self._emitters: list[LightSampler | ConstantSky] = list(kernel.lights)
         if with_sky and kernel.sky is not None:
             self._emitters.append(ConstantSky(kernel.sky, ball))
+        self._aims = [_aim(emitter, targets) for emitter in self._emitters]
         power = np.array([emitter.power for emitter in self._emitters])
+        if targets:
+            from_afar = (ball.radius / max(kernel.caster.radius, 1e-300)) ** 2
+            power *= [_share(e, aim, from_afar) for e, aim in zip(self._emitters, self._aims, strict=True)]
         self.any = bool(power.any())
         self._choice = Distribution1D(power) if self.any else None
 
@@ -45,17 +59,31 @@ class Emitters:
         whole = Emitted(np.empty((3, count)), np.empty((3, count)), np.empty((3, count)), np.empty(count))
         for k in np.unique(index):
             at = np.flatnonzero(index == k)
-            emitted = self._emitters[k].emit(self._ball, *((u[at], v[at]) for u, v in (place, heading)))
+            emitted = self._emit(int(k), *((u[at], v[at]) for u, v in (place, heading)))
             for array, part in zip(whole, emitted, strict=True):
                 array[..., at] = part
             whole.weight[:, at] /= self._choice.probability[k]
         return whole
 
+    def _emit(self, k: int, place: Pair, heading: Pair) -> Emitted:
+        """Rays of one emitter."""
+        aim = self._aims[k]
+        if aim is None:
+            return self._emitters[k].emit(self._ball, place, heading)
+        direction, density = aim.sample(heading)
+        return self._emitters[k].emit_along(direction, density, place)
 
-def bounding_ball(vertices: np.ndarray) -> Ball:
-    """The ball about the middle of the bounds that holds all vertices (3, v), a millionth larger; rays from afar begin at its edge."""
-    if vertices.shape[1] == 0:
-        return Ball(np.zeros((3, 1)), 0.0, 0.0)
-    center = 0.5 * (vertices.min(axis=1) + vertices.max(axis=1))[:, None]
-    radius = (1.0 + 1e-6) * float(np.sqrt(np.square(vertices - center).sum(axis=0).max()))
-    return Ball(center, radius, radius)
+
+def _aim(emitter: LightSampler | ConstantSky, targets: Sequence[Ball]) -> Aim | None:
+    """Where the rays of an emitter are aimed; None where there are no targets, or they fill more of its view than aiming is worth."""
+    if not targets or not isinstance(emitter, Aimable):
+        return None
+    aim = Aim(emitter.extent, targets)
+    return aim if aim.solid_angle < WIDEST_AIM else None
+
+
+def _share(emitter: LightSampler | ConstantSky, aim: Aim | None, from_afar: float) -> float:
+    """The part of a light's power that goes to the targets, roughly; `from_afar` for suns and worlds."""
+    if aim is not None:
+        return aim.solid_angle / (4.0 * np.pi)
+    return 1.0 if isinstance(emitter, Aimable) else from_afar

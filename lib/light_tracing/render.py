@@ -14,6 +14,7 @@ import numpy as np
 
 from ..effects.plan import Plan
 from ..film.rendering import Rendering
+from ..lights.light import bounding_ball
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import RandomSampler, SobolSampler
 from ..scene.scene import Scene
@@ -21,7 +22,7 @@ from ..settings.reference import Options
 from ..wavefront.kernel import Kernel
 from ..wavefront.render import Tile, tiles
 from ..wavefront.sums import PixelSums
-from .emitters import Emitters, bounding_ball
+from .emitters import Emitters
 from .refuse import refuse_unsupported
 from .remainder import RemainderRenderer
 from .select import Everything, Selection

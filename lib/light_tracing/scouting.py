@@ -20,7 +20,7 @@ from time import perf_counter
 import numpy as np
 
 from ..errors import EtalonError
-from ..lights.light import Ball
+from ..lights.light import Ball, bounding_ball
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import SCOUTING
 from ..scene.camera import PANORAMAS
@@ -30,7 +30,7 @@ from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from ..wavefront.kernel import Kernel
-from .emitters import Emitters, bounding_ball
+from .emitters import Emitters
 from .render import trace_light
 from .splats import Splats
 
@@ -98,7 +98,7 @@ class Scouted:
 
 def scout_caustics(
     kernel: Kernel,
-    paths: int = 1 << 20,
+    paths: int = 1 << 18,
     batches: int = 16,
     narrow: float = NARROW,
     progress: Progress = NO_PROGRESS,
@@ -115,7 +115,7 @@ def scout_caustics(
     targets, each = _targets(kernel, narrow), -(-paths // batches)
     parts: list[tuple[int, Splats]] = []
     if targets and kernel.scene.transport.max_bounces > 0:
-        emitters, selection = Emitters(kernel, _around(targets, kernel), with_sky=False), _Caustics(targets, narrow)
+        emitters, selection = Emitters(kernel, _around(targets, kernel), False, targets), _Caustics(targets, narrow)
         for batch in range(batches):
             within = progress.within(batch / batches, (batch + 1) / batches)
             number = SCOUTING.number(batch)

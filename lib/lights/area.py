@@ -103,22 +103,32 @@ class AreaSampler:
         _, _, height = self.local(origin)
         return self._density(height, distance, self._area)
 
+    @property
+    def extent(self) -> Ball:
+        """The ball about the light."""
+        return Ball(self._center, math.sqrt(self._reach2), 0.0)
+
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Uniform by area, and by the cosine within the spread."""
-        s, t = self._place(*place)
         across, up, normal = self._axes
-        origin = self._center + across * self._along_u(s, t) + up * (t * self._length_v)
         widest = 1.0 if self._spread is None else self._spread.sin2_half
         x, y = uniform_disk(*heading)
         x, y = x * math.sqrt(widest), y * math.sqrt(widest)
-        across2 = x * x + y * y
-        z = np.sqrt(1.0 - across2)
-        factor = np.ones_like(z)
+        z = np.sqrt(1.0 - x * x - y * y)
+        return self.emit_along(across * x + up * y + normal * z, z / (math.pi * widest), place)
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, uniform by area."""
+        s, t = self._place(*place)
+        across, up, normal = self._axes
+        origin = self._center + across * self._along_u(s, t) + up * (t * self._length_v)
+        cosine = np.maximum(dot(normal, direction), 0.0)
+        factor = (cosine > 0.0).astype(np.float64)
         if self._spread is not None:
-            factor *= self._spread(np.sqrt(across2) / np.maximum(z, _SMALLEST))
+            sine2 = np.square(dot(across, direction)) + np.square(dot(up, direction))
+            factor *= self._spread(np.sqrt(sine2) / np.maximum(cosine, _SMALLEST))
         radiance = self._radiance * factor
-        weight = radiance * (math.pi * widest * self.area)
-        return Emitted(origin, across * x + up * y + normal * z, weight, luminance(radiance))
+        return Emitted(origin, direction, radiance * (cosine * self.area / density), luminance(radiance))
 
     def local(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Components (n,) of points (3, n) in the light's frame; height > 0 on the emitting side."""

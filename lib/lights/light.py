@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -50,6 +50,16 @@ class Emitted(NamedTuple):
     brightness: np.ndarray
 
 
+@runtime_checkable
+class Aimable(Protocol):
+    """A light in a place of its own, whose rays can be aimed."""
+
+    extent: Ball
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, by two uniforms for the place."""
+
+
 class LightSampler(Protocol):
     """One light, ready to be sampled. `candidates`, `intersect` and `pdf` exist where `delta` is False.
 
@@ -77,7 +87,16 @@ class LightSampler(Protocol):
         ...
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
-        """Rays that leave the light, by two uniforms (n,) each for the place and the direction; `ball` holds the scene."""
+        """Rays that leave the light, by two uniforms (n,) each for the place and the direction; `ball` holds what is to be lit."""
+
+
+def bounding_ball(vertices: np.ndarray) -> Ball:
+    """The ball about the middle of the bounds that holds all vertices (3, v), a millionth larger; rays from afar begin at its edge."""
+    if vertices.shape[1] == 0:
+        return Ball(np.zeros((3, 1)), 0.0, 0.0)
+    center = 0.5 * (vertices.min(axis=1) + vertices.max(axis=1))[:, None]
+    radius = (1.0 + 1e-6) * float(np.sqrt(np.square(vertices - center).sum(axis=0).max()))
+    return Ball(center, radius, radius)
 
 
 def emit_distant(sample: LightSample, ball: Ball, place: Pair) -> Emitted:

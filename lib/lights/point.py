@@ -32,6 +32,11 @@ class PointSampler:
         inverse *= inverse
         return LightSample(wi, distance, self._intensity * inverse, np.ones_like(distance))
 
+    @property
+    def extent(self) -> Ball:
+        """The ball about the light, without size."""
+        return Ball(self._position, 0.0, 0.0)
+
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Uniform in all directions."""
         return self.emit_along(uniform_sphere(*heading), 1.0 / (4.0 * np.pi), place)

@@ -57,6 +57,11 @@ class SphereSampler:
         offset = self.center - origin
         return density(_one_minus_cos(dot(offset, offset), self.radius2)) * np.isfinite(distance)
 
+    @property
+    def extent(self) -> Ball:
+        """The ball itself."""
+        return Ball(self.center, math.sqrt(self.radius2), 0.0)
+
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Outwards, uniform over the sphere and by the cosine there; what the light sends to its inside is not among it."""
         return self.emit_along(uniform_sphere(*heading), 1.0 / (4.0 * np.pi), place)

@@ -49,14 +49,22 @@ class SpotSampler:
         """That of the sphere."""
         return self._emitter.pdf(origin, direction, distance)
 
+    @property
+    def extent(self) -> Ball:
+        """That of the emitter."""
+        return self._emitter.extent
+
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Uniform in the cone, each ray dimmed; in all directions where the cone is stretched."""
         direction, solid_angle = self._falloff.sample(*heading)
-        emitted = self._emitter.emit_along(direction, 1.0, place)
+        return self.emit_along(direction, 1.0 / np.maximum(solid_angle, 1e-300), place)
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray | float, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` per steradian, dimmed."""
+        emitted = self._emitter.emit_along(direction, density, place)
         factor = self._falloff(-direction)
-        weight = emitted.weight * (factor * solid_angle)
         brightness = emitted.brightness if self.delta else emitted.brightness * factor
-        return emitted._replace(weight=weight, brightness=brightness)
+        return emitted._replace(weight=emitted.weight * factor, brightness=brightness)
 
     def _dimming(self, point: np.ndarray, wi: np.ndarray) -> np.ndarray:
         factor = self._falloff(wi)

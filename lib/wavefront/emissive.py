@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..lights.light import Ball, Emitted, LightSample, Pair, luminance
+from ..lights.light import Ball, Emitted, LightSample, Pair, bounding_ball, luminance
 from ..lights.triangles import EmissiveTriangles
 from ..sampling.warps import cosine_hemisphere
 from ..surfaces.materials import PreparedMaterial
@@ -67,19 +67,31 @@ class EmissiveMesh:
         reach = found.distance * (1.0 - 2.0**-20) - 4.0 * self._offset / np.maximum(np.abs(found.facing), 1e-30)
         return LightSample(found.wi, reach, self._radiance(points), found.pdf)
 
+    @property
+    def extent(self) -> Ball:
+        """The ball about all emissive faces."""
+        mesh = self._tables.mesh
+        return bounding_ball(mesh.vertices[:, mesh.triangles[:, self._triangles].ravel()])
+
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Uniform by area on a face chosen by power, by the cosine on either side of it; origins stand off the face."""
+        which = self._sampler.place(*place)[0]
+        turn, side = np.modf(2.0 * heading[0])
+        local = cosine_hemisphere(turn, heading[1])
+        facing = np.take(self._normal, which, axis=1) * np.where(side > 0.0, -1.0, 1.0)
+        direction = to_world(local, *orthonormal_basis(facing), facing)
+        return self.emit_along(direction, local[2] * (0.5 / np.pi), place)
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, from faces chosen by power."""
         which, b1, b2, position = self._sampler.place(*place)
         triangle = np.take(self._triangles, which)
         normal = np.take(self._normal, which, axis=1)
-        turn, side = np.modf(2.0 * heading[0])
-        local = cosine_hemisphere(turn, heading[1])
-        facing = np.where(side > 0.0, -normal, normal)
-        direction = to_world(local, *orthonormal_basis(facing), facing)
         radiance = self._radiance(SurfacePoints(self._tables, triangle, b1, b2, position, normal, direction))
-        density = np.maximum(self._sampler.area_density(triangle), 1e-300)
-        weight = radiance * (2.0 * np.pi / density)
-        return Emitted(position + facing * self._offsets[which], direction, weight, luminance(radiance))
+        cosine = dot(normal, direction)
+        weight = radiance * (np.abs(cosine) / (density * np.maximum(self._sampler.area_density(triangle), 1e-300)))
+        origin = position + normal * np.copysign(self._offsets[which], cosine)
+        return Emitted(origin, direction, weight, luminance(radiance))
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that hit `triangle` at `distance`."""

@@ -2,11 +2,16 @@
 """Several lobes at one point: the one-sample model is unbiased and its density is that of its samples."""
 
 import numpy as np
-from etalon.lib.bsdfs.lambert import Lambert
+import pytest
+from etalon.lib.bsdfs.ashikhmin_shirley import AshikhminShirley
+from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
+from etalon.lib.bsdfs.fresnels import Dielectric
+from etalon.lib.bsdfs.lambert import Lambert, LambertTransmission
 from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.bsdfs.mixture import Mixture
 from etalon.lib.bsdfs.specular import Mirror
 from etalon.lib.microfacets import beckmann, ggx
+from etalon.lib.sampling.warps import uniform_sphere
 from etalon.tests.chi2 import Tangents, chi_square, integrals
 from scipy import stats
 
@@ -62,6 +67,33 @@ def test_mean_weight_is_the_albedo(rng):
         error = stats.sem(weight[k])
         assert error < 0.004 * exact
         assert abs(weight[k].mean() - exact) < stats.norm.isf(0.5 * LEVEL / 3) * error
+
+
+def beside_transmission(kind, count):
+    """A rough lobe and one that sends light through the surface, seen from WO."""
+    wo, white = np.repeat(WO[:, None], count, axis=1), np.ones((3, 1))
+    if kind == "glossy":
+        rough = MicrofacetReflection(wo, 1.0, 1.0, ggx, "correlated", "visible")
+    elif kind == "d_cos":
+        rough = MicrofacetReflection(wo, 0.7, 0.7, beckmann, "correlated", "d_cos")
+    elif kind == "ashikhmin_shirley":
+        rough = AshikhminShirley(wo, 0.9, 0.9)
+    else:
+        eta = np.full(count, 1.5)
+        rough = RoughDielectric(wo, 1.0, 1.0, eta, ggx, Interface(Dielectric(eta), white, white))
+    return Mixture([rough, LambertTransmission()], [0.5 * white, 0.4 * white], count)
+
+
+@pytest.mark.parametrize("kind", ["glossy", "d_cos", "ashikhmin_shirley", "glass"])
+def test_a_direction_that_its_lobe_rejects_is_not_the_other_lobes(kind, rng):
+    """Reflection that ends below the surface: the mean weight is still the integral of both lobes over the sphere."""
+    wi, weight, _ = beside_transmission(kind, COUNT).sample(*rng.random((3, COUNT)))
+    sphere = uniform_sphere(*rng.random((2, 4 * COUNT)))
+    value = 4.0 * np.pi * beside_transmission(kind, 4 * COUNT).evaluate(sphere)[0][0]
+    for sampled, exact in ((weight[0], value), (weight[0] * (wi[2] < 0.0), value * (sphere[2] < 0.0))):
+        error = np.hypot(stats.sem(sampled), stats.sem(exact))
+        assert error < 0.006 * exact.mean()
+        assert abs(sampled.mean() - exact.mean()) < stats.norm.isf(0.5 * LEVEL / 8) * error
 
 
 def test_colours_that_vary_over_the_points(rng):

@@ -28,7 +28,7 @@ def of(table, *quick):
     return [pytest.param(name, marks=() if name in quick else pytest.mark.slow) for name in table]
 
 
-@pytest.mark.parametrize("name", of(LIGHTS, "skewed_ellipse_with_spread", "spot_with_radius"))
+@pytest.mark.parametrize("name", of(LIGHTS, "spot_with_radius"))
 def test_every_light_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS["glossy"], [LIGHTS[name]]), seed, precision=0.08)
 

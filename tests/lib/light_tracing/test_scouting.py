@@ -20,7 +20,7 @@ LABELS = np.arange(SIZE)[:, None] // 4 * 2 + np.arange(SIZE) // 4
 UP = AreaLight("up", (0, 0, 0.5), (2.0, 0, 0), (0, 2.0, 0), (0, 0, 1.0), "RECTANGLE", (3.0, 2.0, 1.0), np.pi)
 
 
-def scouted(the_scene, seed, paths=1 << 17, **more):
+def scouted(the_scene, seed, paths=1 << 15, **more):
     return scout_caustics(ReferenceRenderer(the_scene, Options(threads=1, seed=seed)).kernel, paths, **more)
 
 
@@ -37,7 +37,7 @@ def test_it_finds_all_light_of_a_scene_without_other_light(alpha, seed):
     """A lamp so wide that path tracing finds it; bounces allow one reflection by the ball, then the floor."""
     the_scene = lit_by_a_ball(glossy(alpha, 0.9, 0.8, 0.7))
     traced = replicates(the_scene, 16, 512, seed=seed)
-    found = scouted(the_scene, seed).replicates(LABELS)
+    found = scouted(the_scene, seed, 1 << 17).replicates(LABELS)
     traced = traced.reshape(16, 2, 4, 2, 4, 3).mean(axis=(2, 4)).reshape(16, 4, 3)
     assert_same(traced, found, 0.06)
 
