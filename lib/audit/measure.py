@@ -94,7 +94,7 @@ class _Rounds:
         self._too_few = tuple(_too_few(setting, n, cost) for setting, _ in self._candidates if setting.needs > n)
         self._candidates = [candidate for candidate in self._candidates if candidate[0].needs <= n]
         self._series = [Series() for _ in self._candidates]
-        self._regions = image_regions(*shape, {}, _block(*shape))
+        self._regions = image_regions(*shape, {}, (_block(*shape),))
         self._image, self._bad = np.zeros((*shape, 3)), np.zeros(shape, bool)
         self.stopped = None if self._candidates else Stop.NOTHING
 

@@ -19,7 +19,7 @@ from ..lights.point import PointSampler
 from ..lights.spot import Falloff
 from ..lights.triangles import EmissiveTriangles
 from ..sampling.mis import cutoff_power_heuristic
-from ..sampling.warps import uniform_disk
+from ..sampling.warps import uniform_disk, uniform_sphere
 from ..scene.lights import AreaLight, Cone, PointLight
 from . import closed_forms, domain, exact_lights, lobes
 from .measure import Function
@@ -151,6 +151,7 @@ def lights_and_factors() -> list[Function]:
             exact_lights.cutoff_power_heuristic,
         ),
         ("uniform disk", ("u1", "u2"), _uniforms, lambda a: np.stack(uniform_disk(*a)), exact_lights.uniform_disk),
+        ("uniform sphere", ("u1", "u2"), _uniforms, lambda a: uniform_sphere(*a), exact_lights.uniform_sphere),
         ("point light", _VECTOR, _places, _point, exact_lights.point_light),
         ("density, area light by area", ("height", "distance"), _heights, _area, exact_lights.area_density),
         ("density, emissive triangle", ("distance", "cos"), _facing, _triangle, exact_lights.triangle_density),

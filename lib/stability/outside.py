@@ -16,6 +16,7 @@ _SEARCH = "a search in a table of sums: tests/lib/sampling/test_tables.py compar
 _FACTORS = "puts together factors that the atlas holds: chi-square and white furnace in tests/lib/bsdfs"
 _LIGHT = "puts together densities and directions that the atlas holds: chi-square and irradiance in tests/lib/lights"
 _SPECTRUM = "a fit or a table of the spectrum: tests/lib/microfacets and tests/lib/sampling compare it with lines and quadrature"
+_ADJOINT = "what tracing light asks of a light or a lobe: tests/lib/light_tracing compare its images with closed forms and with path tracing"
 _NOTHING = "no equation: it chooses, copies or describes"
 
 OUTSIDE: dict[str, str] = {
@@ -114,6 +115,7 @@ OUTSIDE: dict[str, str] = {
         ),
         _LIGHT,
     ),
+    **dict.fromkeys(("bsdfs.specular.refracted_widening", "lights.light.emit_distant"), _ADJOINT),
     **dict.fromkeys(
         (
             "bsdfs.fresnels.Fresnel",
@@ -124,6 +126,11 @@ OUTSIDE: dict[str, str] = {
             "lights.build.light_samplers",
             "lights.light.LightSample",
             "lights.light.LightSampler",
+            "lights.light.Aimable",
+            "lights.light.Ball",
+            "lights.light.Emitted",
+            "lights.light.bounding_ball",
+            "sampling.streams.light_step_dimension",
             "lights.sky.suns_of",
             "lights.triangles.TriangleSample",
         ),

@@ -211,7 +211,7 @@ def test_compare_ends_with_a_verdict_and_a_folder(capfd, blend, monkeypatch):
     verdict = json.loads((folder / "verdict.json").read_text())
     assert lines == []
     assert code == verdict["exit_code"]
-    assert verdict["size"] == {"width": 16, "height": 12}
+    assert verdict["size"] == {"width": 16, "height": 12, "divisor": 1}
     assert verdict["verdict"] in out
     assert "--replicates=2" in verdict["command"]
     names = {f"{name}.{kind}" for name in ("reference", "cycles", "difference") for kind in ("exr", "png")}

@@ -66,7 +66,7 @@ def test_one_object_and_one_light_are_left(two_floors, tmp_path):
 def test_there_is_none_where_all_agrees(two_floors, tmp_path):
     (tmp_path / job.MINIMAL).write_bytes(b"of another comparison")
     bpy.data.materials["rough"].node_tree.nodes["Diffuse BSDF"].inputs["Roughness"].default_value = 0.0
-    settings = Settings(tolerance=0.01, time=None, samples=8, replicates=8, threads=2)
+    settings = Settings(tolerance=0.01, time=None, samples=256, replicates=8, threads=2)
     with quiet():
         comparison = job.compare_here(two_floors, settings, tmp_path)
     assert comparison.verdict.outcome is Outcome.EQUIVALENT

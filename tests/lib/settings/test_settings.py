@@ -32,6 +32,7 @@ FULL = Settings(
     russian_roulette=False,
     seed=7,
     threads=3,
+    size="full",
     partial=True,
     out="a folder/out",
 )
