@@ -10,10 +10,11 @@ import numpy as np
 from ..comparison.compare import Comparison
 from ..pages.formats import format_bound, format_percent
 from ..verdict.outcome import Outcome
-from .language import place, plural
+from .language import listed, place, plural
 
 # Above this shape of its tail the noise of a region's replicates has no variance to rely on (Vehtari et al. 2024: 0.7).
 HEAVY = 0.7
+_PLURALS = {"facing": "facing bands"}
 
 
 def both_names(comparison: Comparison) -> tuple[str, str]:
@@ -49,8 +50,8 @@ def level_names(comparison: Comparison) -> list[tuple[int, str]]:
         if family == 0:
             named.append((family, "the whole image"))
         elif family == 1:
-            kinds = sorted({regions.kinds[k] for k in members}, key="material object".find)
-            named.append((family, " and ".join(f"{kind}s" for kind in kinds)))
+            kinds = list(dict.fromkeys(regions.kinds[k] for k in members))
+            named.append((family, listed(tuple(_PLURALS.get(kind, f"{kind}s") for kind in kinds))))
         else:
             box = regions.boxes[members]
             edge = int(max((box[:, 2] - box[:, 0]).max(), (box[:, 3] - box[:, 1]).max())) + 1

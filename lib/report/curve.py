@@ -11,7 +11,7 @@ from markupsafe import Markup, escape
 from ..comparison.compare import BoundAt
 from ..pages.formats import format_bound, format_duration
 
-_WIDTH, _HEIGHT, _LEFT, _BOTTOM, _MARGIN = 640, 220, 64, 34, 12
+_WIDTH, _HEIGHT, _LEFT, _BOTTOM, _MARGIN = 640, 220, 64, 34, 28
 _STEPS = (1.0, 2.0, 5.0)
 
 

@@ -114,7 +114,7 @@ const PANES = {
   beside: [[names[0], "reference"], [names[1], "candidate"], ["Relative difference", "difference"]],
   slider: [[`${names[0]} left of the line, ${names[1]} right of it`, "reference"]],
   difference: [["Relative difference", "difference"], ["FLIP, for the eye only", "flip"]],
-  map: [["Verdict of each cell, over the reference", "map"], ["How closely each cell agrees", "bounds"]],
+  map: [["Verdict of each cell, over the reference", "map"], ["How closely each cell agrees: green within the tolerance, yellow to red up to 30 times that", "bounds"]],
 };
 let panes = [];
 
