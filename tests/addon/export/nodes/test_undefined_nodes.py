@@ -9,7 +9,7 @@ import pytest
 from etalon.addon.command.opening import open_blend
 from etalon.addon.export.render_depsgraph import with_render_depsgraph
 from etalon.addon.export.scene import export_scene
-from etalon.addon.quiet import quiet
+from etalon.addon.host.quiet import quiet
 from etalon.lib.errors import Refused
 
 # Another process makes the file, with a node type that is registered there alone.
