@@ -11,16 +11,17 @@ import bpy
 import numpy as np
 from etalon.lib.blender_versions import format_release
 from etalon.tests.probes import cycles, fingerprint
-from etalon.tests.probes.definitions import LIGHTS, PROBES
+from etalon.tests.probes.definitions import LIGHTS, probes_of
 
 
 def show_all(seed=0):
-    """Rows of all probes, key -> (tilts, 3)."""
-    rows = {}
+    """Rows of all probes of the Blender at hand, key -> (tilts, 3)."""
+    rows, every = {}, probes_of(bpy.app.version)
     for light in LIGHTS:
-        probes = [probe for probe in PROBES if probe.light == light]
-        rows |= dict(zip([probe.key for probe in probes], cycles.shown(probes, seed), strict=True))
-    return {probe.key: rows[probe.key] for probe in PROBES}
+        probes = [probe for probe in every if probe.light == light]
+        if probes:
+            rows |= dict(zip([probe.key for probe in probes], cycles.shown(probes, seed), strict=True))
+    return {probe.key: rows[probe.key] for probe in every}
 
 
 def noise(runs):
@@ -43,14 +44,14 @@ def main():
     if found[worst] > fingerprint.NOISE:
         print(f"that is above {fingerprint.NOISE:g}: nothing was written; raise the samples in tests/probes/cycles.py")
         return 1
+    fingerprint.write(release, bpy.app.version_string, runs[0])
+    print(f"wrote {fingerprint.path_of(release)}")
     older = [known for known in fingerprint.releases() if known < release]
     if older:
         print(f"against Blender {format_release(older[-1])}:")
-        for change in fingerprint.changes(runs[0], fingerprint.read(older[-1])).values():
+        for change in fingerprint.changes(runs[0], fingerprint.read(older[-1]), older[-1]).values():
             if abs(change.size) > fingerprint.LEAST_CHANGE:
                 print(f"  {change}")
-    fingerprint.write(release, bpy.app.version_string, runs[0])
-    print(f"wrote {fingerprint.path_of(release)}")
     return 0
 
 

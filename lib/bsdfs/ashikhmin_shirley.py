@@ -87,4 +87,4 @@ class AshikhminShirley:
 
     def part(self, index: np.ndarray) -> AshikhminShirley:
         """The same lobe at fewer points."""
-        return AshikhminShirley(np.take(self._wo, index, axis=1), *(part_of(a, index) for a in self._alpha))
+        return type(self)(np.take(self._wo, index, axis=1), *(part_of(a, index) for a in self._alpha))

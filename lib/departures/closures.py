@@ -8,9 +8,11 @@ from types import ModuleType, SimpleNamespace
 
 import numpy as np
 
+from ..bsdfs.ashikhmin_shirley import AshikhminShirley, sample_half_vector
 from ..bsdfs.fresnels import part_of
 from ..bsdfs.mixture import Lobe
 from ..microfacets import beckmann
+from ..vectors import dot
 
 RATIONAL = SimpleNamespace(
     density=beckmann.density,
@@ -42,6 +44,28 @@ class Misstated:
     def part(self, index: np.ndarray) -> Misstated:
         """The same lobe at fewer points."""
         return Misstated(self._lobe.part(index), part_of(self._factor, index))
+
+
+class StrayAshikhminShirley(AshikhminShirley):
+    """The lobe whose half vectors that face away from wo give samples, too.
+
+    Such a half vector m, (m.wo) < 0, leads to 2 |m.wo| m - wo, which is no mirror direction. It weighs as the sample that
+    has the half vector m and this vector's component along the normal, which is longer than a unit vector's. Beside other
+    lobes Cycles evaluates those at the same vector; here they are evaluated at the unit direction.
+    """
+
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Direction, weight, the density that Cycles states."""
+        m = sample_half_vector(self._nx, self._ny, u1, u2)
+        cos_om = np.abs(dot(self._wo, m))
+        wi = m * (2.0 * cos_om) - self._wo
+        value, pdf = self._lobe(wi, m, cos_om)
+        return wi / np.sqrt(dot(wi, wi)), np.where(pdf > 0.0, value / np.where(pdf > 0.0, pdf, 1.0), 0.0), pdf
+
+
+def ashikhmin_shirley_form(departures: Set[str]) -> type[AshikhminShirley]:
+    """The lobe by the way in which it is sampled."""
+    return StrayAshikhminShirley if "Ashikhmin-Shirley sampling" in departures else AshikhminShirley
 
 
 def beckmann_form(departures: frozenset[str]) -> ModuleType | SimpleNamespace:

@@ -9,7 +9,6 @@ from functools import partial
 
 import numpy as np
 
-from ..bsdfs.ashikhmin_shirley import AshikhminShirley
 from ..bsdfs.compensated import Compensated, albedos_of, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
 from ..bsdfs.fresnels import (
@@ -29,7 +28,7 @@ from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
 from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
-from ..departures.closures import beckmann_form, oren_nayar_form, with_stated_density
+from ..departures.closures import ashikhmin_shirley_form, beckmann_form, oren_nayar_form, with_stated_density
 from ..microfacets import ggx
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
@@ -130,7 +129,8 @@ def _reflection(
     """White microfacet reflection, its alpha stretched by two factors, and the geometric mean of its alphas."""
     alpha_x, alpha_y = _alphas(closure, stretch, site)
     if closure.distribution == "ASHIKHMIN_SHIRLEY":
-        lobe = _turned(closure, stretch, site, lambda wo: AshikhminShirley(wo, alpha_x, alpha_y))
+        form = ashikhmin_shirley_form(site.options.departures)
+        lobe = _turned(closure, stretch, site, lambda wo: form(wo, alpha_x, alpha_y))
         return lobe, np.sqrt(alpha_x * alpha_y)
     if np.all(alpha_x * alpha_y <= MIRROR_ALPHA_PRODUCT):
         return Mirror(site.wo), np.sqrt(alpha_x * alpha_y)

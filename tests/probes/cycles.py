@@ -4,10 +4,11 @@
 import bpy
 import numpy as np
 from etalon.addon.cycles.renderer import CyclesRenderer
-from etalon.tests.probes.definitions import IRRADIANCE, SUNS, tilts
+from etalon.tests.probes.definitions import FURNACES, IRRADIANCE, NOISY, SUNS, tilts
 from mathutils import Vector
 
-FURNACE_SAMPLES, FURNACE_REPLICATES = 4096, 4  # whole nets: their error falls faster than that of random samples
+SAMPLES = 4096  # of noisy lights; whole nets: their error falls faster than that of random samples
+REPLICATES = {"front prism": 2, "back prism": 2, "furnace": 4, "grazing furnace": 40}
 PIXELS = 6  # of a facet's side, less a rim of one pixel
 
 
@@ -84,7 +85,7 @@ def build(probes):
         tree = node_tree(probe)
         for column in range(columns):
             facet(made, probe, row, column).materials.append(tree)
-    if light == "furnace":
+    if light in FURNACES:
         made.world = bpy.data.worlds.new("white")
         if bpy.app.version < (5, 0):
             made.world.use_nodes = True
@@ -100,10 +101,10 @@ def build(probes):
 
 def shown(probes, seed=0):
     """What Cycles shows of probes under one light, (probes, tilts, 3)."""
-    furnace = probes[0].light == "furnace"
-    columns = len(tilts(probes[0].light))
+    light = probes[0].light
+    columns = len(tilts(light))
     renderer = CyclesRenderer(build(probes), seed=seed, threads=2)
-    count, samples = (FURNACE_REPLICATES, FURNACE_SAMPLES) if furnace else (1, 1)
+    count, samples = (REPLICATES[light], SAMPLES) if light in NOISY else (1, 1)
     total = np.zeros((len(probes), columns, 3))
     for replicate in range(count):
         image = renderer.render(replicate, samples).radiance[::-1]

@@ -3,17 +3,25 @@
 
 from dataclasses import dataclass, field
 
+from etalon.lib.blender_versions import Versions
+
 TILTS = (-1.45, -1.1, -0.5, 0.1, 0.6, 1.15, 1.45)
 """Angles (radians, about x) by which the facets lean away from the viewer, who looks down along -z."""
-FURNACE_TILTS = (0.1, 0.4, 0.7, 1.0)
-"""Those of facets in a furnace, which needs many samples."""
+FEW_TILTS = (0.1, 0.4, 0.7, 1.0)
+"""Those of facets under a light that needs many samples."""
+GRAZING_TILTS = (1.4,)
 
 IRRADIANCE = 2.0
-SUNS = {"front": (0.35, -0.3, 1.0), "back": (0.3, 0.2, -1.0)}
-"""Towards the sun (not normalised), above the facets and behind them. One sample of a sun has no noise."""
-LIGHTS = (*SUNS, "furnace")
+_ABOVE, _BEHIND = (0.35, -0.3, 1.0), (0.3, 0.2, -1.0)
+SUNS = {"front": _ABOVE, "back": _BEHIND, "front prism": _ABOVE, "back prism": _BEHIND}
+"""Towards the sun (not normalised), above the facets or behind them. One sample of a sun has no noise, unless glass disperses it."""
+FURNACES = ("furnace", "grazing furnace")
 """A furnace is a white world, whose light only BSDF sampling finds: it is for facts that a sun does not show."""
+LIGHTS = (*SUNS, *FURNACES)
+NOISY = ("front prism", "back prism", *FURNACES)
+"""The lights that need many samples."""
 
+EVERY = Versions()
 Value = float | tuple[float, ...]
 
 
@@ -23,7 +31,7 @@ class Probe:
 
     `fact` is what a change in Cycles is reported as. `node` is Blender's type without 'ShaderNode', `inputs` go by identifier,
     colours are RGBA. `normal`: colour and strength of a normal map that turns the node's normal. A node with anisotropy has its
-    tangent along the UV map's u.
+    tangent along the UV map's u. `versions`: the releases of Blender that have all of its sockets.
     """
 
     fact: str
@@ -34,6 +42,7 @@ class Probe:
     distribution: str = ""
     fresnel: str = ""
     normal: tuple[tuple[float, ...], float] | None = None
+    versions: Versions = EVERY
 
     @property
     def key(self) -> str:
@@ -48,14 +57,18 @@ class Probe:
 
 def tilts(light):
     """The angles of the facets under a light."""
-    return FURNACE_TILTS if light == "furnace" else TILTS
+    if light == "grazing furnace":
+        return GRAZING_TILTS
+    return FEW_TILTS if light in NOISY else TILTS
 
 
-RED, BLUE, WHITE = (0.9, 0.3, 0.15, 1.0), (0.3, 0.5, 0.9, 1.0), (1.0, 1.0, 1.0, 1.0)
+RED, BLUE, WHITE, BLACK = (0.9, 0.3, 0.15, 1.0), (0.3, 0.5, 0.9, 1.0), (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 1.0)
 F82 = {"Base Color": RED, "Edge Tint": BLUE}
 CONDUCTOR = {"IOR": (0.2, 0.9, 1.3), "Extinction": (3.9, 2.4, 1.9)}
 MAPPED = ((0.62, 0.42, 0.93, 1.0), 0.5)  # the viewer sees the front of every turned normal
 STRETCH = {"Anisotropy": 0.6, "Rotation": 0.1}
+BOTH_SIDES = ("front", "back")
+NEW_GLASS = Versions("5.3")  # glass that is anisotropic, and glass that disperses
 
 
 def _glossy(fact, distribution, roughness, light="front", **inputs):
@@ -73,16 +86,23 @@ def _metallic(fact, fresnel, distribution, roughness, **inputs):
 
 def _interface(fact, node, distribution, roughness, ior):
     # Refraction by Beckmann's facets shows nothing of light on the viewer's side.
-    lights = ("back",) if (node, distribution) == ("BsdfRefraction", "BECKMANN") else SUNS
+    lights = ("back",) if (node, distribution) == ("BsdfRefraction", "BECKMANN") else BOTH_SIDES
     inputs = {"Color": BLUE, "Roughness": roughness, "IOR": ior}
     name = f"{node.removeprefix('Bsdf')} {distribution} {roughness} {ior}"
     return [Probe(fact, name, light, node, inputs, distribution) for light in lights]
 
 
-def _principled(fact, name, distribution="GGX", *lights, **inputs):
+def _stretched_glass(distribution, roughness, ior, anisotropy):
+    inputs = {"Color": BLUE, "Roughness": roughness, "IOR": ior, "Anisotropy": anisotropy, "Rotation": 0.1}
+    fact = "anisotropic glass table" if distribution == "MULTI_GGX" else "anisotropic glass"
+    name = f"Glass {distribution} {roughness} {ior} {anisotropy}"
+    return [Probe(fact, name, light, "BsdfGlass", inputs, distribution, versions=NEW_GLASS) for light in BOTH_SIDES]
+
+
+def _principled(fact, name, distribution="GGX", *lights, versions=EVERY, **inputs):
     inputs = {"Base Color": RED, **{key.replace("_", " "): value for key, value in inputs.items()}}
     return [
-        Probe(fact, f"Principled {name}", light, "BsdfPrincipled", inputs, distribution)
+        Probe(fact, f"Principled {name}", light, "BsdfPrincipled", inputs, distribution, versions=versions)
         for light in lights or ("front",)
     ]
 
@@ -93,11 +113,12 @@ def _mapped(name, node, distribution="", **inputs):
 
 
 GLASSY = {"Transmission_Weight": 1.0, "Specular_Tint": BLUE, "Roughness": 0.6}
+DISPERSION = {"Transmission_Dispersion_Scale": 1.0, "Transmission_Dispersion_Abbe_Number": 15.0}
 COAT = {"Coat_Weight": 0.8, "Coat_IOR": 1.5}
 
 PROBES = (
     Probe("Lambert", "Diffuse", "front", "BsdfDiffuse", {"Color": RED}),
-    *(Probe("Lambert", "Translucent", light, "BsdfTranslucent", {"Color": RED}) for light in SUNS),
+    *(Probe("Lambert", "Translucent", light, "BsdfTranslucent", {"Color": RED}) for light in BOTH_SIDES),
     *(Probe("Oren-Nayar", f"Diffuse {r}", "front", "BsdfDiffuse", {"Color": RED, "Roughness": r}) for r in (0.3, 1.0)),
     Probe("Oren-Nayar", "white Diffuse 0.6", "front", "BsdfDiffuse", {"Color": WHITE, "Roughness": 0.6}),
     *(_glossy("GGX", "GGX", r) for r in (0.3, 0.7)),
@@ -108,6 +129,8 @@ PROBES = (
     *(_glossy("Ashikhmin-Shirley", "ASHIKHMIN_SHIRLEY", r) for r in (0.3, 0.8)),
     *(_glossy("Ashikhmin-Shirley", "ASHIKHMIN_SHIRLEY", r, **STRETCH) for r in (0.3, 0.8)),
     *(_glossy("Ashikhmin-Shirley sampling", "ASHIKHMIN_SHIRLEY", r, "furnace") for r in (0.3, 0.4)),
+    _glossy("Ashikhmin-Shirley sampling at grazing", "ASHIKHMIN_SHIRLEY", 0.5, "grazing furnace"),
+    _glossy("Ashikhmin-Shirley sampling at grazing", "ASHIKHMIN_SHIRLEY", 0.5, "grazing furnace", **STRETCH),
     *(_metallic("F82", "F82", d, r) for d in ("BECKMANN", "GGX") for r in (0.3, 0.8)),
     _metallic("F82", "F82", "GGX", 0.5, Anisotropy=0.7, Rotation=0.1),
     *(_metallic("conductor", "PHYSICAL_CONDUCTOR", d, 0.5) for d in ("BECKMANN", "GGX")),
@@ -138,6 +161,15 @@ PROBES = (
     *_principled("Principled", "metal", Metallic=1.0, Specular_Tint=BLUE),
     *_principled("Principled", "stretched metal", Metallic=1.0, Anisotropic=0.6, Anisotropic_Rotation=0.15),
     *_principled("Principled", "glass", "GGX", "front", "back", **GLASSY),
+    *(
+        probe
+        for how in (("BECKMANN", 0.6, 1.5, 0.6), ("GGX", 0.6, 1.5, 0.6), ("GGX", 0.5, 0.7, -0.5), ("MULTI_GGX", 0.6, 1.5, 0.6))
+        for probe in _stretched_glass(*how)
+    ),
+    *_principled("anisotropic glass", "stretched glass", "GGX", *BOTH_SIDES, versions=NEW_GLASS, Anisotropic=0.6,
+                 Anisotropic_Rotation=0.15, **GLASSY),
+    *_principled("dispersion", "glass", "GGX", "back prism", versions=NEW_GLASS, **GLASSY, **DISPERSION),
+    *_principled("dispersion", "reflecting glass", "GGX", "front prism", versions=NEW_GLASS, **GLASSY, **DISPERSION),
     *_principled("Oren-Nayar", "rough diffuse", Specular_IOR_Level=0.0, Diffuse_Roughness=0.6),
     *_principled("coat albedo", "coat 0.2", Specular_IOR_Level=0.0, Coat_Roughness=0.2, **COAT),
     *_principled("coat albedo", "coat 0.4", Specular_IOR_Level=0.0, Coat_Roughness=0.4, **COAT),
@@ -157,4 +189,12 @@ PROBES = (
 )  # fmt: skip
 """Every probe. A fact that a probe shows besides its own must have a probe of its own, too."""
 
-FACTS = tuple(dict.fromkeys(probe.fact for probe in PROBES))
+
+def probes_of(release):
+    """The probes whose sockets a release of Blender has."""
+    return tuple(probe for probe in PROBES if release in probe.versions)
+
+
+def facts_of(release):
+    """What the probes of a release show, in their order."""
+    return tuple(dict.fromkeys(probe.fact for probe in probes_of(release)))

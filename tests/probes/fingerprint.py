@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from etalon.lib.blender_versions import format_release, parse_release
-from etalon.tests.probes.definitions import FACTS, PROBES, tilts
+from etalon.tests.probes.definitions import facts_of, probes_of, tilts
 
 FOLDER = Path(__file__).parents[1] / "fingerprints"
 NOISE = 1e-5
@@ -70,10 +70,13 @@ def apart(shown, recorded):
     return (shown - recorded) / np.maximum(np.abs(recorded), max(FLOOR * np.abs(recorded).max(), 1e-12))
 
 
-def changes(shown, recorded):
-    """The largest change of each fact between two sets of rows, fact -> Change; rows that either lacks are an error."""
+def changes(shown, recorded, release):
+    """The largest change of each fact between two sets of rows, fact -> Change.
+
+    Those of the probes of `release`, the older of the two; a row that either lacks is an error.
+    """
     largest = {}
-    for probe in PROBES:
+    for probe in probes_of(release):
         for row in (shown, recorded):
             if probe.key not in row:
                 raise KeyError(f"no row '{probe.key}': `python tests/fingerprints.py` records it")
@@ -82,7 +85,7 @@ def changes(shown, recorded):
         size = float(difference[tilt, channel])
         if probe.fact not in largest or abs(size) > abs(largest[probe.fact].size):
             largest[probe.fact] = Change(probe.fact, size, probe.key, tilts(probe.light)[tilt])
-    return {fact: largest[fact] for fact in FACTS}
+    return {fact: largest[fact] for fact in facts_of(release)}
 
 
 def _rounded(row):

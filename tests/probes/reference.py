@@ -23,7 +23,7 @@ from etalon.lib.scene.expressions import (
 from etalon.lib.scene.lights import SunLight
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.probes.definitions import IRRADIANCE, SUNS, tilts
+from etalon.tests.probes.definitions import FURNACES, IRRADIANCE, SUNS, tilts
 from etalon.tests.scenes import orthographic, quad, scene
 
 UV = mt.Tangent("UV", uv_map="UVMap")
@@ -65,6 +65,7 @@ class Sockets:
 
 GREY = (0.8, 0.8, 0.8)
 ONES = (1.0, 1.0, 1.0)
+DISPERSION = (("Scale", 0.0), ("Abbe Number", 20.0))
 
 
 def _diffuse(probe, read):
@@ -87,8 +88,8 @@ def _metallic(probe, read):
 def _glass(probe, read):
     color, ior, roughness = read("Color", ONES), read("IOR", 1.5), read("Roughness", 0.0)
     if probe.distribution != "MULTI_GGX":
-        return mt.Glass(color, ior, roughness, probe.distribution, normal=read.normal)
-    return mt.Glass(WHITE, ior, roughness, "MULTI_GGX", color, color, normal=read.normal)
+        return mt.Glass(color, ior, roughness, probe.distribution, **read.stretch())
+    return mt.Glass(WHITE, ior, roughness, "MULTI_GGX", color, color, **read.stretch())
 
 
 def _refraction(probe, read):
@@ -131,8 +132,12 @@ def _principled(probe, read, release):
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
         lobes.append(mt.Lobe(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
     elif read("Transmission Weight", 0.0) == ONE:
-        root = Gamma(base, Constant(0.5))
-        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, transmission=root, tint=tint)
+        how = read.stretch("Anisotropic", "Anisotropic Rotation")
+        if probe.is_stretched:  # as the Glass BSDF states what divides alpha along x by the root
+            how["anisotropy"] = Constant(float(np.sqrt(1.0 - 0.9 * how["anisotropy"].value)) - 1.0)
+        scale, abbe = (read(f"Transmission Dispersion {name}", value).value for name, value in DISPERSION)
+        how |= {"transmission": Gamma(base, Constant(0.5)), "tint": tint, "dispersion": Constant(scale / abbe)}
+        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, **how)
         lobes.append(mt.Lobe(glass, weight))
     else:
         ior, level = read("IOR", 1.5).value, read("Specular IOR Level", 0.5).value
@@ -172,7 +177,7 @@ def strips(materials, tilt, light):
     y = np.arange(count)
     parts = [quad((-0.5, k, k * np.tan(tilt)), (1.0, 0.0, 0.0), (0.0, 1.0, np.tan(tilt)), int(k)) for k in y]
     lights, world = (), 1.0
-    if light != "furnace":
+    if light not in FURNACES:
         sun = np.array(SUNS[light]) / np.linalg.norm(SUNS[light])
         lights, world = (SunLight("sun", tuple(sun), 0.0, (IRRADIANCE,) * 3),), 0.0
     height = count * abs(np.tan(tilt)) + 5.0

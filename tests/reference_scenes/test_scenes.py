@@ -52,6 +52,7 @@ def lambert(points):
     return 0.5 * np.abs(total)
 
 
+@pytest.mark.compares_with_cycles
 def test_lambert_of_cycles_is_the_closed_form():
     """Blocks of 32 x 32 pixels; within a block the irradiance is averaged over four points a pixel."""
     build("lambert_analytic")
@@ -66,6 +67,7 @@ def test_lambert_of_cycles_is_the_closed_form():
     assert blocks[0].mean() == pytest.approx(blocks[1].mean(), rel=1e-3)
 
 
+@pytest.mark.compares_with_cycles
 def test_the_furnace_of_cycles_is_the_directional_albedo():
     """The GGX rows: E(mu) by quadrature. The rim of each tile is left out."""
     build("furnace")

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the readers know of each node type: one row per type, checked in Blender 4.5, 5.2 and 5.3.
 
-Idle inputs: those of a layer whose weight must be 0; `Filter Width`, the step of a difference that Cycles takes for the slope
-(the reference takes the slope itself); what the node type shows only in another render engine.
+Idle inputs: those of a layer whose weight must be 0; what the node type shows only in another render engine.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ DECLARATIONS: Mapping[str, Declaration] = {
     "ShaderNodeBlackbody": Declaration(reads=("Temperature",)),
     "ShaderNodeBrightContrast": Declaration(reads=("Color", "Bright", "Contrast")),
     "ShaderNodeBump": Declaration(
-        reads=("Strength", "Distance", "Height", "Normal"), idle=("Filter Width",), properties={"invert": None}
+        reads=("Strength", "Distance", "Filter Width", "Height", "Normal"), properties={"invert": None}
     ),
     "ShaderNodeClamp": Declaration(reads=("Value", "Min", "Max"), properties={"clamp_type": ("MINMAX", "RANGE")}),
     "ShaderNodeCombineColor": Declaration(reads=("Red", "Green", "Blue"), properties={"mode": _MODELS}),

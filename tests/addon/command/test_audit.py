@@ -103,6 +103,7 @@ def test_a_scene_at_the_neutral_state_has_nothing_to_report():
     }
 
 
+@pytest.mark.compares_with_cycles
 def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
     """Six times the same state under seeds of its own: differences are noise, of the same size on both sides."""
     scene = gallery()
@@ -116,6 +117,7 @@ def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
     assert all(0.5 < f.noise.value < 2.0 for f in found.findings)
 
 
+@pytest.mark.compares_with_cycles
 def test_a_clamp_on_what_the_camera_sees_is_its_closed_form():
     """Radiance 5 clamped at 2 is 2; on the other half 0.5 stays; so the left blocks lose 60 %, the image 3 of 5.5."""
     scene = halves(5.0, 0.5)
@@ -131,6 +133,7 @@ def test_a_clamp_on_what_the_camera_sees_is_its_closed_form():
     np.testing.assert_array_equal(clamp.map[:, 17:], 0.0)
 
 
+@pytest.mark.compares_with_cycles
 def test_a_clamp_on_light_is_what_clipping_each_sample_by_hand_gives():
     """Independent neutral renders of one sample a pixel, clipped at the clamp's value: each sample is a single contribution."""
     scene = lamp()
@@ -151,6 +154,7 @@ def test_a_clamp_on_light_is_what_clipping_each_sample_by_hand_gives():
     assert found.neutral.mean() == pytest.approx(samples.mean(), rel=0.01)
 
 
+@pytest.mark.compares_with_cycles
 def test_the_light_threshold_costs_noise_and_no_bias():
     scene = lamp()
     bpy.data.lights["Lamp"].energy = 0.2
@@ -165,6 +169,7 @@ def test_the_light_threshold_costs_noise_and_no_bias():
     assert light.noise.low > 2.0
 
 
+@pytest.mark.compares_with_cycles
 def test_a_wide_filter_moves_light_over_an_edge_as_its_window_says():
     """The blocks beside the edge exchange what the Gaussian's window carries across: the sum over columns of P(offset > distance)."""
     scene = halves(1.0, 0.5)
@@ -209,6 +214,7 @@ def state(scene):
     return {entry.key: [value for _, _, value in entry.of_file(scene)] for entry in CATALOGUE}
 
 
+@pytest.mark.compares_with_cycles
 def test_every_setting_is_in_force_for_itself_alone_and_leaves_no_trace():
     scene = gallery()
     scene.cycles.use_denoising = False
@@ -253,6 +259,7 @@ def test_what_blender_starts_with_is_asked_only_where_it_is_not_what_the_file_ha
     assert of_file["adaptive"].needs == 81
 
 
+@pytest.mark.compares_with_cycles
 def test_adaptive_sampling_stops_where_it_would_in_a_whole_render(tmp_path):
     """A part of a sequence makes Cycles' threshold stricter; that is made up for, so as many pixels stop as in F12."""
 

@@ -65,6 +65,7 @@ def test_whole_command(capfd, tmp_path):
     assert figures["verification"]["key"] in found
 
 
+@pytest.mark.compares_with_cycles
 def test_settings_of_the_user():
     """What the user trades for time is in force for that way alone, the denoiser smooths, and the neutral state renders as before."""
     open_target("glossy_spheres")
@@ -89,6 +90,7 @@ def test_settings_of_the_user():
     assert ways["cycles-user"].settings["cycles.sample_clamp_direct"] == pytest.approx(0.1)
 
 
+@pytest.mark.compares_with_cycles
 def test_replicates_with_settings_are_independent_images():
     open_target("glossy_spheres")
     scene = bpy.context.scene

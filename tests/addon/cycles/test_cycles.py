@@ -133,6 +133,7 @@ def glowing(width=8, height=6):
     return scene
 
 
+@pytest.mark.compares_with_cycles
 def test_pixels_are_linear_floats_of_the_emission():
     scene = glowing()
     scene.view_settings.exposure = 2.0
@@ -160,6 +161,7 @@ def lit():
     return scene
 
 
+@pytest.mark.compares_with_cycles
 def test_replicates_are_independent_and_repeatable():
     """Noise of 24 replicates: pairs correlate as independent ones do, so that the mean is as much better as its standard error says."""
     scene = lit()
@@ -177,6 +179,7 @@ def test_replicates_are_independent_and_repeatable():
     assert np.abs(correlation).max() < 6 / 16
 
 
+@pytest.mark.compares_with_cycles
 @pytest.mark.parametrize("bordered", [False, True])
 def test_a_part_is_the_image_in_that_part(bordered):
     """To the last bit: the same samples of the same pixels, also where the file has a border of its own."""
@@ -197,6 +200,7 @@ def test_a_part_is_the_image_in_that_part(bordered):
     assert snapshot(scene) == before
 
 
+@pytest.mark.compares_with_cycles
 def test_a_replicate_of_many_samples_is_drawn_in_chunks():
     scene = glowing(4, 4)
     told, asked = [], []
@@ -221,6 +225,7 @@ def test_cancelled_gives_nothing_and_leaves_no_trace():
     assert snapshot(scene) == before
 
 
+@pytest.mark.compares_with_cycles
 def test_pixels_that_are_not_finite_are_counted():
     scene = building.start("broken", 4, 4, 0)
     building.world((3e38, 3e38, 3e38)).node_tree.nodes["Background"].inputs["Strength"].default_value = 1e6
@@ -240,6 +245,7 @@ def test_scenes_that_cannot_be_rendered_are_refused_by_name():
         CyclesRenderer(scene)
 
 
+@pytest.mark.compares_with_cycles
 def test_the_first_layer_in_use_is_rendered_and_all_stay_in_use():
     """Of three layers the first is off, and only the second shows the black sheet before the sky."""
     scene = glowing()

@@ -59,6 +59,7 @@ def floor():
     return scene
 
 
+@pytest.mark.compares_with_cycles
 def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path):
     scene = floor()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
@@ -74,6 +75,7 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
         second.close()
 
 
+@pytest.mark.compares_with_cycles
 def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch):
     """The reference of both processes shows the rough floor too bright, for no reason in the catalogue."""
     monkeypatch.setattr(job, "alternatives", lambda reference: Alternatives((), lambda names: reference))

@@ -44,6 +44,7 @@ def state(scene):
     return sorted(scene.objects.keys()), scene.render.use_border, scene.world, len(bpy.data.scenes)
 
 
+@pytest.mark.compares_with_cycles
 def test_one_object_and_one_light_are_left(two_floors, tmp_path):
     before = state(two_floors)
     settings = Settings(tolerance=0.01, time=None, samples=8, replicates=8, threads=2)
@@ -63,6 +64,7 @@ def test_one_object_and_one_light_are_left(two_floors, tmp_path):
     assert unexplained(again)
 
 
+@pytest.mark.compares_with_cycles
 def test_there_is_none_where_all_agrees(two_floors, tmp_path):
     (tmp_path / job.MINIMAL).write_bytes(b"of another comparison")
     bpy.data.materials["rough"].node_tree.nodes["Diffuse BSDF"].inputs["Roughness"].default_value = 0.0

@@ -151,6 +151,7 @@ def change(struct, name):
     return True
 
 
+@pytest.mark.compares_with_cycles
 def test_neutral_properties_change_nothing_in_what_cycles_shows(studio, there):
     """One render with all neutral properties changed, which the export accepts, against one with none; one sample has no noise."""
     studio.export()

@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+import pytest
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.settings.reference import Options
@@ -104,6 +105,7 @@ def apart(studio, exported):
     return np.abs(means[0] - means[1]) / (error + 1e-3 * means[1])
 
 
+@pytest.mark.compares_with_cycles
 def test_camera_rays_pass_what_hides_from_them(studio):
     scene(studio)
     exported = studio.export()
@@ -115,6 +117,7 @@ def test_camera_rays_pass_what_hides_from_them(studio):
     assert seen == {"floor", "wall", "veil"}
 
 
+@pytest.mark.compares_with_cycles
 def test_the_card_would_be_seen(studio):
     """The comparison notices a card that should hide and does not."""
     scene(studio)

@@ -85,7 +85,7 @@ def facets(materials):
 
 def furnace():
     """Facets under three angles in a white world, and a sun that the middle ones mirror to the camera; a row for each material."""
-    columns, rows = len(ANGLES), 5
+    columns, rows = len(ANGLES), 6
     building.start("furnace", TILE * columns, TILE * rows, 0)
     building.world((1.0, 1.0, 1.0))
     materials = [
@@ -94,6 +94,7 @@ def furnace():
         rough_material(),
         ramp_material(),
         checker_material(),
+        rough("Glossy", "ASHIKHMIN_SHIRLEY", 0.7),
     ]
     facets(materials)
     sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
@@ -178,6 +179,7 @@ CASES = {
             "Oren-Nayar colour": ((2, 0), 1e-2),
             "colour-ramp table": ((3, 0), 0.1),
             "texture interpolation": ((4, 0), 0.1),
+            "Ashikhmin-Shirley sampling": ((5, 2), 0.3),
         },
     ),
     layers: (

@@ -108,6 +108,12 @@ def documents():
     return scenes.scene(scenes.fan(ANGLES[1:]), scenes.glossy(0.6, 0.9), scenes.fan_camera(ANGLES[1:]), world=1.0)
 
 
+def phong():
+    """Facets by Ashikhmin and Shirley under grazing angles in a white world, and rough ones beside them."""
+    materials = [scenes.glossy(0.7**2, 0.9, distribution="ASHIKHMIN_SHIRLEY"), scenes.glossy(0.6, 0.9)]
+    return scenes.scene(scenes.fan(ANGLES, 2), materials, scenes.fan_camera(ANGLES, 2), world=1.0)
+
+
 def window():
     """Rough glass, a sun below it that only facets whose backs it sees refract to the camera, and a steep rough face without it."""
     low, steep = 0.2, np.radians(85.0)
@@ -160,6 +166,7 @@ SCENES = {
     slope: (1e-2, 128, set()),
     soft_box: (3e-4, 4096, set()),
     documents: (5e-3, 512, set()),
+    phong: (1e-2, 512, set()),
     window: (2e-2, 4096, set()),
     coats: (3e-3, 1024, set()),
     early: (5e-3, 64, set()),

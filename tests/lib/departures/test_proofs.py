@@ -6,11 +6,13 @@ from types import SimpleNamespace
 import mpmath
 import numpy as np
 import pytest
+from etalon.lib.bsdfs.ashikhmin_shirley import AshikhminShirley
 from etalon.lib.bsdfs.compensated import EXACT, albedos_of, multiple_scattering
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.layered import beneath_layer
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
+from etalon.lib.departures.closures import StrayAshikhminShirley
 from etalon.lib.departures.scene import narrow_factor, tabulated_ramp
 from etalon.lib.lights.spread import Spread
 from etalon.lib.microfacets import albedo, beckmann, ggx, masking
@@ -83,6 +85,44 @@ def test_through_facets_seen_from_behind_glass_would_make_light():
     assert given[False] < 1.0
     assert held[True] > 1.6
     assert given[True] > 1.3
+
+
+def hemisphere(nodes, around):
+    """Directions (3, n) of the upper hemisphere at Gauss-Legendre nodes in the cosine, and their solid angles."""
+    mu, weight = roots_legendre(nodes)
+    mu, phi = np.meshgrid(0.5 + 0.5 * mu, 2.0 * np.pi * (np.arange(around) + 0.5) / around, indexing="ij")
+    sine = np.sqrt(1.0 - mu * mu)
+    measure = np.repeat(0.5 * weight * 2.0 * np.pi / around, around)
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), mu]).reshape(3, -1), measure
+
+
+@pytest.mark.parametrize(("roughness", "least"), [(0.5, 0.06), (0.7, 0.35), (0.9, 0.6)])
+def test_half_vectors_that_face_away_from_the_viewer_give_no_light(roughness, least):
+    """In a uniform world the mean weight of samples is the integral of the lobe, Ashikhmin and Shirley 2000, eq. 4, over directions.
+
+    The departure adds the half vectors h of eq. 5 with h.o < 0, each by n.d / max(n.o, n.d) for d = -o - 2 (h.o) h. Both integrals
+    are written out here; at 80 degrees.
+    """
+    n, cos_o = 2.0 / roughness**4 - 2.0, np.cos(np.radians(80.0))
+    o = towards(cos_o)
+    wi, measure = hemisphere(400, 400)
+    h = (wi + o) / np.linalg.norm(wi + o, axis=0)
+    lobe = (n + 1.0) / (8.0 * np.pi) * h[2] ** n / ((o * h).sum(axis=0) * np.maximum(cos_o, wi[2]))
+    right = (lobe * wi[2]) @ measure
+    h, measure = hemisphere(1500, 1500)
+    c = (o * h).sum(axis=0)
+    up = np.where(c < 0.0, -cos_o - 2.0 * c * h[2], 0.0)
+    density = (n + 1.0) / (2.0 * np.pi) * h[2] ** n
+    stray = (density * np.maximum(up, 0.0) / np.maximum(cos_o, up)) @ measure
+    u = (np.arange(1000) + 0.5) / 1000
+    u1, u2 = (one.ravel() for one in np.meshgrid(u, u))
+    wo = np.repeat(o, u1.size, axis=1)
+    how = wo, np.float64(roughness**2), np.float64(roughness**2)
+    assert AshikhminShirley(*how).sample(u1, u2)[1].mean() == pytest.approx(right, rel=2e-5)
+    wi, weight, _ = StrayAshikhminShirley(*how).sample(u1, u2)
+    assert weight.mean() == pytest.approx(right + stray, rel=2e-5)
+    assert np.linalg.norm(wi, axis=0) == pytest.approx(1.0, abs=1e-12)
+    assert stray / right > least
 
 
 def test_what_glass_reflects_follows_its_index():

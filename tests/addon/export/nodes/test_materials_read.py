@@ -162,6 +162,11 @@ def bump(tree):
     return node(tree, "Bump")
 
 
+def bumped(tree, width):
+    inputs = {"Height": node(tree, "TexGradient", output="Fac"), "Filter Width": width}
+    return node(tree, "BsdfDiffuse", {"Normal": node(tree, "Bump", inputs)})
+
+
 def colored(build):
     return lambda t: node(t, "BsdfDiffuse", {"Color": build(t)})
 
@@ -283,6 +288,10 @@ def inside_group(tree):
 
 
 REFUSED = {
+    "node 'Bump' (Bump), socket 'Filter Width', is not simulated; set it to 0.1": lambda t: bumped(t, 0.5),
+    "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
+        t, node(t, "Value")
+    ),
     "Sheen BSDF": lambda t: node(t, "BsdfSheen"),
     "group 'Group', node 'Toon BSDF'": inside_group,
     "Principled BSDF), socket 'Subsurface Weight'": principled(Subsurface_Weight=0.5),
@@ -322,6 +331,11 @@ def test_what_is_not_simulated_is_refused_by_name(named):
     (refusal,) = refused(REFUSED[named])
     assert refusal.startswith("material '")
     assert named in refusal
+
+
+def test_a_filter_width_at_its_default_in_single_precision_is_read():
+    (lobe,) = lobes(lambda t: bumped(t, 0.1))
+    assert isinstance(lobe.closure.normal, ex.Bump)
 
 
 @pytest.mark.parametrize("name", ["Volume", "Displacement"])

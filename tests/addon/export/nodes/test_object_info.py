@@ -60,6 +60,7 @@ def crowd(studio, material):
 SQUARE = [(-0.4, -0.4, 0), (0.4, -0.4, 0), (0.4, 0.4, 0), (-0.4, 0.4, 0)], [(0, 1, 2, 3)]
 
 
+@pytest.mark.compares_with_cycles
 @pytest.mark.parametrize("output", OUTPUTS)
 def test_what_cycles_knows_of_objects(studio, output):
     material = studio.probe_material("ShaderNodeObjectInfo", output)
