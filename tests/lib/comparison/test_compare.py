@@ -305,6 +305,30 @@ def test_a_pixel_of_few_samples_is_not_judged():
         assert any("rare light" in reason for reason in found.verdict.reasons) or other > 1.0
 
 
+def test_a_lamp_of_1e12_beside_dim_cells_changes_nothing_for_them():
+    """The floor is the median's: the lamp's cell does not make a difference of 5 % elsewhere a small one."""
+    truth = grey(1.0, 96, 80)
+    truth[:16, :16] = 1e12
+    options = CompareOptions(time=None, samples=64, replicates=40)
+    assert run(scene=blank(96, 80), truth=truth, options=options).verdict.count(Outcome.DIFFERENT) == 0
+    other = truth.copy()
+    other[32:48, 32:48] *= 1.05
+    found = run(scene=blank(96, 80), truth=truth, other=other, options=options)
+    named = dict(zip(found.regions.names, found.verdict.outcomes, strict=True))
+    assert named["x 32 to 47, y 32 to 47"] is Outcome.DIFFERENT
+    assert not found.verdict.dark.any()
+
+
+def test_a_region_that_nothing_lights_is_dark_and_agrees():
+    truth = grey(1.0, 96, 80)
+    truth[:16, :16] = 0.0
+    options = CompareOptions(time=None, samples=64, replicates=40)
+    found = run(scene=blank(96, 80), truth=truth, options=options)
+    assert found.verdict.outcome is Outcome.EQUIVALENT
+    assert found.verdict.dark[found.regions.names.index("x 0 to 15, y 0 to 15")]
+    assert found.verdict.dark.sum() == 1
+
+
 def test_black_on_both_sides_is_equivalent():
     assert run(truth=grey(0.0)).verdict.outcome is Outcome.EQUIVALENT
 
