@@ -46,7 +46,8 @@ def make_structs() -> Iterator[tuple[str, Any]]:
             try:
                 yield group, datablock.path_resolve(path) if path else datablock
             finally:
-                made.remove(datablock)
+                # Blender 4.3 without a window crashes in `scenes.remove`.
+                bpy.data.batch_remove((datablock,))
 
 
 def content_of(owner: Any, name: str, depth: int = _DEEPEST) -> Any:
