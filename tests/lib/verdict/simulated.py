@@ -47,7 +47,7 @@ def decided(rng, candidate, noise, sigma=0.02, tolerance=0.01, confidence=0.99, 
 
 
 def decided_on_samples(
-    rng, share, worth, smooth, room=True, count=280, samples=8192, sigma=0.5, tolerance=0.01, confidence=0.99, last=101
+    rng, share, worth, smooth, room=True, count=280, samples=8192, sigma=0.5, tolerance=0.01, confidence=0.99, last=58
 ):
     """The test at its end: regions of mean 1, replicates of so many `samples` of noise `sigma` each.
 

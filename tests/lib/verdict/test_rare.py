@@ -16,7 +16,7 @@ from etalon.lib.verdict.rare import (
 from etalon.tests.lib.verdict.simulated import decided_on_samples
 from scipy import stats
 
-RUNS = [8, pytest.param(250, marks=pytest.mark.slow)]
+RUNS = [8, pytest.param(125, marks=pytest.mark.slow)]
 
 
 def test_one_bright_sample_is_a_jump_of_its_worth(rng):
