@@ -130,13 +130,13 @@ def _caustics(comparison: Comparison) -> list[str]:
     share, verdict = comparison.caustics, comparison.verdict
     if share is None:
         return []
-    much = share > verdict.tolerance
+    # Caustics of wide lamps are met as any other light is; only what keeps a region open is told.
+    much = (share > verdict.tolerance) & verdict.is_rare
     if not much.any():
         return []
-    most = place(comparison, int(np.argmax(share)))
-    open_ = int((much & (verdict.outcomes == Outcome.UNDECIDED)).sum())
+    most = int(np.argmax(np.where(much, share, 0.0)))
     return [
         f"Caustics, found by tracing light from the lamps, give more than {format_percent(verdict.tolerance, sign=False)} of the light of "
-        f"{plural(int(much.sum()), 'region')}, most in {most}: at most {format_bound(float(share.max()))}. A path from the camera seldom meets "
-        f"such light: {open_} of them stay undecided until there are samples enough."
+        f"{plural(int(much.sum()), 'region')}, most in {place(comparison, most)}: at most {format_bound(float(share[most]))}. "
+        "A path from the camera seldom meets such light, so they stay undecided until there are samples enough."
     ]

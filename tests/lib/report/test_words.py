@@ -33,14 +33,15 @@ def test_a_smaller_image_is_said_to_be_one():
     assert said.startswith("Compared at 24 x 20 pixels, 2 times narrower and lower than the scene asks for")
 
 
-def test_caustics_are_said_where_they_matter():
+def test_caustics_are_said_where_they_keep_a_region_open():
     found = made(**CASES["undecided"])
     share = np.full(len(found.regions), 0.001)
-    assert not any("Caustics" in s for s in sentences(replace(found, caustics=share)))
     share[3] = 0.052
-    (said,) = (s for s in sentences(replace(found, caustics=share)) if "Caustics" in s)
+    # Noise keeps all regions open here; caustics are no reason.
+    assert not any("Caustics" in s for s in sentences(replace(found, caustics=share)))
+    rare = replace(found, caustics=share, verdict=replace(found.verdict, rare=found.verdict.bounds))
+    (said,) = (s for s in sentences(rare) if "Caustics" in s)
     assert f"of 1 region, most in block {found.regions.names[3]}: at most 5.2 %" in said
-    assert "1 of them stay undecided" in said
 
 
 def test_a_blender_newer_than_the_newest_checked_is_reported_in_words_and_figures(tmp_path):
