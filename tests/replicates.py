@@ -16,9 +16,9 @@ from scipy import stats
 LEVEL = 1e-4
 
 
-def replicates(scene: Scene, count: int, samples: int, **options) -> np.ndarray:
-    """Images (count, height, width, 3) of `count` replicates; one thread and no roulette unless told otherwise."""
-    renderer = ReferenceRenderer(scene, Options(**{"threads": 1, "russian_roulette": False, **options}))
+def replicates(scene: Scene, count: int, samples: int, make=ReferenceRenderer, **options) -> np.ndarray:
+    """Images (count, height, width, 3) by the renderer that `make` gives; one thread and no roulette unless told otherwise."""
+    renderer = make(scene, Options(**{"threads": 1, "russian_roulette": False, **options}))
     images = []
     for replicate in range(count):
         rendering = renderer.render(replicate, samples)

@@ -18,11 +18,13 @@ from ..light_tracing.scouting import Scouted, scout_caustics
 from ..progress import Progress
 from ..relative import difference_scale
 from ..scene.camera import PANORAMAS
+from ..verdict.rare import room_for_rare_light
 from ..wavefront.kernel import Kernel
 from .run import TimedRun
 
-# Rays from the lights: of the trial that tells what they cost, at least and at most; and what the pass may take of the time.
-TRIAL, LEAST, MOST, SHARE = 1 << 15, 1 << 16, 1 << 21, 0.05
+# Rays from the lights: of the trial that tells what they cost, at least, at most, and where there is no limit on time; and what the
+# pass may take of the time.
+TRIAL, LEAST, MOST, UNLIMITED, SHARE = 1 << 15, 1 << 16, 1 << 21, 1 << 18, 0.05
 # What a region receives is taken to be at most so many standard errors above the estimate, and what so many contributions more of the mean
 # size would add: a region that met none may still receive some (with 5.3 in the mean, none comes with a probability of 0.5 %).
 STANDARD_ERRORS, UNMET = 3.0, 5.3
@@ -48,8 +50,7 @@ class Caustics:
         It is at most all that arrives so, and at most what samples of that worth may hide with probability `level` (verdict/rare.py).
         """
         mean = np.maximum(difference_scale(reference, floor).mean(axis=1), np.finfo(float).tiny)
-        hidden = self.brightness / mean * np.log(1.0 / level)
-        missed = np.divide(hidden, samples, out=np.full(mean.shape, np.inf), where=np.asarray(samples) > 0)
+        missed = room_for_rare_light(self.brightness / mean, samples, level)
         return np.minimum(self.share(reference, floor), missed)
 
 
@@ -62,9 +63,11 @@ def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
         return None
     silent = Progress(is_cancelled=lambda: run.progress.is_cancelled)
     trial = scout_caustics(kernel, TRIAL, progress=silent)
-    seconds = np.inf if run.budget is None else SHARE * run.budget
-    paths = int(np.clip(seconds / max(trial.seconds, 1e-6) * TRIAL, LEAST, MOST))
-    return scout_caustics(kernel, paths, progress=silent) if trial.pixel.size else trial
+    paths = UNLIMITED
+    if run.budget is not None:
+        paths = int(np.clip(SHARE * run.budget / max(trial.seconds, 1e-6) * TRIAL, LEAST, MOST))
+    # Also where the trial met nothing: so few rays are no proof. Where no caustic is possible this costs nothing.
+    return scout_caustics(kernel, paths, progress=silent)
 
 
 def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:

@@ -237,6 +237,7 @@ class _Loop:
     def test_regions(self) -> None:
         """Look at all regions, and seek the causes of those that differ."""
         of_reference, of_candidate = (side.regions.moments for side in self._sides)
+        self._test.fix_floor(of_reference)
         self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light())
         bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)

@@ -15,6 +15,7 @@ REPLICATES = 48
 # but each render call has a fixed cost, and all of them together shall not eat more than this share of the budget.
 OVERHEAD = 0.15
 FEWEST = 16
+# A sample costs at least this part of its share in the longest timed call.
 LEAST_SLOPE = 0.1
 # Cycles adds samples up in float32, which drifts beyond this many.
 MOST_SAMPLES = 4096

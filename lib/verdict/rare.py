@@ -71,13 +71,13 @@ def describe_tails(series: np.ndarray, samples: np.ndarray) -> Tails:
     return Tails(share, worth)
 
 
-def room_for_rare_light(worth: float, samples: np.ndarray, level: float) -> np.ndarray:
+def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray, level: float) -> np.ndarray:
     """The relative difference (K,) that samples worth `worth` means or fewer may hide from regions of so many `samples` (K,) in all.
 
     `level` is the probability of missing more. Infinite where there is no sample.
     """
     samples = np.asarray(samples, float)
-    hidden = max(worth, LEAST_WORTH) * np.log(1.0 / level)
+    hidden = np.maximum(worth, LEAST_WORTH) * np.log(1.0 / level)
     return np.divide(hidden, samples, out=np.full(samples.shape, np.inf), where=samples > 0)
 
 

@@ -113,10 +113,14 @@ class SequentialTest:
         """The share of the level that a look spends once there are `growth` times the replicates."""
         return self._spending.share_of(len(self.looks) + max(1, round(np.log(growth) / np.log(GROWTH))))
 
-    def look(self, reference: Moments, candidate: Moments, last: bool, rare: np.ndarray | float = 0.0) -> None:
-        """Judge what there is: moments (N, 3) of the region means, and the relative difference (N,) that unseen light may make."""
+    def fix_floor(self, reference: Moments) -> None:
+        """Settle the floor from the moments (N, 3) of the first look; later ones change nothing."""
         if not self.looks:
             self.floor = find_floor(reference.mean, self.families)
+
+    def look(self, reference: Moments, candidate: Moments, last: bool, rare: np.ndarray | float = 0.0) -> None:
+        """Judge what there is: moments (N, 3) of the region means, and the relative difference (N,) that unseen light may make."""
+        self.fix_floor(reference)
         replicates = min(reference.most, candidate.most)
         share = self._spending.take(last)
         level = self._boundary.next(replicates, share)

@@ -3,11 +3,15 @@
 
 import numpy as np
 import pytest
-from etalon.lib.comparison.caustics import Caustics, caustics_in
+from etalon.lib.comparison import caustics
+from etalon.lib.comparison.caustics import LEAST, UNLIMITED, Caustics, caustics_in, scout
 from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.run import TimedRun
 from etalon.lib.film.regions import image_regions
 from etalon.lib.light_tracing.scouting import Scouted
+from etalon.lib.progress import NO_PROGRESS
 from etalon.lib.verdict.outcome import Outcome
+from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.lib.renderers import Painter, blank, grey
 
 WIDTH, HEIGHT, BATCHES = 32, 20, 4
@@ -82,3 +86,18 @@ def test_a_region_lit_by_caustics_is_not_equivalent_before_it_can_have_met_them(
     assert found.caustics.max() == pytest.approx(0.05, rel=0.03)
     free = compare(blank(WIDTH, HEIGHT), *sides, {}, options, scouted=scouted(brightness=10.0))
     assert free.verdict.outcome is Outcome.EQUIVALENT
+
+
+@pytest.mark.parametrize(("seconds", "least"), [(1.0, LEAST), (None, UNLIMITED)])
+def test_a_trial_that_meets_nothing_is_no_proof(monkeypatch, seconds, least):
+    """The pass is made all the same, with the rays that it is due."""
+    asked = []
+
+    def nothing(kernel, paths, progress):
+        asked.append(paths)
+        none = np.zeros(0, int)
+        return Scouted((HEIGHT, WIDTH), BATCHES, none, none, np.zeros((3, 0)), np.zeros(0), paths, 10.0)
+
+    monkeypatch.setattr(caustics, "scout_caustics", nothing)
+    scout(ReferenceRenderer(blank(WIDTH, HEIGHT)).kernel, TimedRun(seconds, NO_PROGRESS))
+    assert asked[-1] == least

@@ -9,7 +9,6 @@ from etalon.lib.scene.camera import Aperture
 from etalon.lib.scene.expressions import Constant
 from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Glass, Glossy, Metallic, Specular, Translucent
-from etalon.lib.settings.reference import Options
 from etalon.tests.replicates import assert_same, blocks, replicates
 from etalon.tests.scenes import (
     color,
@@ -27,13 +26,7 @@ from etalon.tests.scenes import (
 
 def light_traced(the_scene, count, samples, **options):
     """Images (count, height, width, 3) by light tracing; one thread and no roulette unless told otherwise."""
-    renderer = LightTracingRenderer(the_scene, Options(**{"threads": 1, "russian_roulette": False, **options}))
-    images = []
-    for replicate in range(count):
-        rendering = renderer.render(replicate, samples)
-        assert not rendering.nonfinite.any()
-        images.append(rendering.radiance)
-    return np.array(images)
+    return replicates(the_scene, count, samples, LightTracingRenderer, **options)
 
 
 def assert_agree(the_scene, seed, samples=256, precision=0.05, size=5, **options):
