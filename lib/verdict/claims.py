@@ -46,14 +46,14 @@ def combine(
     """
     parts = [(candidate, 1.0), (reference, -factor)] + ([] if shift is None else [(shift, -factor)])
     value = np.sum([weight * part.mean for part, weight in parts], axis=0) - offset
-    if min(part.most for part, _ in parts) < 2:
+    if min(np.max(part.df) for part, _ in parts) < 1:
         nothing = np.full(value.shape, np.nan)
         return Combination(value, nothing, nothing)
     variances = [weight * weight * part.variance / part.count for part, weight in parts]
     total = np.sum(variances, axis=0)
     even = np.full(value.shape, 1.0 / len(parts))
     shares = [np.divide(v, total, out=even.copy(), where=total > 0) for v in variances]
-    each = [share * share / (part.count - 1) for share, (part, _) in zip(shares, parts, strict=True)]
+    each = [share * share / part.df for share, (part, _) in zip(shares, parts, strict=True)]
     df = 1.0 / np.sum(each, axis=0)
     return Combination(value, np.sqrt(total), df)
 

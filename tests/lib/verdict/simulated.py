@@ -66,7 +66,7 @@ def decided_on_samples(
             series[k] = np.vstack([series[k], body + rare[k]])
         left = 0.0
         if room:
-            most = max(describe_tails(one, np.full(count, samples)).worth.max() for one in series)
+            most = max(describe_tails(one, np.full(count, samples), np.ones(len(one))).worth.max() for one in series)
             left = room_for_rare_light(most, np.full(count, n * samples), ALL_AGREE * test.level)
         test.look(*(rows_of(np.repeat(one[..., None], 3, axis=2)) for one in series), last=n == last, rare=left)
     return test
