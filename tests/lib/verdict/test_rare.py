@@ -14,10 +14,11 @@ from etalon.lib.verdict.rare import (
     pareto_shape,
     room_for_rare_light,
 )
-from etalon.tests.lib.verdict.simulated import decided_on_samples
+from etalon.tests.lib.verdict.simulated import HEAVY, decided_on_heavy_tails, decided_on_samples
 from scipy import stats
 
 RUNS = [8, pytest.param(125, marks=pytest.mark.slow)]
+FEW = [2, pytest.param(125, marks=pytest.mark.slow)]
 
 
 def test_one_bright_sample_is_a_jump_of_its_worth(rng):
@@ -99,6 +100,25 @@ def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, wort
     """The means are equal; one side has 3 % of the light in samples of this worth, the other in all of its samples."""
     wrong = sum((decided_on_samples(rng, 0.03, worth, 0.03).outcomes == Outcome.DIFFERENT).any() for _ in range(runs))
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+@pytest.mark.parametrize("runs", FEW)
+@pytest.mark.parametrize("noisy", [True, False], ids=["both sides", "one side"])
+@pytest.mark.parametrize("kind", HEAVY)
+def test_heavy_tails_of_samples_make_no_false_claims(rng, runs, kind, noisy):
+    """A difference of 15 % is beyond the tolerance of 10 %, one of none is not; a hundred regions, some of whose noise has no variance."""
+    agree = differ = 0
+    for _ in range(runs):
+        agree += (decided_on_heavy_tails(rng, kind, 0.15, noisy).outcomes == Outcome.EQUIVALENT).any()
+        differ += (decided_on_heavy_tails(rng, kind, 0.0, noisy).outcomes == Outcome.DIFFERENT).any()
+    assert max(agree, differ) <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+def test_heavy_tails_that_have_a_variance_are_decided_all_the_same(rng):
+    """Half as much again is found in most regions, and agreement in some."""
+    assert (decided_on_heavy_tails(rng, "Pareto 2.5", 0.5, False).outcomes == Outcome.DIFFERENT).mean() > 0.8
+    found = [decided_on_heavy_tails(rng, "Pareto 2.5", 0.0, False).outcomes for _ in range(5)]
+    assert np.mean([one == Outcome.EQUIVALENT for one in found]) > 0.2
 
 
 @pytest.mark.parametrize(
