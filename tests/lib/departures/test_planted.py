@@ -39,7 +39,7 @@ ANGLES = np.radians([64.0, 78.0, 87.1])
 # Most are done after 27; where the difference is not much more than the tolerance its share takes longer.
 REPLICATES = 62
 # Of the default run; the other pairs are slow ones.
-PAIRS = (("rational Beckmann Lambda", "rational Beckmann density"), ("multiple-scattering tables", "Oren-Nayar colour"))
+PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
 
 
 def furnace():
