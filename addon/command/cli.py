@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
+from ...lib.refusals import describe_refusals
 from ...lib.version import VERSION
 from ...lib.wavefront.tuning import tune_process
 from .arguments import find_command, make_parser, read_arguments
@@ -48,8 +49,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(arguments)
     except Refused as refused:
-        for refusal in refused.refusals:
-            print(f"etalon: {refusal}", file=sys.stderr)
+        for line in describe_refusals(refused):
+            print(f"etalon: {line}", file=sys.stderr)
     except EtalonError as error:
         print(f"etalon: {error}", file=sys.stderr)
     except OSError as error:

@@ -44,8 +44,19 @@ def open_target(
     for assignment in assignments:
         assign(assignment)
     if scene.camera is None:
-        raise EtalonError(f"{scene.name}: the scene has no camera; add one in Blender and make it the active camera")
+        raise EtalonError(f"{scene.name}: the scene has no camera; {_where_cameras_are(scene)}")
     return Path(target).stem if target else (Path(bpy.data.filepath).stem or scene.name)
+
+
+def _where_cameras_are(scene: bpy.types.Scene) -> str:
+    """What to do about a scene without an active camera: the cameras that it has, or the scenes of the file that have one."""
+    cameras = sorted(thing.name for thing in scene.objects if thing.type == "CAMERA")
+    if cameras:
+        return f"choose one of its cameras with --camera: {', '.join(cameras)}"
+    others = sorted(other.name for other in bpy.data.scenes if other.camera is not None)
+    if others:
+        return f"other scenes of the file have one: {', '.join(others)}; make that the active scene and save the file"
+    return "add one in Blender and make it the active camera"
 
 
 def as_opened(target: Target) -> Target:

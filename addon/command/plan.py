@@ -1,30 +1,59 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon plan`: the effects that a scene needs, and why."""
+"""`etalon plan`: the effects that a scene needs, and why; of a folder, which of its files can be compared."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from pathlib import Path
 
 from ...lib.effects.plan import Plan, make_plan
+from ...lib.errors import EtalonError, Refused
+from ...lib.exit_codes import ExitCode
+from ...lib.files.atomic import replace_file
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
 from ...lib.settings.commands import PlanOutput
 from ...lib.settings.common import Target
+from ...lib.settings.words import write_changes
 from .exported import read_scene
+from .survey import as_csv, as_json, as_text, survey
 
 
 def run(target: Target, settings: PlanOutput) -> int:
     """Print which effects the scene needs, each with the fact that decided it."""
-    scene = read_scene(target)
+    if target.scene is not None and Path(target.scene).is_dir():
+        return _run_folder(Path(target.scene), target, settings)
+    if settings.csv is not None:
+        raise EtalonError(f"{settings.csv}: --csv makes a table of many files; give a folder in place of a scene")
+    try:
+        scene = read_scene(target)
+    except Refused as refused:
+        if not settings.json:
+            raise
+        print(json.dumps({"refusals": [asdict(refusal) for refusal in refused.refusals]}, indent=2))
+        return ExitCode.BAD_INPUT
     plan = make_plan(scene)
     if settings.save is not None:
         archive.save(scene, settings.save)
     if settings.json:
-        print(json.dumps({"scene": scene.name, **asdict(plan)}, indent=2))
+        counts = {"triangles": scene.mesh.triangle_count, "lights": len(scene.lights)}
+        print(json.dumps({"scene": scene.name, **counts, **asdict(plan)}, indent=2))
     else:
         print(plan_text(scene, plan))
     return 0
+
+
+def _run_folder(folder: Path, target: Target, settings: PlanOutput) -> int:
+    """Print which of the folder's files can be compared, and what stops the others."""
+    if settings.save is not None:
+        raise EtalonError(f"{settings.save}: --save keeps one scene; give a file in place of the folder {folder}")
+    files = list(survey(folder, write_changes(replace(target, scene=None))))
+    if settings.csv is not None:
+        with replace_file(settings.csv) as beside:
+            beside.write_text(as_csv(files), encoding="utf-8")
+    print(as_json(folder, files) if settings.json else as_text(files))
+    return ExitCode.DONE
 
 
 def plan_text(scene: Scene, plan: Plan) -> str:

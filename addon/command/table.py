@@ -84,7 +84,8 @@ COMMANDS = (
         "plan",
         (Target, PlanOutput),
         "list the effects that a scene needs, and why, without rendering",
-        "SCENE may also be a scene saved as .npz, which needs no Blender.",
+        "SCENE may also be a scene saved as .npz, which needs no Blender, or a folder: then each .blend file in it is read, in a "
+        "process of its own, and a table says which can be compared and what stops the others.",
     ),
     Command(
         "cost",

@@ -7,6 +7,7 @@ import importlib
 from typing import Any
 
 from ...lib.errors import EtalonError
+from .quiet import quiet
 
 LIBRARIES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
 
@@ -14,7 +15,8 @@ LIBRARIES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6
 def load_blender() -> Any:
     """Import bpy and return it; raises EtalonError, which says what to install, where it or a system library is missing."""
     try:
-        return importlib.import_module("bpy")
+        with quiet():
+            return importlib.import_module("bpy")
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise

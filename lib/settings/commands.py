@@ -16,6 +16,7 @@ class PlanOutput(Declared):
 
     json: bool = option(False, Flag(), "print JSON")
     save: Path | None = option(None, FilePath("FILE.npz"), "save the exported scene, for `etalon render`")
+    csv: Path | None = option(None, FilePath("FILE.csv"), "of a folder: save the table of its files")
 
 
 @dataclass(frozen=True)

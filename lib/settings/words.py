@@ -32,6 +32,11 @@ def _changes(settings: tuple[Declared, ...]) -> Iterator[tuple[Option, Any]]:
         yield from ((declared, changed[declared.name]) for declared in part.options() if declared.name in changed)
 
 
+def write_changes(*settings: Declared) -> list[str]:
+    """The words that give these settings again; options that have their default value are left out."""
+    return [word for declared, value in _changes(settings) for word in write_words(declared, value)]
+
+
 def repeating_command(command: str, *settings: Declared) -> str:
     """The command line that gives these settings again; options that have their default value are left out.
 
@@ -39,8 +44,7 @@ def repeating_command(command: str, *settings: Declared) -> str:
     >>> repeating_command("render", Target("my room.blend"), Run(seed=3))
     "etalon render 'my room.blend' --seed=3"
     """
-    words = [word for declared, value in _changes(settings) for word in write_words(declared, value)]
-    return shlex.join(["etalon", command, *words])
+    return shlex.join(["etalon", command, *write_changes(*settings)])
 
 
 def read_table(kinds: tuple[type[Declared], ...], table: Mapping[str, Any]) -> tuple[str, ...]:

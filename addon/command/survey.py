@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`etalon plan FOLDER`: which of many files can be compared, and what stops the others."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from ...lib.batch.process import end, etalon_command, start
+from ...lib.errors import EtalonError, Refusal
+from ...lib.exit_codes import ExitCode
+from ...lib.refusals import group_refusals
+
+# A file that takes longer than so many seconds to load and export is given up.
+PATIENCE = 600.0
+PASSES, REFUSED, FAILED = "passes", "refused", "failed"
+_COLUMNS = ("file", "state", "triangles", "lights", "reasons")
+
+
+@dataclass(frozen=True)
+class Surveyed:
+    """One file: its path below the folder, its `state`, what it is `refused` for, or the `error` that ended it."""
+
+    file: str
+    state: str
+    triangles: int = 0
+    lights: int = 0
+    refused: tuple[Refusal, ...] = ()
+    error: str | None = None
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why it does not pass, one text a reason."""
+        return (self.error,) if self.error else tuple(str(reason) for reason in group_refusals(self.refused))
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """The reasons without the names in this file, to count over files."""
+        if self.error:
+            return frozenset([self.error.rsplit(": ", 1)[-1].partition(";")[0]])
+        return frozenset(f"{reason.kind}: {_nameless(reason.what)}" for reason in group_refusals(self.refused))
+
+
+def find_files(folder: Path) -> list[Path]:
+    """All .blend files below `folder`, in order; raises EtalonError where there is none."""
+    found = sorted(path for path in folder.rglob("*.blend") if path.is_file())
+    if not found:
+        raise EtalonError(f"{folder}: no .blend file in it; check the path")
+    return found
+
+
+def survey(folder: Path, options: Sequence[str]) -> Iterator[Surveyed]:
+    """Every file of `folder` as it is done, in order, each read in a process of its own: one that crashes is a row like the others."""
+    with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 4)) as pool:
+        yield from pool.map(lambda path: _read(path, str(path.relative_to(folder)), options), find_files(folder))
+
+
+def _read(path: Path, name: str, options: Sequence[str]) -> Surveyed:
+    command = [*etalon_command(), "plan", str(path.resolve()), "--json", *options]
+    process = start(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        out, err = process.communicate(timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        end(process)
+        return Surveyed(name, FAILED, error=f"took longer than {PATIENCE:.0f} s")
+    finally:
+        end(process)
+    try:
+        found = json.loads(out)
+    except ValueError:
+        found = None
+    if process.returncode == ExitCode.DONE and found is not None:
+        return Surveyed(name, PASSES, found["triangles"], found["lights"])
+    if process.returncode == ExitCode.BAD_INPUT and found is not None:
+        return Surveyed(name, REFUSED, refused=tuple(Refusal(**one) for one in found["refusals"]))
+    if process.returncode == ExitCode.BAD_INPUT:
+        last = err.strip().splitlines()
+        return Surveyed(name, REFUSED, error=last[-1].removeprefix("etalon: ") if last else "refused without a word")
+    return Surveyed(name, FAILED, error=f"Blender ended with code {process.returncode} while it read the file")
+
+
+def _nameless(what: str) -> str:
+    """`what` with the kind of a node alone, where it has the name that the user gave it too."""
+    return re.sub(r"node '.*?' \((.*?)\)", r"\1", what).strip(" ,")
+
+
+def count_reasons(files: Sequence[Surveyed]) -> list[tuple[str, int, int]]:
+    """Each reason, the files that it stops, and those that nothing else stops; what stops most first."""
+    every = Counter(kind for one in files for kind in one.kinds)
+    alone = Counter(next(iter(one.kinds)) for one in files if len(one.kinds) == 1)
+    return [(kind, count, alone[kind]) for kind, count in every.most_common()]
+
+
+def as_text(files: Sequence[Surveyed]) -> str:
+    """A row a file, and what blocks, for a terminal."""
+    width = max(len(one.file) for one in files)
+    lines = [f"{one.file:{width}}  {one.state:7}  {'; '.join(one.reasons)}".rstrip() for one in files]
+    passing = sum(one.state == PASSES for one in files)
+    lines += ["", f"{passing} of {len(files)} files can be compared."]
+    counted = count_reasons(files)
+    if counted:
+        lines += ["", "files  alone  what stops them"]
+        lines += [f"{count:5}  {alone:5}  {kind}" for kind, count, alone in counted]
+    return "\n".join(lines)
+
+
+def as_json(folder: Path, files: Sequence[Surveyed]) -> str:
+    """The same as JSON."""
+    rows = [{**asdict(one), "reasons": one.reasons} for one in files]
+    counted = [{"reason": kind, "files": count, "alone": alone} for kind, count, alone in count_reasons(files)]
+    return json.dumps({"folder": str(folder), "files": rows, "reasons": counted}, indent=2)
+
+
+def as_csv(files: Sequence[Surveyed]) -> str:
+    """One row a file; the reasons in one cell, a line each."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(_COLUMNS)
+    rows.writerows((one.file, one.state, one.triangles, one.lights, "\n".join(one.reasons)) for one in files)
+    return text.getvalue()

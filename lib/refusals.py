@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene is refused for, as a user reads it: the same reason once, with its owners, what blocks most first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from .errors import Refusal, Refused
+
+# So many owners of a reason are named; the others are counted.
+NAMED = 4
+MATERIAL = "material"
+
+
+@dataclass(frozen=True)
+class Reason:
+    """One thing that is not simulated: `kind` of what the user named (material, object, ...), all their `names`, `what`, `remedy`."""
+
+    kind: str
+    names: tuple[str, ...]
+    what: str
+    remedy: str
+
+    def __str__(self) -> str:
+        if len(self.names) == 1:
+            return str(Refusal(f"{self.kind} {self.names[0]}".rstrip(), self.what, self.remedy))
+        shown = ", ".join(self.names[:NAMED])
+        others = f" and {len(self.names) - NAMED} more" if len(self.names) > NAMED else ""
+        return f"{len(self.names)} {self.kind}s ({shown}{others}): {self.what} is not simulated; {self.remedy}"
+
+
+def group_refusals(refusals: Iterable[Refusal]) -> list[Reason]:
+    """The reasons among `refusals`, those with most owners first, each owner once.
+
+    >>> [str(r) for r in group_refusals([Refusal("material 'A'", "Toon", "remove it"), Refusal("material 'B'", "Toon", "remove it")])]
+    ["2 materials ('A', 'B'): Toon is not simulated; remove it"]
+    """
+    owners: dict[tuple[str, str, str], dict[str, None]] = {}
+    for refusal in refusals:
+        kind, _, name = refusal.owner.partition(" ")
+        kind, name = (kind, name) if name.startswith("'") else (refusal.owner, "")
+        owners.setdefault((kind, refusal.what, refusal.remedy), {})[name] = None
+    reasons = [Reason(kind, tuple(names), what, remedy) for (kind, what, remedy), names in owners.items()]
+    return sorted(reasons, key=lambda reason: -len(reason.names))
+
+
+def describe_refusals(refused: Refused) -> list[str]:
+    """A line for each reason, and one for what can be compared as things are, if anything can."""
+    reasons = group_refusals(refused.refusals)
+    rest = what_would_work(reasons)
+    return [str(reason) for reason in reasons] + ([rest] if rest is not None else [])
+
+
+def what_would_work(reasons: Sequence[Reason]) -> str | None:
+    """What can be compared as things are, in a sentence; None where nothing can."""
+    others = [reason for reason in reasons if reason.kind != MATERIAL]
+    if len(others) == len(reasons):
+        return None
+    if not others:
+        return "--partial compares the pixels that these materials cannot affect"
+    count = f"the {len(others)} other reasons" if len(others) > 1 else f"'{others[0].what}'"
+    return f"without {count}, --partial compares the pixels that the materials cannot affect"

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Many files at once: which can be compared, and what stops the others."""
+
+import csv
+import io
+import json
+
+import bpy
+import pytest
+from etalon.addon.command import cli
+from etalon.addon.command.survey import FAILED, PASSES, REFUSED, Surveyed, as_csv, as_text, count_reasons, find_files
+from etalon.lib.errors import EtalonError, Refusal, Refused
+from etalon.lib.refusals import describe_refusals, group_refusals
+
+SKINS = [
+    Refusal(f"material 'Skin {k}'", f"node 'N{k}' (Principled BSDF), socket 'Subsurface', ", "set it to 0")
+    for k in (0, 0)
+]
+SIMPLIFY = Refusal("scene 'Scene'", "Simplify", "switch it off")
+
+
+def test_the_same_reason_stands_once_with_its_owners_and_the_most_frequent_first():
+    many = [Refusal(f"material 'M{k}'", "Toon", "remove it") for k in range(6)]
+    reasons = group_refusals([SIMPLIFY, *many, many[0]])
+    assert [str(reason) for reason in reasons] == [
+        "6 materials ('M0', 'M1', 'M2', 'M3' and 2 more): Toon is not simulated; remove it",
+        "scene 'Scene': Simplify is not simulated; switch it off",
+    ]
+    assert str(group_refusals([Refusal("the file", "colorspace", "reset it")])[0]).startswith("the file: colorspace is")
+
+
+@pytest.mark.parametrize(
+    ("refusals", "last"),
+    [
+        (SKINS, "--partial compares the pixels that these materials cannot affect"),
+        ([*SKINS, SIMPLIFY], "without 'Simplify', --partial compares the pixels that the materials cannot affect"),
+        ([SIMPLIFY], "scene 'Scene': Simplify is not simulated; switch it off"),
+    ],
+)
+def test_a_refusal_ends_with_what_would_work(refusals, last):
+    assert describe_refusals(Refused(refusals))[-1] == last
+
+
+def test_reasons_are_counted_over_files_whatever_their_names():
+    other = Refusal("material 'Ear'", "node 'Other' (Principled BSDF), socket 'Subsurface', ", "set it to 0")
+    files = [
+        Surveyed("a.blend", PASSES, 12, 1),
+        Surveyed("b.blend", REFUSED, refused=(SKINS[0],)),
+        Surveyed("c.blend", REFUSED, refused=(other, SIMPLIFY)),
+        Surveyed("d.blend", FAILED, error="Blender ended with code -11 while it read the file"),
+    ]
+    assert count_reasons(files) == [
+        ("material: Principled BSDF, socket 'Subsurface'", 2, 1),
+        ("scene: Simplify", 1, 0),
+        ("Blender ended with code -11 while it read the file", 1, 1),
+    ]
+    assert "1 of 4 files can be compared." in as_text(files)
+    rows = list(csv.reader(io.StringIO(as_csv(files))))
+    assert [row[1] for row in rows[1:]] == [PASSES, REFUSED, REFUSED, FAILED]
+    assert len(rows[3][4].splitlines()) == 2
+
+
+def test_a_folder_without_files_is_told(tmp_path):
+    with pytest.raises(EtalonError, match=r"no \.blend file in it"):
+        find_files(tmp_path)
+
+
+def test_files_are_read_one_by_one_and_a_damaged_one_is_a_row(capfd, tmp_path):
+    bpy.ops.wm.read_factory_settings()
+    (tmp_path / "below").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "good.blend"))
+    bpy.context.scene.render.use_simplify = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "below" / "simple.blend"))
+    (tmp_path / "damaged.blend").write_bytes(b"BLENDER-v500" + bytes(100))
+    capfd.readouterr()
+    assert cli.main(["plan", str(tmp_path), "--json", "--csv", str(tmp_path / "files.csv")]) == 0
+    found = json.loads(capfd.readouterr().out)
+    states = {row["file"].replace("\\", "/"): row["state"] for row in found["files"]}
+    assert states == {"below/simple.blend": REFUSED, "damaged.blend": REFUSED, "good.blend": PASSES}
+    assert found["files"][2]["triangles"] == 12
+    assert {row["reason"] for row in found["reasons"]} >= {"scene: Simplify"}
+    assert len((tmp_path / "files.csv").read_text().splitlines()) == 4
