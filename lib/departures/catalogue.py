@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ..blender_versions import Versions, format_release
 from ..errors import EtalonError
+from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
@@ -230,6 +231,13 @@ DEPARTURES: tuple[Departure, ...] = (
         "A Color Ramp is read from a table of 257 entries: corners are rounded off and steps move by up to 1/256.",
         "kernel/svm/ramp.h",
         relevant=lambda scene: any(isinstance(n, ColorRamp) for n in _nodes(scene)),
+    ),
+    Departure(
+        "curve table",
+        "RGB, Vector and Float Curves are read from one table of 257 entries a channel. Beyond the ends of a curve Cycles goes on along "
+        "the last two entries; Blender's own curve goes on along the handle of its last point.",
+        "kernel/svm/ramp.h",
+        relevant=lambda scene: any(isinstance(n, Curves) for n in _nodes(scene)),
     ),
     Departure(
         "narrow spread",

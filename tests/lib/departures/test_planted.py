@@ -16,6 +16,7 @@ from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import SWITCHES, relevant
 from etalon.lib.errors import EtalonError
 from etalon.lib.report.words import sentences
+from etalon.lib.scene.converters import Curve, Curves
 from etalon.lib.scene.expressions import (
     ONE,
     WHITE,
@@ -25,6 +26,8 @@ from etalon.lib.scene.expressions import (
     Coordinates,
     ImageTexture,
     LayerWeight,
+    Math,
+    ValueToColor,
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
@@ -135,6 +138,14 @@ def prism():
     return scenes.scene(parts, [glass, scenes.emission(10.0)], camera)
 
 
+def curved():
+    """Facets whose colour a curve makes of values above its end, where its handle falls and its table is flat."""
+    curve = Curve(0.0, 1.0, (0.2, *(0.9,) * 256), (0.2, 0.0), (0.9, -0.8))
+    facing = Math("ADD", LayerWeight(Constant(0.5), output="FACING"), ONE, Constant(0.0))
+    materials = scenes.material(Diffuse(Curves(ONE, ValueToColor(facing), (curve,) * 3)))
+    return scenes.scene(scenes.fan(ANGLES), materials, scenes.fan_camera(ANGLES), world=1.0)
+
+
 class Cached:
     """A renderer that remembers its replicates, so that cases share what they have in common."""
 
@@ -171,6 +182,7 @@ SCENES = {
     coats: (3e-3, 1024, set()),
     early: (5e-3, 64, set()),
     prism: (2e-2, 512, set()),
+    curved: (5e-3, 64, set()),
 }
 
 

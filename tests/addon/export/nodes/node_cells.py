@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small Cycles renders that show what a node does: one quad per case, one sample per pixel, no noise."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import OpenImageIO
 from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.images import ImageTable
+from etalon.lib.departures.scene import tabulated_curves
+from etalon.lib.scene.converters import Curves
 from etalon.lib.scene.materials import Emission
 from etalon.lib.textures.evaluate import Evaluator
+from etalon.lib.textures.fold import inputs
 from etalon.lib.textures.images import ImageSet
 
 CELL = 16
@@ -124,6 +129,21 @@ class Points:
 
     def coordinates(self, kind, uv_map):
         return self._coordinates[kind]
+
+
+def tabulated(expression):
+    """The expression with the tables that Cycles has of curves."""
+    changed = replace(expression, **{name: tabulated(value) for name, value in inputs(expression).items()})
+    return tabulated_curves(changed) if isinstance(changed, Curves) else changed
+
+
+def read_tabulated(material, images, refusals):
+    """As read_material, with the tables that Cycles has of curves."""
+    read = read_material(material, images, refusals)
+    return replace(
+        read,
+        lobes=tuple(replace(x, closure=replace(x.closure, color=tabulated(x.closure.color))) for x in read.lobes),
+    )
 
 
 def predicted(material, points, read=read_material):
