@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small Cycles renders that show what a node does: one quad per case, one sample per pixel, no noise."""
 
+from contextlib import contextmanager
 from dataclasses import replace
 
 import bpy
 import numpy as np
 import OpenImageIO
+import pytest
 from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.departures.scene import tabulated_curves
 from etalon.lib.scene.converters import Curves
 from etalon.lib.scene.materials import Emission
+from etalon.lib.textures import color_spaces
 from etalon.lib.textures.evaluate import Evaluator
 from etalon.lib.textures.fold import inputs
 from etalon.lib.textures.images import ImageSet
@@ -118,6 +121,15 @@ def rendered(scene, folder):
     return (
         OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.FLOAT)[::-1, :, :3].transpose(2, 0, 1).astype(np.float64)
     )
+
+
+@contextmanager
+def cycles_luminance():
+    """Let the reference weigh colours as Cycles before Blender 5.0 does, whose weights have a white point of fewer digits."""
+    with pytest.MonkeyPatch.context() as patch:
+        if bpy.app.version < (5, 0, 0):
+            patch.setattr(color_spaces, "LUMINANCE_REC709", (0.2126729, 0.7151522, 0.0721750))
+        yield
 
 
 class Points:

@@ -10,12 +10,12 @@ import zlib
 import bpy
 import numpy as np
 import pytest
-from etalon.lib.textures import color_spaces
 from etalon.tests.addon.export.nodes.node_cases import BLENDS, COORDINATES, MATH
 from etalon.tests.addon.export.nodes.node_cells import (
     CELL,
     FACING,
     Points,
+    cycles_luminance,
     glowing,
     node,
     predicted,
@@ -199,8 +199,6 @@ CASES = {
 ROUNDED = {"vector math REFRACT": 1}
 # Cycles fits the colours of black bodies in numbers of six digits.
 COARSE = {"blackbody": 5e-4}
-# Cycles' weights of luminance before Blender 5.0, of a white point of fewer digits.
-WEIGHTS_BEFORE_5 = (0.2126729, 0.7151522, 0.0721750)
 
 
 @pytest.fixture(scope="module")
@@ -224,9 +222,7 @@ def cells(tmp_path_factory):
         row, column = index // side * CELL, index % side * CELL
         shown[name] = picture[:, row : row + CELL, column : column + CELL].reshape(3, -1)
     points = Points({kind: shown[kind] for kind in COORDINATES})
-    with pytest.MonkeyPatch.context() as patch:
-        if bpy.app.version < (5, 0, 0):
-            patch.setattr(color_spaces, "LUMINANCE_REC709", WEIGHTS_BEFORE_5)
+    with cycles_luminance():
         return {name: (shown[name], predicted(materials[name], points, read_tabulated)) for name in CASES}
 
 
