@@ -67,7 +67,7 @@ class Kernel:
         self.sky: np.ndarray | None = None
         if plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
             world = np.asarray(folded.world.radiance.value, np.float64)
-            self.sky = np.maximum(np.broadcast_to(world, (3,)), 0.0)[:, None]
+            self.sky = np.broadcast_to(world, (3,))[:, None]
         self.selection = LightSelection(self.lights) if self.lights else None
         self.light_is_delta = np.array([light.delta for light in self.lights], bool)
         lit_from_below = LIGHT_BELOW in options.departures
@@ -100,7 +100,7 @@ class Kernel:
     def world(self, direction: np.ndarray) -> np.ndarray:
         """The world's radiance from unit directions (3, n)."""
         radiance = evaluate(self.scene.world.radiance, Directions(direction), self.images)
-        return np.broadcast_to(np.maximum(radiance, 0.0), direction.shape)
+        return np.broadcast_to(radiance, direction.shape)
 
     def transparency(self, points: SurfacePoints) -> np.ndarray:
         """Straight-through factor at points of any materials, (3, n)."""

@@ -3,8 +3,10 @@
 
 import numpy as np
 import pytest
+from etalon.lib.scene.expressions import Constant, Coordinates, Math, ValueToColor, VectorToValue
 from etalon.lib.scene.lights import SunLight
 from etalon.lib.scene.materials import Diffuse, Emission, Translucent
+from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.replicates import assert_mean, replicates
@@ -47,3 +49,13 @@ def test_a_colour_below_zero_scatters_nothing(closure):
     stage = scene(floor(), material(closure(color(-0.5, 0.5, 2.0))), ABOVE, (sun,))
     image = ReferenceRenderer(stage, Options(threads=1)).render(0, 1)
     np.testing.assert_allclose(image.radiance / (0.8 / np.pi), np.broadcast_to([0.0, 0.5, 2.0], (2, 2, 3)), rtol=1e-9)
+
+
+@pytest.mark.parametrize("varies", [False, True])
+def test_a_negative_world_takes_light_away(varies, seed):
+    """A Lambert floor of albedo 0.8 in a world of -0.5: -0.4. A world that varies is a constant one to twelve digits."""
+    direction = VectorToValue(Coordinates("GENERATED"))
+    tiny = Math("MULTIPLY", direction, Constant(1e-12), Constant(0.0))
+    world = World(ValueToColor(Math("ADD", tiny, Constant(-0.5), Constant(0.0))) if varies else color(-0.5))
+    stage = scene(floor(50.0), diffuse(0.8), ABOVE, world=world)
+    assert_mean(replicates(stage, 8, 256, seed=seed), -0.4, precision=5e-3)
