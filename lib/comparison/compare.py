@@ -20,6 +20,7 @@ from ..light_tracing.scouting import Scouted
 from ..pages.formats import format_bound, format_duration
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
+from ..scene.findings import Finding
 from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE
@@ -32,7 +33,7 @@ from ..verdict.verdict import Verdict, conclude
 from ..version import VERSION
 from .caustics import caustics_in
 from .departures import Alternatives
-from .focus import focus
+from .focus import focus, weigh_round
 from .meter import Meter
 from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
@@ -41,8 +42,9 @@ from .sides import Renderer, Side
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
 
-# What is set aside of the time to find out why regions differ, where there are departures to ask.
-ASIDE_SHARE = 0.15
+# What is set aside of the time to find out why regions differ at the last look, where there are departures to ask; before that, a
+# search takes more, and sampling as much less.
+ASIDE_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,8 @@ class Comparison:
     everything, `pilot_seconds` the timed calls and the first look alone, `round_seconds` what one more replicate of both sides takes, of
     all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at each
     look. `divisor` says how many times narrower and lower the images are than the scene asks for. `caustics` (K,) is the part of
-    each region's light that arrives by caustics, at most, where a scouting pass was made.
+    each region's light that arrives by caustics, at most, where a scouting pass was made. `findings` are those of the scene check, where the
+    caller made one.
     """
 
     scene: str
@@ -91,6 +94,7 @@ class Comparison:
     history: tuple[BoundAt, ...]
     divisor: int
     caustics: np.ndarray | None
+    findings: tuple[Finding, ...] = ()
 
 
 def compare(
@@ -204,10 +208,12 @@ class _Loop:
 
     def render_round(self) -> None:
         """Add one replicate to each side; one that is cancelled, or cut short by the time, is not kept."""
+        weight = self._weigh_round()
         for k, (side, renderer) in enumerate(zip(self._sides, self._renderers, strict=True)):
             number = COUNTED.number(self._before + side.replicates)
+            samples = weight * side.film.samples
             try:
-                rendering, spent = self._meter.render_counted(renderer, number, side.film.samples, self._windows)
+                rendering, spent = self._meter.render_counted(renderer, number, samples, self._windows)
             except Cancelled:
                 break
             if self._timings is not None and self._windows is None:
@@ -217,10 +223,17 @@ class _Loop:
                 self._left_out = _compared(self._scene, self._left_out | (rendering.unknown > 0))
             for one in self._sides:
                 one.exclude(self._excluded | self._left_out, self._wanted)
-            side.add(rendering, self._wanted)
+            side.add(rendering, self._wanted, weight)
             del rendering  # not while the other side renders
         if not self._sides[1].replicates:
             raise self._nothing_to_compare()
+
+    def _weigh_round(self) -> int:
+        """How many replicates of both sides the next round renders at once."""
+        if self._windows is None or self._options.samples is not None:
+            return 1
+        replicates, samples = self._sides[1].replicates, max(side.film.samples for side in self._sides)
+        return weigh_round(float(self._windows.mask.mean()), replicates, samples, self._options.replicates)
 
     def is_look_due(self) -> bool:
         """Whether the test is to look at what there is, and whether sampling ends with that look."""
@@ -258,9 +271,8 @@ class _Loop:
         worth, least = 0.0, np.inf
         for side in self._sides:
             samples = side.regions.sizes * side.film.samples
-            worth = max(
-                worth, float(describe_tails(side.regions.series[:, cells], samples[cells]).worth.max(initial=0.0))
-            )
+            tails = describe_tails(side.regions.series[:, cells], samples[cells], side.regions.weights)
+            worth = max(worth, float(tails.worth.max(initial=0.0)))
             least = np.minimum(least, samples * side.regions.moments.n)
         level = ALL_AGREE * self._test.level
         room = room_for_rare_light(worth, least, level)
@@ -297,10 +309,14 @@ class _Loop:
         """End where nothing is open; else sample on where something is, once that is a small part of the image."""
         if not self._open.any():
             self.stopped = self.stopped or Stop.DECIDED
-        elif self._windows is not None or focus(self._regions, self._open) is not None:
+        elif self._windows is not None or self._focus(self._open) is not None:
             wanted = self._open if self._wanted is None else self._wanted & self._open
-            self._wanted, self._windows = wanted, focus(self._regions, wanted)
+            self._wanted, self._windows = wanted, self._focus(wanted)
             self._meter.mark(self._sides[1].replicates)
+
+    def _focus(self, wanted: np.ndarray) -> Windows | None:
+        samples = max(side.film.samples for side in self._sides)
+        return focus(self._regions, wanted, samples, self._sides[1].replicates)
 
     def conclude(self, divisor: int) -> Comparison:
         """The verdict, and all that it rests on."""

@@ -57,7 +57,7 @@ class Side:
 
     @property
     def replicates(self) -> int:
-        """How many it has rendered, of the whole image or of a part."""
+        """How many it has rendered, of the whole image or of a part, counted by their weight."""
         return self.film.moments.most
 
     @property
@@ -69,7 +69,7 @@ class Side:
         """Leave `pixels` (height, width) out of the regions `of` (K,), or of all."""
         self.regions.exclude(pixels, self.film.moments, of)
 
-    def add(self, rendering: Rendering, of: np.ndarray | None) -> None:
-        """Take one replicate more, for the regions `of` (K,), or for all."""
-        self.film.add(rendering)
-        self.regions.add(rendering.radiance, of)
+    def add(self, rendering: Rendering, of: np.ndarray | None, weight: int = 1) -> None:
+        """Take one replicate more, with `weight` times the usual samples, for the regions `of` (K,), or for all."""
+        self.film.add(rendering, weight)
+        self.regions.add(rendering.radiance, of, weight)

@@ -17,7 +17,7 @@ class Film:
     """Moments (height, width, 3) of the radiance over replicates, in W m^-2 sr^-1.
 
     A pixel that a non-finite sample ever reached has mean NaN from then on; `nonfinite` (height, width) counts those
-    samples. `samples` is the number of samples per pixel in each replicate, `seconds` the time of all of them, `stages`
+    samples. `samples` is the number of samples per pixel in a replicate of weight 1, `seconds` the time of all of them, `stages`
     the same by stage, `camera_samples` and `rays` their totals.
     """
 
@@ -39,11 +39,11 @@ class Film:
         """Height and width in pixels."""
         return self.nonfinite.shape
 
-    def add(self, rendering: Rendering) -> None:
-        """Take one replicate more; raises EtalonError where the sizes differ."""
+    def add(self, rendering: Rendering, weight: int = 1) -> None:
+        """Take one replicate more, of `weight` times `samples`; raises EtalonError where the sizes differ."""
         bad = nonfinite_pixels(rendering, self.shape)
         where = None if rendering.windows is None else rendering.windows.mask
-        self.moments.add(_without(rendering.radiance, bad), where)
+        self.moments.add(_without(rendering.radiance, bad), where, weight)
         if bad.any():
             self.nonfinite += np.where(bad, np.maximum(rendering.nonfinite, 1), 0).astype(np.int32)
         for stage, seconds in rendering.stages.items():

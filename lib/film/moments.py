@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Count, mean and sum of squared deviations, merged pairwise, never E[x^2] - E[x]^2."""
+"""Weight, mean and sum of squared deviations, merged pairwise, never E[x^2] - E[x]^2."""
 
 from __future__ import annotations
 
@@ -15,12 +15,16 @@ _AT_A_TIME = 1 << 16
 class Moments:
     """Observations of an array: their `mean` and `m2`, the sum of squared deviations from it, both of the array's shape.
 
-    `n` is how many, or, once some entries have been observed more often, how many of each along the leading axes.
+    `n` is the sum of their weights, the number of observations where each has the weight 1, or, once some entries have been observed more
+    often, that of each along the leading axes. An observation of weight w is one whose variance is 1 / w of the usual, such as the
+    mean of w usual ones; `m2` counts its squared deviation w times. `times` is how many observations were made where
+    some weights are not 1, of the shape of `n`; None where it is `n`.
     """
 
     n: int | np.ndarray
     mean: np.ndarray
     m2: np.ndarray
+    times: int | np.ndarray | None = None
 
     @classmethod
     def empty(cls, shape: tuple[int, ...]) -> Moments:
@@ -29,32 +33,41 @@ class Moments:
 
     def part(self, rows: slice) -> Moments:
         """The moments of some of the entries along the first axis, as views."""
-        return Moments(self.n if np.ndim(self.n) == 0 else self.n[rows], self.mean[rows], self.m2[rows])
+        n, times = (one if np.ndim(one) == 0 else one[rows] for one in (self.n, self.times))
+        return Moments(n, self.mean[rows], self.m2[rows], times)
 
     @property
     def most(self) -> int:
-        """The number of observations of the entry that has most."""
+        """The weight of the entry that has most."""
         return int(self.n.max()) if isinstance(self.n, np.ndarray) else self.n
 
     @property
     def least(self) -> int:
-        """The number of observations of the entry that has fewest."""
+        """The weight of the entry that has least."""
         return int(self.n.min()) if isinstance(self.n, np.ndarray) else self.n
 
     @property
     def count(self) -> int | np.ndarray:
         """`n` in a shape that broadcasts against the mean."""
-        if not isinstance(self.n, np.ndarray):
-            return self.n
-        return self.n.reshape(self.n.shape + (1,) * (self.mean.ndim - self.n.ndim))
+        return self._spread_out(self.n)
+
+    @property
+    def df(self) -> int | np.ndarray:
+        """Degrees of freedom of `variance`, one less than there are observations, in a shape that broadcasts against the mean."""
+        return self._spread_out(self.n if self.times is None else self.times) - 1
+
+    def _spread_out(self, counts: int | np.ndarray) -> int | np.ndarray:
+        if not isinstance(counts, np.ndarray):
+            return counts
+        return counts.reshape(counts.shape + (1,) * (self.mean.ndim - counts.ndim))
 
     @property
     def variance(self) -> np.ndarray:
-        """Unbiased variance of one observation; NaN where fewer than two were made."""
-        n = self.count
-        if not isinstance(n, np.ndarray):
-            return self.m2 * (np.nan if n < 2 else 1.0 / (n - 1))
-        return self.m2 * np.where(n < 2, np.nan, 1.0 / np.maximum(n - 1, 1))
+        """Unbiased variance of one observation of weight 1; NaN where fewer than two observations were made."""
+        df = self.df
+        if not isinstance(df, np.ndarray):
+            return self.m2 * (np.nan if df < 1 else 1.0 / df)
+        return self.m2 * np.where(df < 1, np.nan, 1.0 / np.maximum(df, 1))
 
     @property
     def standard_error(self) -> np.ndarray:
@@ -63,32 +76,42 @@ class Moments:
         error /= np.maximum(self.count, 1)
         return np.sqrt(error, out=error)
 
-    def add(self, values: np.ndarray, where: np.ndarray | None = None) -> None:
-        """Take one observation more into these moments: `merge` with n = 1.
+    def add(self, values: np.ndarray, where: np.ndarray | None = None, weight: int = 1) -> None:
+        """Take one observation more into these moments: `merge` with n = `weight`.
 
         With `where`, a mask over the leading axes, those entries alone are observed, and each keeps its own count from then on.
         """
+        if weight != 1 and self.times is None:
+            self.times = np.copy(self.n) if isinstance(self.n, np.ndarray) else self.n
         if where is not None:
-            self.n = np.full(where.shape, self.n, np.int32) if np.ndim(self.n) == 0 else self.n
-            self.n[where] += 1
-            self._update(where, values[where], self.count[where])
+            self.n = _counted(self.n, where, weight)
+            self.times = None if self.times is None else _counted(self.times, where, 1)
+            self._update(where, values[where], self.count[where], weight)
             return
-        self.n = self.n + 1
+        self.n = self.n + weight
+        self.times = None if self.times is None else self.times + 1
         rows = max(_AT_A_TIME // max(values[:1].size, 1), 1)
         for start in range(0, len(values), rows):
             part = slice(start, start + rows)
-            self._update(part, values[part], self.count if np.ndim(self.n) == 0 else self.count[part])
+            self._update(part, values[part], self.count if np.ndim(self.n) == 0 else self.count[part], weight)
 
-    def _update(self, part: slice | np.ndarray, values: np.ndarray, n: int | np.ndarray) -> None:
+    def _update(self, part: slice | np.ndarray, values: np.ndarray, n: int | np.ndarray, weight: int) -> None:
         delta = values - self.mean[part]
-        self.mean[part] += delta * (1.0 / n)
+        self.mean[part] += delta * (weight / n)
         delta *= delta
-        delta *= (n - 1) / n
+        delta *= weight * (n - weight) / n
         self.m2[part] += delta
 
 
+def _counted(counts: int | np.ndarray, where: np.ndarray, by: int) -> np.ndarray:
+    """`counts` of each entry, raised `by` so much `where` it was observed."""
+    each = np.full(where.shape, counts, np.int32) if np.ndim(counts) == 0 else counts
+    each[where] += by
+    return each
+
+
 def merge(a: Moments, b: Moments) -> Moments:
-    """Moments of the observations of `a` and `b` together, each with one count for all entries.
+    """Moments of the observations of `a` and `b` together, each with one count for all entries and all weights 1.
 
     Chan, Golub and LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances" (1979),
     eq. 2.1: exact in exact arithmetic, so that tiles, seeds and machines merge in any order.

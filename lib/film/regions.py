@@ -147,7 +147,7 @@ class RegionMoments:
     """`moments` (K, 3) of the means of `regions` over replicates; `excluded` (height, width) pixels count for nothing.
 
     `sizes` (K,) is the weight that is left in each region, in pixels; `series` (R, K) the mean over channels in each replicate, NaN where a
-    region was not sampled or has lost pixels since.
+    region was not sampled or has lost pixels since; `weights` (R,) how many times the usual samples each replicate has.
     """
 
     def __init__(self, regions: Regions, excluded: np.ndarray | None = None) -> None:
@@ -156,11 +156,17 @@ class RegionMoments:
         self.excluded = np.zeros(regions.shape, bool) if excluded is None else excluded
         self.sizes = regions.weights @ (~self.excluded.ravel()).astype(float)
         self._series: list[np.ndarray] = []
+        self._weights: list[int] = []
 
     @property
     def series(self) -> np.ndarray:
         """The mean over channels of each region in each replicate."""
         return np.array(self._series).reshape(len(self._series), len(self.regions))
+
+    @property
+    def weights(self) -> np.ndarray:
+        """The samples of each replicate, in units of the usual number."""
+        return np.array(self._weights, float)
 
     def means(self, radiance: np.ndarray, of: np.ndarray | slice = slice(None)) -> np.ndarray:
         """The means (K, 3) of an image (height, width, 3) over the regions `of`; NaN where no pixel is left."""
@@ -171,16 +177,17 @@ class RegionMoments:
         sizes = self.sizes[of]
         return (weights @ kept) / np.where(sizes > 0, sizes, np.nan)[:, None]
 
-    def add(self, radiance: np.ndarray, of: np.ndarray | None = None) -> None:
-        """Take one replicate (height, width, 3) more, for the regions `of` (K,) bool alone if they are given."""
+    def add(self, radiance: np.ndarray, of: np.ndarray | None = None, weight: int = 1) -> None:
+        """Take one replicate (height, width, 3) more, of `weight`, for the regions `of` (K,) bool alone if they are given."""
+        self._weights.append(weight)
         if of is None:
             values = self.means(radiance)
-            self.moments.add(values)
+            self.moments.add(values, weight=weight)
             self._series.append(values.mean(axis=1, dtype=np.float32))
             return
         values = np.zeros_like(self.moments.mean)
         values[of] = self.means(radiance, np.flatnonzero(of))
-        self.moments.add(values, of)
+        self.moments.add(values, of, weight)
         self._series.append(np.where(of, values.mean(axis=1), np.nan).astype(np.float32))
 
     def exclude(self, pixels: np.ndarray, film: Moments, of: np.ndarray | None = None) -> None:

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
-# What a call of a renderer costs beside its pixels, in pixels: rectangles are joined where that is cheaper.
-_CALL = 4096
+# What a call of a renderer costs beside its pixels, in samples: rectangles are joined where that is cheaper.
+_CALL = 1 << 15
 # So many are weighed against each other; where there are more, those that are so many pixels apart become one first.
 _MOST, _STEP = 32, 8
 
@@ -38,8 +38,11 @@ class Windows:
         return int(self.mask.sum())
 
 
-def windows_around(inside: np.ndarray) -> Windows:
-    """Few rectangles that cover the pixels `inside` (height, width): two become one if that adds fewer pixels than a call costs."""
+def windows_around(inside: np.ndarray, samples: int) -> Windows:
+    """Few rectangles that cover the pixels `inside` (height, width): two become one if that adds less than a call costs.
+
+    `samples` is how many a pixel gets in a call.
+    """
     wide = inside
     while True:
         labels, count = ndimage.label(wide, np.ones((3, 3)))
@@ -52,7 +55,7 @@ def windows_around(inside: np.ndarray) -> Windows:
         joined = {(i, j): _join(left[i], left[j]) for i in range(len(left)) for j in range(i)}
         added = {pair: _area(box) - _area(left[pair[0]]) - _area(left[pair[1]]) for pair, box in joined.items()}
         pair = min(added, key=added.__getitem__)
-        if added[pair] > _CALL:
+        if added[pair] * samples > _CALL:
             break
         left = [box for k, box in enumerate(left) if k not in pair] + [joined[pair]]
     return Windows(inside.shape, tuple(sorted(left, key=lambda box: (box[1], box[0]))))

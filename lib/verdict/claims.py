@@ -44,17 +44,20 @@ def combine(
     Welch, "The generalization of 'Student's' problem when several different population variances are involved" (1947), with
     Satterthwaite's degrees of freedom. All NaN where a side has fewer than two replicates.
     """
-    parts = [(candidate, 1.0), (reference, -factor)] + ([] if shift is None else [(shift, -factor)])
-    value = np.sum([weight * part.mean for part, weight in parts], axis=0) - offset
-    if min(part.most for part, _ in parts) < 2:
+    parts = [candidate, reference] + ([] if shift is None else [shift])
+    mean = reference.mean if shift is None else reference.mean + shift.mean
+    value = candidate.mean - factor * mean - offset
+    if min(np.max(part.df) for part in parts) < 1:
         nothing = np.full(value.shape, np.nan)
         return Combination(value, nothing, nothing)
-    variances = [weight * weight * part.variance / part.count for part, weight in parts]
-    total = np.sum(variances, axis=0)
-    even = np.full(value.shape, 1.0 / len(parts))
-    shares = [np.divide(v, total, out=even.copy(), where=total > 0) for v in variances]
-    each = [share * share / (part.count - 1) for share, (part, _) in zip(shares, parts, strict=True)]
-    df = 1.0 / np.sum(each, axis=0)
+    square = factor * factor
+    variances = [part.variance * (1.0 if k == 0 else square) / part.count for k, part in enumerate(parts)]
+    total = sum(variances[1:], variances[0])
+    noisy = total > 0
+    scale = np.where(noisy, total, 1.0)
+    # Without noise each has an equal share.
+    shares = [np.where(noisy, v / scale, 1.0 / len(parts)) for v in variances]
+    df = 1.0 / sum(share * share / part.df for share, part in zip(shares, parts, strict=True))
     return Combination(value, np.sqrt(total), df)
 
 

@@ -27,6 +27,8 @@ JUMP, FEWEST = 8.0, 5
 MISTAKEN = 1e-7
 # Below this part of the median, deviations are rounding of float32 sums, not noise.
 ROUNDING = 1e-5
+# The shape of a tail is told from so many values on, of which a fifth are the tail; with fewer it is mostly noise.
+TAIL_FROM = 100
 # In units of a region's mean: samples of this worth are ruled out before any claim, whether or not a jump was seen.
 LEAST_WORTH = 10.0
 
@@ -46,10 +48,11 @@ def jump_limit(replicates: np.ndarray) -> np.ndarray:
     return np.maximum(JUMP, -stdtrit(np.maximum(replicates - 2, 1), MISTAKEN))
 
 
-def describe_tails(series: np.ndarray, samples: np.ndarray) -> Tails:
-    """The tails of replicate means `series` (R, K), NaN where a region was not sampled, of `samples` (K,) in each replicate.
+def describe_tails(series: np.ndarray, samples: np.ndarray, weights: np.ndarray) -> Tails:
+    """The tails of replicate means `series` (R, K), NaN where a region was not sampled.
 
-    Negative means stand for no light and have no tail; fewer than FEWEST replicates tell of none.
+    Replicate i has `weights` (R,) times `samples` (K,). Negative means stand for no light and have no tail; fewer than FEWEST
+    replicates tell of none.
     """
     known = np.isfinite(series)
     count = known.sum(axis=0)
@@ -60,15 +63,26 @@ def describe_tails(series: np.ndarray, samples: np.ndarray) -> Tails:
     usable = count >= FEWEST
     values = np.where(usable, values, 0.0)
     middle = np.nanmedian(values, axis=0)
-    spread = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
-    excess = np.nanmax(values, axis=0) - middle
-    mean = np.nanmean(values, axis=0)
+    weights = np.where(known, weights[:, None], 0.0)
+    total = np.maximum(weights.sum(axis=0), 1.0)
+    mean = np.nansum(weights * values, axis=0) / total
     lit = usable & (mean > 0.0)
+    beyond = standardize(values, weights)
+    spread = 1.4826 * np.nanmedian(np.abs(beyond), axis=0)
     scale = np.maximum(spread, ROUNDING * np.abs(middle))
-    isolated = lit & (excess > jump_limit(count) * scale)
-    share = np.divide(excess, np.maximum(count, 1) * mean, out=nothing.copy(), where=lit)
-    worth = np.divide(excess * samples, mean, out=nothing.copy(), where=isolated)
+    # What each replicate holds beyond the median, in means of a replicate of weight 1.
+    excess = np.fmax(weights * (values - middle), 0.0)
+    share = np.divide(excess.max(axis=0), total * mean, out=nothing.copy(), where=lit)
+    isolated = np.where(lit & (beyond > jump_limit(count) * scale), excess, 0.0).max(axis=0)
+    worth = np.divide(isolated * samples, mean, out=nothing.copy(), where=isolated > 0.0)
     return Tails(share, worth)
+
+
+def standardize(series: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Deviations (R, K) of the replicates from their median, times the root of their `weights`: of one spread, whatever the weights."""
+    middle, sampled = np.full(series.shape[1], np.nan), np.isfinite(series).any(axis=0)
+    middle[sampled] = np.nanmedian(series[:, sampled], axis=0)
+    return (series - middle) * np.sqrt(weights)
 
 
 def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray, level: float) -> np.ndarray:
@@ -87,14 +101,14 @@ def blind_spot(samples: np.ndarray, tolerance: float, level: float) -> np.ndarra
 
 
 def pareto_shape(values: np.ndarray) -> float:
-    """The shape k of the upper tail of `values` (R,): above 1/2 the variance, above 1 the mean does not exist. NaN below 25 values.
+    """The shape k of the upper tail of `values` (R,): above 1/2 the variance, above 1 the mean does not exist. NaN below TAIL_FROM values.
 
     A generalised Pareto distribution is fitted to the largest min(R / 5, 3 sqrt(R)) values (Vehtari et al., "Pareto smoothed importance
     sampling", 2024, section 2.2), by the estimator of Zhang and Stephens, "A new and efficient estimation method for the generalized
     Pareto distribution" (2009).
     """
     values = np.sort(values[np.isfinite(values)])
-    if values.size < 25:
+    if values.size < TAIL_FROM:
         return np.nan
     tail = int(min(np.ceil(values.size / 5), np.ceil(3 * np.sqrt(values.size))))
     excess = values[-tail:] - values[-tail - 1]

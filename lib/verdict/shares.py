@@ -77,7 +77,7 @@ def p_share_between(sides: Sides, effect: Moments, low: float, high: float) -> n
 
 def less(sides: Sides, effect: Moments, part: float) -> Combination:
     """C - E - d / part, (N, 3): zero where the share is `part`."""
-    scaled = Moments(effect.n, effect.mean / part, effect.m2 / (part * part))
+    scaled = Moments(effect.n, effect.mean / part, effect.m2 / (part * part), effect.times)
     return combine(sides.candidate, sides.reference, 1.0, shift=scaled)
 
 
@@ -90,4 +90,5 @@ def _signed(c: Combination, channel: np.ndarray, sign: np.ndarray) -> Combinatio
 
 def _of(moments: Moments, channel: np.ndarray) -> Moments:
     """The moments (N, 1) of one channel of each region."""
-    return Moments(moments.n, np.take_along_axis(moments.mean, channel, 1), np.take_along_axis(moments.m2, channel, 1))
+    mean, m2 = (np.take_along_axis(one, channel, 1) for one in (moments.mean, moments.m2))
+    return Moments(moments.n, mean, m2, moments.times)

@@ -13,7 +13,7 @@ from .causes import Explanation
 from .claims import difference, interval
 from .forecast import Forecast, forecast
 from .outcome import Outcome
-from .rare import blind_spot, describe_tails, pareto_shape
+from .rare import blind_spot, describe_tails, pareto_shape, standardize
 from .sequential import ALL_AGREE, ONE_DIFFERS, Look, SequentialTest, Withdrawn
 
 RARE = "open because of rare light: too few samples to exclude that bright and seldom ones would make a difference"
@@ -185,9 +185,8 @@ def _tails(sides: tuple[RegionMoments, RegionMoments], samples: tuple[int, int])
     """The part of each region's light that its largest replicate carries, and the shape of its tail, (N,) each: those of the worse side."""
     shares, shapes = [], []
     for side, n in zip(sides, samples, strict=True):
-        series = side.series
-        shares.append(describe_tails(series, side.sizes * n).largest_share)
-        shapes.append([pareto_shape(values) for values in series.T])
+        shares.append(describe_tails(side.series, side.sizes * n, side.weights).largest_share)
+        shapes.append([pareto_shape(values) for values in standardize(side.series, side.weights[:, None]).T])
     return np.maximum(*shares), np.fmax(*shapes)
 
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from etalon.lib.film.moments import Moments, merge
+from scipy import stats
 
 
 def exact(values):
@@ -91,3 +92,30 @@ def test_arguments_are_left_alone(rng):
     merge(a, b)
     for before, after in zip(kept, (a.mean, a.m2, b.mean, b.m2), strict=True):
         assert (before == after).all()
+
+
+def test_an_observation_of_weight_w_counts_as_the_mean_of_w(rng):
+    """Weighted mean and sum of squares against their definitions; the degrees of freedom are those of the observations."""
+    weights = np.array([1, 1, 4, 2, 8, 1])
+    values, often = 3.0 + rng.standard_normal((6, 7, 3)), rng.random(7) < 0.5
+    moments = Moments.empty((7, 3))
+    for k, (row, weight) in enumerate(zip(values, weights, strict=True)):
+        moments.add(row, None if k < 3 else often, int(weight))
+    for which, count in ((often, 6), (~often, 3)):
+        w, x = weights[:count, None, None], values[:count, which]
+        mean = (w * x).sum(axis=0) / w.sum()
+        np.testing.assert_allclose(moments.mean[which], mean, rtol=1e-13)
+        np.testing.assert_allclose(moments.m2[which], (w * (x - mean) ** 2).sum(axis=0), rtol=1e-12)
+        assert (moments.n[which] == w.sum()).all()
+        assert (moments.df[which] == count - 1).all()
+
+
+def test_weighted_observations_have_the_t_distribution_of_their_number(rng):
+    """Kolmogorov and Smirnov's test at 0.1 %; with degrees of freedom from the weights it fails."""
+    weights = [1] * 4 + [4, 4, 16]
+    moments = Moments.empty((40_000,))
+    for weight in weights:
+        moments.add(rng.standard_normal(40_000) / np.sqrt(weight), weight=weight)
+    t = moments.mean / moments.standard_error
+    assert stats.kstest(t, stats.t(len(weights) - 1).cdf).pvalue > 1e-3
+    assert stats.kstest(t, stats.t(sum(weights) - 1).cdf).pvalue < 1e-3

@@ -21,13 +21,13 @@ def test_the_mask_is_what_the_boxes_hold_both_ends_included():
 
 def test_neighbours_are_one_window_and_far_ones_are_two():
     inside = blocks((300, 600), (0, 0), (16, 16), (560, 270))
-    assert windows_around(inside).boxes == ((0, 0, 31, 31), (560, 270, 575, 285))
+    assert windows_around(inside, 8).boxes == ((0, 0, 31, 31), (560, 270, 575, 285))
 
 
 @pytest.mark.parametrize("count", [1, 30, 300])
 def test_everything_is_covered_by_few_windows(rng, count):
     inside = blocks((480, 640), *(16 * rng.integers(0, (40, 30), (count, 2))))
-    windows = windows_around(inside)
+    windows = windows_around(inside, 8)
     assert (windows.mask | ~inside).all()
     assert 1 <= len(windows.boxes) <= 32
     assert windows.mask.sum() <= inside.size

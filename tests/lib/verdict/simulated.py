@@ -46,13 +46,10 @@ def decided(rng, candidate, noise, sigma=0.02, tolerance=0.01, confidence=0.99, 
     return test
 
 
-def decided_on_samples(
-    rng, share, worth, smooth, room=True, count=280, samples=8192, sigma=0.5, tolerance=0.01, confidence=0.99, last=58
-):
-    """The test at its end: regions of mean 1, replicates of so many `samples` of noise `sigma` each.
+def decided_on_series(draw, count, samples, tolerance, last, confidence=0.99, room=True):
+    """The test at its end on what `draw(rows)` gives: two arrays (rows, K) of replicate means, each over so many `samples`.
 
-    The reference has a `share` of its light in samples of `worth` times the mean; the candidate has `smooth` instead, in all samples. With
-    `room`, the claims leave it for such light.
+    With `room`, the claims leave it for rare light.
     """
     test = SequentialTest(count, tolerance, confidence, expected=count_looks(last))
     series = [np.empty((0, count)), np.empty((0, count))]
@@ -60,13 +57,48 @@ def decided_on_samples(
     while n < last and test.undecided.any():
         more = min(next_look(n), last) - n
         n += more
-        rare = [rng.poisson(samples * share / worth, (more, count)) * worth / samples if share else 0.0, smooth]
-        for k in range(2):
-            body = 1.0 - share + sigma / np.sqrt(samples) * rng.standard_normal((more, count))
-            series[k] = np.vstack([series[k], body + rare[k]])
+        series = [np.vstack([before, new]) for before, new in zip(series, draw(more), strict=True)]
         left = 0.0
         if room:
-            most = max(describe_tails(one, np.full(count, samples)).worth.max() for one in series)
+            most = max(describe_tails(one, np.full(count, samples), np.ones(len(one))).worth.max() for one in series)
             left = room_for_rare_light(most, np.full(count, n * samples), ALL_AGREE * test.level)
         test.look(*(rows_of(np.repeat(one[..., None], 3, axis=2)) for one in series), last=n == last, rare=left)
     return test
+
+
+def decided_on_samples(rng, share, worth, smooth, room=True, count=280, samples=8192, sigma=0.5):
+    """The test at its end at a tolerance of 1 %: regions of mean 1, replicates of so many `samples` of noise `sigma` each.
+
+    The reference has a `share` of its light in samples of `worth` times the mean; the candidate has `smooth` instead, in all samples.
+    """
+
+    def draw(rows):
+        body = 1.0 - share + sigma / np.sqrt(samples) * rng.standard_normal((2, rows, count))
+        rare = rng.poisson(samples * share / worth, (rows, count)) * worth / samples if share else 0.0
+        return body[0] + rare, body[1] + smooth
+
+    return decided_on_series(draw, count, samples, 0.01, 58, room=room)
+
+
+# Samples of mean 1 with heavy tails; the variance of the first is 54, the last two have none.
+HEAVY = {
+    "lognormal, sigma 2": lambda rng, shape: np.exp(2.0 * rng.standard_normal(shape) - 2.0),
+    "Pareto 2.5": lambda rng, shape: 0.6 * (1.0 + rng.pareto(2.5, shape)),
+    "Pareto 2": lambda rng, shape: 0.5 * (1.0 + rng.pareto(2.0, shape)),
+    "Pareto 1.5": lambda rng, shape: (1.0 + rng.pareto(1.5, shape)) / 3.0,
+}
+
+
+def decided_on_heavy_tails(rng, kind, gap, noisy, count=100, samples=256):
+    """The test at its end at a tolerance of 10 %: samples of a HEAVY `kind`, the candidate's means greater by the part `gap`.
+
+    Unless both sides are `noisy`, the candidate has hardly any noise.
+    """
+
+    def draw(rows):
+        shape = rows, count, samples
+        reference = HEAVY[kind](rng, shape).mean(axis=2)
+        smooth = 1.0 + 0.01 * rng.standard_normal((rows, count))
+        return reference, (1.0 + gap) * (HEAVY[kind](rng, shape).mean(axis=2) if noisy else smooth)
+
+    return decided_on_series(draw, count, samples, 0.1, 58)

@@ -7,46 +7,61 @@ from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.rare import (
     FEWEST,
     LEAST_WORTH,
+    TAIL_FROM,
     blind_spot,
     describe_tails,
     jump_limit,
     pareto_shape,
     room_for_rare_light,
 )
-from etalon.tests.lib.verdict.simulated import decided_on_samples
+from etalon.tests.lib.verdict.simulated import HEAVY, decided_on_heavy_tails, decided_on_samples
 from scipy import stats
 
 RUNS = [8, pytest.param(125, marks=pytest.mark.slow)]
+FEW = [2, pytest.param(125, marks=pytest.mark.slow)]
 
 
 def test_one_bright_sample_is_a_jump_of_its_worth(rng):
     series = 1.0 + 0.01 * rng.standard_normal((20, 3))
     series[7, 1] += 500.0 / 4096
-    tails = describe_tails(series, np.full(3, 4096.0))
+    tails = describe_tails(series, np.full(3, 4096.0), np.ones(len(series)))
     assert tails.worth[[0, 2]].tolist() == [0.0, 0.0]
     assert tails.worth[1] == pytest.approx(500.0, rel=0.1)
     assert tails.largest_share[1] == pytest.approx(500.0 / 4096 / 20, rel=0.1)
 
 
+def test_replicates_of_more_samples_are_no_jumps_and_hide_none(rng):
+    """Deviations count by the root of the samples behind them; what a sample was worth does not depend on how it was gathered."""
+    weights = np.array([1.0] * 30 + [16.0] * 30)
+    series = 1.0 + 0.01 * rng.standard_normal((60, 2000)) / np.sqrt(weights)[:, None]
+    assert not describe_tails(series, np.full(2000, 256.0), weights).worth.any()
+    series[[5, 45], [0, 1]] += 400.0 / (256.0 * weights[[5, 45]])
+    worth = describe_tails(series, np.full(2000, 256.0), weights).worth
+    assert worth[:2] == pytest.approx(400.0, rel=0.1)
+    assert not worth[2:].any()
+
+
 @pytest.mark.parametrize("replicates", [5, 8, 12, 20, 50])
 def test_normal_noise_is_practically_never_a_jump(rng, replicates):
     series = 1.0 + 0.1 * rng.standard_normal((replicates, 20_000))
-    assert np.count_nonzero(describe_tails(series, np.ones(20_000)).worth) <= 5
+    assert np.count_nonzero(describe_tails(series, np.ones(20_000), np.ones(len(series))).worth) <= 5
     assert jump_limit(np.array([100]))[0] == 8.0
 
 
 def test_few_replicates_rounding_and_black_tell_of_no_jump():
-    assert describe_tails(np.array([[1.0], [9.0]]), np.ones(1)).worth.tolist() == [0.0]
-    assert describe_tails(np.zeros((FEWEST, 1)), np.ones(1)).worth.tolist() == [0.0]
+    assert describe_tails(np.array([[1.0], [9.0]]), np.ones(1), np.ones(2)).worth.tolist() == [0.0]
+    assert describe_tails(np.zeros((FEWEST, 1)), np.ones(1), np.ones(FEWEST)).worth.tolist() == [0.0]
     rounded = 1.0 + 1e-7 * np.arange(20)[:, None]
     rounded[3] += 3e-6
-    assert describe_tails(rounded, np.ones(1)).worth.tolist() == [0.0]
+    assert describe_tails(rounded, np.ones(1), np.ones(len(rounded))).worth.tolist() == [0.0]
 
 
 def test_replicates_that_were_not_sampled_do_not_count(rng):
     series = 1.0 + 0.01 * rng.standard_normal((40, 2))
     series[20:, 0] = np.nan
-    whole, part = describe_tails(series, np.ones(2)), describe_tails(series[:20, :1], np.ones(1))
+    weights = np.ones(len(series))
+    whole = describe_tails(series, np.ones(2), weights)
+    part = describe_tails(series[:20, :1], np.ones(1), weights[:20])
     assert whole.largest_share[0] == pytest.approx(part.largest_share[0])
 
 
@@ -67,7 +82,7 @@ def test_the_shape_of_a_pareto_tail_is_found(rng, shape):
     values = stats.genpareto.rvs(shape, size=(20, 4000), random_state=rng)
     found = np.array([pareto_shape(one) for one in values])
     assert found.mean() == pytest.approx(shape, abs=0.08)
-    assert np.isnan(pareto_shape(values[0, :24]))
+    assert np.isnan(pareto_shape(values[0, : TAIL_FROM - 1]))
     assert np.isnan(pareto_shape(np.ones(100)))
 
 
@@ -85,6 +100,25 @@ def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, wort
     """The means are equal; one side has 3 % of the light in samples of this worth, the other in all of its samples."""
     wrong = sum((decided_on_samples(rng, 0.03, worth, 0.03).outcomes == Outcome.DIFFERENT).any() for _ in range(runs))
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+@pytest.mark.parametrize("runs", FEW)
+@pytest.mark.parametrize("noisy", [True, False], ids=["both sides", "one side"])
+@pytest.mark.parametrize("kind", HEAVY)
+def test_heavy_tails_of_samples_make_no_false_claims(rng, runs, kind, noisy):
+    """A difference of 15 % is beyond the tolerance of 10 %, one of none is not; a hundred regions, some of whose noise has no variance."""
+    agree = differ = 0
+    for _ in range(runs):
+        agree += (decided_on_heavy_tails(rng, kind, 0.15, noisy).outcomes == Outcome.EQUIVALENT).any()
+        differ += (decided_on_heavy_tails(rng, kind, 0.0, noisy).outcomes == Outcome.DIFFERENT).any()
+    assert max(agree, differ) <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+def test_heavy_tails_that_have_a_variance_are_decided_all_the_same(rng):
+    """Half as much again is found in most regions, and agreement in some."""
+    assert (decided_on_heavy_tails(rng, "Pareto 2.5", 0.5, False).outcomes == Outcome.DIFFERENT).mean() > 0.8
+    found = [decided_on_heavy_tails(rng, "Pareto 2.5", 0.0, False).outcomes for _ in range(5)]
+    assert np.mean([one == Outcome.EQUIVALENT for one in found]) > 0.2
 
 
 @pytest.mark.parametrize(
