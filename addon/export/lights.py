@@ -35,8 +35,12 @@ def read_light(
     before = len(refusals)
     refuse_light_rays(light, instancer, bounces, refusals)
     emission = _emission(data, owner, refusals)
-    if data.type in ("SPOT", "AREA") and is_sheared(matrix) and np.linalg.matrix_rank(matrix[:, :3]) == 3:
-        refusals.append(Refusal(owner, "a sheared matrix", "apply the scale of its parents"))
+    if data.type in ("SPOT", "AREA"):
+        if np.linalg.matrix_rank(matrix[:, :3]) == 3:
+            if is_sheared(matrix):
+                refusals.append(Refusal(owner, "a sheared matrix", "apply the scale of its parents"))
+        elif data.type == "SPOT" or not matrix[:, 2].any():
+            refusals.append(Refusal(owner, "a scale of 0 along an axis", "give it a scale above 0"))
     if data.type == "AREA" and data.spread <= 0.0:
         refusals.append(Refusal(owner, "a spread of 0", "widen the spread, or use a sun"))
     if len(refusals) > before or not emission.any():
@@ -114,7 +118,7 @@ def _sun(name: str, data: bpy.types.SunLight, matrix: np.ndarray, emission: np.n
     length = np.linalg.norm(matrix[:, 2])
     if length == 0.0:
         return None
-    half_angle = data.angle / 2.0
+    half_angle = min(data.angle / 2.0, math.pi / 2.0)  # of float32 pi, Blender's largest, the half is above pi / 2
     if half_angle > 0.0 and not getattr(data, "normalize", True):
         emission = emission * (math.pi * math.sin(half_angle) ** 2)
     return SunLight(name, _vector(matrix[:, 2] / length), half_angle, _vector(emission), visible)

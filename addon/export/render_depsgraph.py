@@ -16,6 +16,18 @@ from .properties.declared import remember_properties
 Result = TypeVar("Result")
 
 
+def _render(scene: bpy.types.Scene) -> None:
+    """Have Blender render the scene; raise EtalonError where it says that it cannot."""
+    try:
+        bpy.ops.render.render(scene=scene.name)
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+        if scene.render.use_border and "too small" in reason:
+            what = "its render region holds no whole pixel; widen the region, or switch Render Region off"
+            raise EtalonError(f"{scene.name}: {what}") from error
+        raise EtalonError(f"{scene.name}: Blender cannot render it ({reason}); mend that in Blender") from error
+
+
 def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph], Result]) -> Result:
     """Return `function(depsgraph)` for the depsgraph in render mode, which Blender hands to a render engine only.
 
@@ -48,7 +60,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
         # Persistent data would keep the engine, and it is gone in a moment.
         render.use_compositing = render.use_sequencer = render.use_persistent_data = False
         render.engine = Exporter.bl_idname
-        bpy.ops.render.render(scene=scene.name)
+        _render(scene)
     finally:
         for name, value in kept.items():
             setattr(render, name, value)

@@ -21,14 +21,16 @@ def multiple_scattering(
     """1 + Fms (1 - E) / E with Fms = Fss Eavg / (1 - Fss (1 - Eavg)), (3, n): single scattering times this is all of it.
 
     Turquin 2019, "Practical multiple scattering compensation for microfacet models", eq. 15 and 16, with the colour of many
-    bounces after Fdez-Aguera 2019. `cos_o` (n,); `alpha` () or (n,), sqrt(alpha_x alpha_y); `color` (3, 1) or (3, n) in
-    [0, 1], Fss; `albedos` the functions E and Eavg. White gives 1 / E: no light is lost. It is not reciprocal: wi has no part in it.
+    bounces after Fdez-Aguera 2019. `cos_o` (n,); `alpha` () or (n,), sqrt(alpha_x alpha_y); `color` (3, 1) or (3, n), Fss, at
+    least 0; `albedos` the functions E and Eavg. White gives 1 / E: no light is lost. It is not reciprocal: wi has no part in it.
+    NaN where Fss (1 - Eavg) reaches 1: each bounce between facets then gives more light than the one before, and their sum is infinite.
     """
     directional, mean = albedos
     lost = 1.0 / directional(np.clip(cos_o, 0.0, 1.0), alpha)
     lost -= 1.0
     average = mean(alpha)
-    factor = color * average / (1.0 - color * (1.0 - average)) * lost
+    left = 1.0 - color * (1.0 - average)
+    factor = color * average / np.where(left > 0.0, left, np.nan) * lost
     factor += 1.0
     return factor
 

@@ -6,8 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..blender_versions import Versions, format_release
 from ..errors import EtalonError
+from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
@@ -25,6 +28,7 @@ class Departure:
     `statement` says what Cycles does and what is right; `source` is the file in Cycles' tree, `versions` the Blender releases that depart
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
+    `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
     """
 
     name: str
@@ -33,6 +37,7 @@ class Departure:
     versions: Versions = ALL
     relevant: Callable[[Scene], bool] = lambda scene: False
     neutralised: str = ""
+    by_rounding: bool = False
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
@@ -121,6 +126,15 @@ def _srgb_textures(scene: Scene) -> bool:
         if isinstance(n, ImageTexture | EnvironmentTexture) and n.interpolation != "CLOSEST"
     }
     return any(scene.images[k].encoding == "SRGB" for k in read)
+
+
+def _faces_in_one_plane(scene: Scene) -> bool:
+    return scene.mesh.overlaps.count > 0
+
+
+def _two_materials_in_one_plane(scene: Scene) -> bool:
+    mesh = scene.mesh
+    return bool(np.not_equal(*mesh.material_index[mesh.overlaps.pairs]).any())
 
 
 def _narrow_spread(scene: Scene) -> bool:
@@ -232,11 +246,34 @@ DEPARTURES: tuple[Departure, ...] = (
         relevant=lambda scene: any(isinstance(n, ColorRamp) for n in _nodes(scene)),
     ),
     Departure(
+        "curve table",
+        "RGB, Vector and Float Curves are read from one table of 257 entries a channel. Beyond the ends of a curve Cycles goes on along "
+        "the last two entries; Blender's own curve goes on along the handle of its last point.",
+        "kernel/svm/ramp.h",
+        relevant=lambda scene: any(isinstance(n, Curves) for n in _nodes(scene)),
+    ),
+    Departure(
         "narrow spread",
         "An area light whose spread is at most 0.1 radians is normalised by 3 / h^3 in place of 1 / (tan h - h), h half the "
         "spread: up to 0.1 % too bright.",
         "scene/light.cpp",
         relevant=_narrow_spread,
+    ),
+    Departure(
+        "faces in one plane",
+        "Faces that overlap in one plane are one surface. Cycles' rays skip only the face that they leave and meet the others at distance "
+        "0, so that these hide all light from each other. Where the plane is not along two axes, rounding decides which rays meet them.",
+        "kernel/bvh/util.h",
+        relevant=_faces_in_one_plane,
+        by_rounding=True,
+    ),
+    Departure(
+        "other of two faces",
+        "Where faces of different materials overlap in one plane, rounding decides which of them a ray meets. The reference meets one, "
+        "and Cycles may meet the other.",
+        "kernel/bvh/bvh.h",
+        relevant=_two_materials_in_one_plane,
+        by_rounding=True,
     ),
     Departure(
         "corrected glossy normal",

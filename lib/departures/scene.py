@@ -11,14 +11,16 @@ from functools import partial
 import numpy as np
 
 from ..microfacets.cycles_tables import Tables, cycles_tables
+from ..scene.converters import Curve, Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, Expression
 from ..scene.lights import AreaLight, Light
 from ..scene.materials import Material
 from ..scene.scene import Scene
+from ..textures.curves import curve_of_channel
 from ..textures.fold import inputs
 from ..textures.ramp import color_ramp
 
-_RAMP_CELLS = 256
+_CELLS = 256
 # Spreads (radians) up to which Cycles takes the first term of the series; it compares in single precision.
 NARROW = float(np.float32(0.1))
 
@@ -42,7 +44,7 @@ def departed(scene: Scene, departures: Set[str]) -> Scene:
 
 def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
     """The ramp that goes through `ramp` at 257 evenly spaced factors, linear between them, constant where `ramp` is."""
-    node = np.linspace(0.0, 1.0, _RAMP_CELLS + 1)
+    node = np.linspace(0.0, 1.0, _CELLS + 1)
     color = color_ramp(replace(ramp, output="COLOR"), node)
     alpha = color_ramp(replace(ramp, output="ALPHA"), node)
     constant = ramp.mode == "RGB" and ramp.interpolation == "CONSTANT"
@@ -53,6 +55,22 @@ def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
         interpolation="CONSTANT" if constant else "LINEAR",
         mode="RGB",
     )
+
+
+def tabulated_curves(node: Curves) -> Curves:
+    """The curves as one table of 257 entries a channel, which goes on beyond its ends from the last two of them, or stays."""
+    ends = [end for one in (*node.channels, node.combined) if one is not None for end in (one.low, one.high)]
+    low, high = min(ends), max(ends)
+    x = np.linspace(low, high, _CELLS + 1)
+    cell = (high - low) / _CELLS
+
+    def tabulated(channel: int) -> Curve:
+        table = curve_of_channel(node, channel, x)
+        first, last = (np.diff(table)[[0, -1]] / cell * node.extends).tolist()
+        table = tuple(table.tolist())
+        return Curve(low, high, table, (table[0], first), (table[-1], last))
+
+    return replace(node, channels=tuple(map(tabulated, range(len(node.channels)))), combined=None)
 
 
 def tabulated_layer(node: Expression, tables: Tables) -> Expression:
@@ -67,6 +85,7 @@ def lossless_coat(node: Expression) -> Expression:
 
 _NODES: dict[str, Callable[[Expression], Expression]] = {
     "colour-ramp table": lambda node: tabulated_ramp(node) if isinstance(node, ColorRamp) else node,
+    "curve table": lambda node: tabulated_curves(node) if isinstance(node, Curves) else node,
     "lossless coat albedo": lossless_coat,
 }
 

@@ -22,7 +22,7 @@ class ConstantSky:
 
     def __init__(self, radiance: np.ndarray, ball: Ball) -> None:
         self._radiance = radiance
-        self.power = 4.0 * np.pi**2 * ball.radius**2 * float(luminance(radiance)[0])
+        self.power = 4.0 * np.pi**2 * ball.radius**2 * float(luminance(np.abs(radiance))[0])
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Through the ball, from everywhere."""

@@ -92,19 +92,32 @@ class BrightContrast(Expression):
 
 
 @dataclass(frozen=True)
-class Curves(Expression):
-    """Curves over the channels of `color` (RGB and Vector Curves), or over a value where there is one table (Float Curve).
+class Curve:
+    """A curve as Blender evaluates it: `table` at evenly spaced places from `low` to `high`, linear between them.
 
-    Each of `tables` holds the curve at evenly spaced points from `low` to `high`, linear between them; beyond them it goes on
-    straight if `extrapolate`, else stays. `factor` mixes the result with the input.
+    Beyond the ends it is a straight line: `start` and `end` are each its value at the end and its slope.
+    """
+
+    low: float
+    high: float
+    table: tuple[float, ...]
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Curves(Expression):
+    """Curves over the channels of `color` (RGB and Vector Curves), or over a value where there is one (Float Curve).
+
+    `combined` comes before those of the channels (RGB Curves). `factor` mixes the result with the input. `extends`: the curves go
+    on beyond their ends, in place of staying.
     """
 
     factor: Expression
     color: Expression
-    tables: tuple[tuple[float, ...], ...]
-    low: float = 0.0
-    high: float = 1.0
-    extrapolate: bool = True
+    channels: tuple[Curve, ...]
+    combined: Curve | None = None
+    extends: bool = True
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,10 @@ def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:
     if not np.any(roughness):
         return Lambert(), color
     first = oren_nayar_form(site.options.departures)
-    return OrenNayar(site.wo, roughness, np.clip(color, 0.0, 1.0), first), np.ones((3, 1))
+    # What scatters again has a colour of at most 1, as in Cycles; what leaves is multiplied by the colour as it is.
+    return OrenNayar(site.wo, roughness, np.clip(color, 0.0, 1.0), first), np.where(
+        color < 0.0, 0.0, np.maximum(color, 1.0)
+    )
 
 
 def _glossy(closure: Glossy, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -89,7 +92,7 @@ def _glossy(closure: Glossy, site: Site) -> tuple[Lobe, np.ndarray]:
     stretch = None if not np.any(np.abs(anisotropy) > 1e-4) else glossy_stretch(anisotropy)
     color = site.read(closure.color)
     lobe, alpha = _reflection(closure, stretch, site)
-    return _compensated(lobe, closure.distribution, alpha, np.clip(color, 0.0, 1.0), site), color
+    return _compensated(lobe, closure.distribution, alpha, np.maximum(color, 0.0), site), color
 
 
 def _metallic(closure: Metallic, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -167,16 +170,17 @@ def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.nda
 
 
 def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
-    color, transmission = site.read(closure.color), site.read(closure.transmission)
+    color = site.read(closure.color)
+    reflection, transmission = (np.maximum(site.read(tint), 0.0) for tint in (closure.reflection, closure.transmission))
     eta, curve = _dielectric(closure, site)
-    interface = Interface(curve, site.read(closure.reflection), transmission)
+    interface = Interface(curve, reflection, transmission)
     anisotropy = np.clip(site.read(closure.anisotropy), -0.99, 0.99)
     stretch = glossy_stretch(anisotropy) if np.any(anisotropy) else None
     lobe = _interface(closure, interface, eta, stretch, site)
     if closure.distribution == "MULTI_GGX" and not lobe.delta:
         alpha_x, alpha_y = _alphas(closure, stretch, site)
         alpha = alpha_x if stretch is None else np.sqrt(alpha_x * alpha_y)
-        lobe = Compensated(lobe, _glass_scattering(closure, site, alpha, np.clip(transmission, 0.0, 1.0)))
+        lobe = Compensated(lobe, _glass_scattering(closure, site, alpha, transmission))
     return lobe, color
 
 

@@ -46,11 +46,11 @@ class PreparedMaterial:
         return np.atleast_1d(self._evaluate(weight, points)) * self._evaluate(getattr(closure, "color", WHITE), points)
 
     def emission(self, points: SurfacePoints) -> np.ndarray:
-        """Radiance that the surface emits towards the viewer, (3, 1) or (3, n); negative radiance counts as zero."""
+        """Radiance that the surface emits towards the viewer, (3, 1) or (3, n); negative where colour or strength is."""
         total = np.zeros((3, 1))
         for weight, closure in self._emissions:
             strength = np.atleast_1d(self._evaluate(closure.strength, points))
-            total = total + np.maximum(self._color(weight, closure, points) * strength, 0.0)
+            total = total + self._color(weight, closure, points) * strength
         return total
 
     def transparency(self, points: SurfacePoints) -> np.ndarray:
@@ -64,7 +64,7 @@ class PreparedMaterial:
         """Mean colour of all scattering lobes together, () or (n,): how much they weigh beside transparency."""
         total = np.zeros(())
         for weight, closure in self._scattering:
-            total = total + np.abs(self._color(weight, closure, points)).mean(axis=0)
+            total = total + np.maximum(self._color(weight, closure, points), 0.0).mean(axis=0)
         return total
 
     def alphas(self, points: SurfacePoints) -> np.ndarray:
@@ -76,11 +76,11 @@ class PreparedMaterial:
         return found
 
     def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
-        """The scattering lobes for local directions `wo` in the frame (t, s, n)."""
+        """The scattering lobes for local directions `wo` in the frame (t, s, n); a colour below 0 scatters nothing, as in Cycles."""
         site = Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options, self._tables)
         lobes, colors = [], []
         for weight, closure in self._scattering:
             lobe, color = build(closure, site)
             lobes.append(lobe)
-            colors.append(np.atleast_1d(site.read(weight)) * color)
+            colors.append(np.maximum(np.atleast_1d(site.read(weight)) * color, 0.0))
         return Mixture(lobes, colors, points.size)

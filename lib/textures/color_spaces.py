@@ -7,6 +7,8 @@ import numpy as np
 
 LUMINANCE_REC709 = (0.2126390058715103, 0.7151686787677559, 0.0721923153607337)
 """Y of linear Rec. 709 with white D65 (0.3127, 0.3290); the rounded form is ITU-R BT.709's 0.2126, 0.7152, 0.0722."""
+# Of the rows v, p, q, t of `hsv_to_rgb`: red, green and blue in each of the six sectors.
+_SECTORS = np.array([(0, 2, 1, 1, 3, 0), (3, 0, 0, 2, 1, 1), (1, 1, 3, 0, 0, 2)])
 
 
 def luminance(color: np.ndarray) -> np.ndarray:
@@ -34,22 +36,34 @@ def rgb_to_hsv(color: np.ndarray) -> np.ndarray:
 
 
 def hsv_to_rgb(hsv: np.ndarray) -> np.ndarray:
-    """Inverse of `rgb_to_hsv`; hue is periodic with period 1."""
+    """Colour (3, n) of hue, saturation, value (3, n); the inverse of `rgb_to_hsv` for hues of 0..1.
+
+    The turn of hue is cut into six sectors. Outside 0..1 a hue counts to the last one, at its place in its own sector: so
+    Blender's nodes do.
+    """
     h, s, v = hsv
-    return v * (1 - s * (1 - _hue_to_pure(h)))
+    turn = np.where(h == 1.0, 0.0, h) * 6
+    sector = np.floor(turn)
+    f = turn - sector
+    sector = np.where((sector >= 0) & (sector < 5), sector, 5).astype(np.intp)
+    p, q, t = v * (1 - s), v * (1 - s * f), v * (1 - s * (1 - f))
+    rows = np.stack(np.broadcast_arrays(v, p, q, t))
+    picked = np.take_along_axis(rows, np.broadcast_to(_SECTORS[:, sector], (3, *rows.shape[1:])), axis=0)
+    return np.where(s == 0, v, picked)
 
 
 def rgb_to_hsl(color: np.ndarray) -> np.ndarray:
-    """Hue, saturation, lightness of `color` (3, n)."""
+    """Hue, saturation, lightness of `color` (3, n); lightness is at most 1, and saturation infinite where its scale is 0."""
     top, bottom = color.max(axis=0), color.min(axis=0)
-    span, lightness = top - bottom, 0.5 * (top + bottom)
+    span, lightness = top - bottom, np.minimum(0.5 * (top + bottom), 1.0)
     scale = np.where(lightness > 0.5, 2 - top - bottom, top + bottom)
-    saturation = np.where(span != 0, span / np.where(scale == 0, 1.0, scale), 0.0)
+    with np.errstate(divide="ignore"):
+        saturation = np.where(span != 0, span / np.where(span == 0, 1.0, scale), 0.0)
     return np.stack([hue(color), saturation, lightness])
 
 
 def hsl_to_rgb(hsl: np.ndarray) -> np.ndarray:
-    """Inverse of `rgb_to_hsl`; hue is periodic with period 1."""
+    """Colour (3, n) of hue, saturation, lightness (3, n); the inverse of `rgb_to_hsl` for hues of 0..1."""
     h, s, lightness = hsl
     chroma = (1 - np.abs(2 * lightness - 1)) * s
     return (_hue_to_pure(h) - 0.5) * chroma + lightness
@@ -57,5 +71,5 @@ def hsl_to_rgb(hsl: np.ndarray) -> np.ndarray:
 
 def _hue_to_pure(h: np.ndarray) -> np.ndarray:
     """The fully saturated colour of hue `h`: three shifted trapezoids in [0, 1]."""
-    h = h % 1 * 6
+    h = h * 6
     return np.clip(np.stack([np.abs(h - 3) - 1, 2 - np.abs(h - 2), 2 - np.abs(h - 4)]), 0, 1)

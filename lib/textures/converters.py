@@ -12,6 +12,7 @@ from ..scene.expressions import Expression
 from ..vectors import cross, dot, normalize
 from .color_spaces import hsl_to_rgb, hsv_to_rgb, rgb_to_hsl, rgb_to_hsv
 from .context import InputEvaluator
+from .curves import curves
 from .math_node import OPERATIONS
 
 _MODELS = {
@@ -59,8 +60,10 @@ def _map_range(node: cv.MapRange, read: InputEvaluator) -> np.ndarray:
     low, high = read(node.from_min), read(node.from_max)
     x, start, end, steps = (read(e) for e in (node.value, node.to_min, node.to_max, node.steps))
     result = map_range(x, (low, high), (start, end), steps, node.interpolation, node.clamp)
-    is_value = result.ndim < 2
-    return np.where(low != high, result, 0.0) if is_value else result
+    if result.ndim == 2:
+        return result
+    result = np.where(low != high, result, 0.0)
+    return np.clip(result, np.minimum(start, end), np.maximum(start, end)) if node.clamp else result
 
 
 def vector_math(operation: str, a: np.ndarray, b: np.ndarray, c: np.ndarray, scale: np.ndarray) -> np.ndarray:
@@ -126,25 +129,6 @@ def _bright_contrast(node: cv.BrightContrast, read: InputEvaluator) -> np.ndarra
     return np.maximum((1.0 + contrast) * read(node.color) + (brightness - 0.5 * contrast), 0.0)
 
 
-def curve(table: np.ndarray, x: np.ndarray, extrapolate: bool) -> np.ndarray:
-    """The `table` at evenly spaced places from 0 to 1, linear between them; beyond straight on, or as at the end."""
-    last = table.size - 1
-    position = x * last
-    if not extrapolate:
-        position = np.clip(position, 0.0, last)
-    cell = np.clip(position, 0, last - 1).astype(np.intp)
-    t = position - cell
-    return (1.0 - t) * table[cell] + t * table[cell + 1]
-
-
-def _curves(node: cv.Curves, read: InputEvaluator) -> np.ndarray:
-    factor, color = read(node.factor), read(node.color)
-    rows = np.atleast_2d((color - node.low) / (node.high - node.low))
-    changed = [curve(np.array(t), row, node.extrapolate) for t, row in zip(node.tables, rows, strict=True)]
-    changed = np.stack(changed) if len(changed) == 3 else as_value(changed[0])
-    return (1.0 - factor) * color + factor * changed
-
-
 # Cycles' fit, kernel/tables.h: from each temperature on, red and green are a / t + b t + c, blue a cubic.
 _BLACKBODY = np.array([
     (800.0, 1.61919106e03, -2.05010916e-03, 5.02995757e00, -4.88999748e02, 6.04330754e-04, -7.55807526e-02,
@@ -198,7 +182,7 @@ CONVERTERS: dict[type[Expression], Callable[..., np.ndarray]] = {
     cv.VectorRotate: _vector_rotate,
     cv.HueSaturation: _hue_saturation,
     cv.BrightContrast: _bright_contrast,
-    cv.Curves: _curves,
+    cv.Curves: curves,
     cv.Blackbody: lambda node, read: blackbody(read(node.temperature)),
 }
 """Node type -> function of the node and the evaluator."""

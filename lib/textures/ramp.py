@@ -72,7 +72,7 @@ def _hue_ramp(ramp: ColorRamp, stops: np.ndarray, left: np.ndarray, right: np.nd
     hues = np.concatenate([to_hue(stops[:, :3].T), stops[None, :, 3]]).T
     a, b = _rows(hues, left), _rows(hues, right)
     mixed = (1 - t) * a + t * b
-    mixed[0] = a[0] + t * _hue_step(b[0] - a[0], ramp.hue)
+    mixed[0] = (a[0] + t * _hue_step(b[0] - a[0], ramp.hue)) % 1
     # Outside the stops there is no interpolation, so the stop's own colour comes back untouched by the round trip.
     color = np.where(left == right, _rows(stops, left)[:3], from_hue(mixed[:3]))
     return np.concatenate([color, mixed[3:]])

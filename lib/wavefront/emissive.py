@@ -37,11 +37,11 @@ class EmissiveMesh:
         self.power = self._sampler.power
 
     def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edges: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        """Luminance of the emission at each triangle's middle, with a floor so that nothing that emits is left out."""
+        """Size of the emission at each triangle's middle, negative too, with a floor so that nothing that emits is left out."""
         third = np.full(triangles.size, 1.0 / 3.0)
         middle = corner + (edges[0] + edges[1]) / 3.0
         points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
-        estimate = luminance(self._radiance(points))
+        estimate = luminance(np.abs(self._radiance(points)))
         finite = np.isfinite(estimate)
         brightest = max(float(estimate[finite].max(initial=0.0)), 1e-30)
         # What is not finite shall be found and counted: it is taken for as bright as the brightest, or 1 W m^-2 sr^-1.
@@ -91,7 +91,7 @@ class EmissiveMesh:
         cosine = dot(normal, direction)
         weight = radiance * (np.abs(cosine) / (density * np.maximum(self._sampler.area_density(triangle), 1e-300)))
         origin = position + normal * np.copysign(self._offsets[which], cosine)
-        return Emitted(origin, direction, weight, luminance(radiance))
+        return Emitted(origin, direction, weight, luminance(np.abs(radiance)))
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that hit `triangle` at `distance`."""

@@ -44,13 +44,15 @@ class Flow:
             hides=needs(Effect.HIDDEN_OBJECTS),
             several_materials=needs(Effect.SEVERAL_MATERIALS),
             transparent=needs(Effect.TRANSPARENT_SURFACES),
-            second_hits=needs(Effect.SECOND_HITS),
+            second_hits=needs(Effect.SECOND_HITS) or kernel.coplanar is not None,
             last_hits=needs(Effect.LAST_HITS),
             emission=needs(Effect.EMISSION),
             samples_lobes=needs(Effect.SCATTERED_RAYS),
             last_rays=needs(Effect.LAST_RAYS),
             has_choices=needs(Effect.LIGHT_SELECTION) or needs(Effect.SEVERAL_LOBES),
-            asks_visibility=needs(Effect.SHADOW_RAYS) or LIGHT_BELOW in options.departures,
+            asks_visibility=needs(Effect.SHADOW_RAYS)
+            or LIGHT_BELOW in options.departures
+            or kernel.coplanar is not None,
             most_bounces=kernel.scene.transport.max_bounces if needs(Effect.INDIRECT_LIGHT) else 0,
             disperses=needs(Effect.DISPERSION),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),

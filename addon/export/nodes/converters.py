@@ -12,8 +12,8 @@ from .tree import Scope, TreeReader
 _COMPONENTS = {"X": 0, "Y": 1, "Z": 2, "Red": 0, "Green": 1, "Blue": 2, "R": 0, "G": 1, "B": 2, "H": 0, "S": 1, "V": 2}
 _VALUES = ("DOT_PRODUCT", "DISTANCE", "LENGTH")
 _AXES = {"X_AXIS": (1.0, 0.0, 0.0), "Y_AXIS": (0.0, 1.0, 0.0), "Z_AXIS": (0.0, 0.0, 1.0)}
-_SAMPLES = 1025
-"""Points at which a curve is taken: four to each cell of Cycles' own table of 257."""
+_CELLS = 256
+"""Of the table that Blender makes of a curve, from the least to the largest of its points and of the clipping range."""
 
 
 def _separate(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
@@ -114,14 +114,21 @@ def _curves(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> e
     mapping = node.mapping
     mapping.update()
     factor, content = (reader.read(socket, scope) for socket in node.inputs)
-    curves = list(mapping.curves)
-    ends = [point.location[0] for one in curves for point in one.points]
-    low, high = min(0.0, *ends), max(1.0, *ends)
-    at = [low + (high - low) * k / (_SAMPLES - 1) for k in range(_SAMPLES)]
-    if node.bl_idname == "ShaderNodeRGBCurve":
-        at = [mapping.evaluate(curves[3], x) for x in at]
-    tables = tuple(tuple(mapping.evaluate(one, x) for x in at) for one in curves[:3])
-    return cv.Curves(factor, content, tables, low, high, mapping.extend == "EXTRAPOLATED")
+    curves = [_curve(mapping, one) for one in mapping.curves]
+    combined = curves[3] if node.bl_idname == "ShaderNodeRGBCurve" else None
+    return cv.Curves(factor, content, tuple(curves[:3]), combined, mapping.extend == "EXTRAPOLATED")
+
+
+def _curve(mapping: bpy.types.CurveMapping, one: bpy.types.CurveMap) -> cv.Curve:
+    """A curve by Blender's own evaluation, which is linear between the nodes of its table and beyond its ends."""
+    ends = [point.location[0] for point in one.points]
+    low, high = min(mapping.clip_min_x, *ends), max(mapping.clip_max_x, *ends)
+    table = tuple(mapping.evaluate(one, low + (high - low) * k / _CELLS) for k in range(_CELLS + 1))
+    below, above = (
+        [mapping.evaluate(one, x) for x in two] for two in ((low - 1.0, low - 2.0), (high + 1.0, high + 2.0))
+    )
+    falls, rises = below[0] - below[1], above[1] - above[0]
+    return cv.Curve(low, high, table, (below[0] + falls, falls), (above[0] - rises, rises))
 
 
 CONVERTERS = {

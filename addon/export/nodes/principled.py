@@ -21,7 +21,7 @@ from .tree import Scope
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
 _LARGEST_ROOT = 0.99**0.5
 _HALF = ex.Constant(0.5)
-# Light passes a coat of weight w, albedo A and transmittance T by 1 - w + w (1 - A) T; before, by (1 - w A) (1 - w + w T).
+# Light passes a coat of weight w, albedo A and transmittance T by 1 - w + w min((1 - A) T, 1); before, by (1 - w A) (1 - w + w T).
 _COATS_THAT_COVER = Versions("5.3")
 
 
@@ -128,7 +128,8 @@ class _Principled:
             return rest.times(beneath(weight))
         if bpy.app.version[:2] in _COATS_THAT_COVER:
             through = _tinted(ex.CoatTint(ior, tint, ex.ONE, normal), ex.ValueToColor(beneath(ex.ONE)))
-            return replace(rest, color=ex.Mix(weight, ex.WHITE, through))
+            at_most_one = ex.Mix(ex.ONE, through, ex.WHITE, blend="DARKEN")
+            return replace(rest, color=ex.Mix(weight, ex.WHITE, at_most_one))
         return replace(rest.times(beneath(weight)), color=ex.CoatTint(ior, tint, weight, normal))
 
     def _constant(self, name: str) -> ex.Constant:

@@ -16,6 +16,9 @@ from .declared import changed_unknowns, unknown_values
 from .images import ImageTable
 
 _COLORS = ("RGBA", "VECTOR")
+# Before Blender 5.0 sockets of groups and of muted nodes convert what passes them; since then they convert plain values only, and
+# what a node gives is converted by the socket that uses it.
+_CONVERTS_ALL = bpy.app.version < (5, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class Scope:
 class Source:
     """Where a socket's content comes from: an output of a real node, or (`linked` False) the default of an input.
 
-    `passed` are the types of the group and muted sockets on the way, outermost first: each converts.
+    `passed` are the types of the group and muted sockets on the way, outermost first, each of which may convert.
     """
 
     socket: bpy.types.NodeSocket
@@ -119,8 +122,7 @@ class TreeReader:
                 return Source(socket, scope, False, tuple(passed))
             output, node = link.from_socket, link.from_node
             if node.mute or node.bl_idname == "NodeReroute":
-                if bpy.app.version < (5, 0, 0):  # since then what passes a muted node is not converted on the way
-                    passed.append(output.type)
+                passed.append(output.type)
                 inner = next((i.from_socket for i in node.internal_links if i.to_socket == output), None)
                 if inner is None or valid_link(inner) is None:
                     self.refuse(node, scope, ", which passes nothing on,", "delete it")
@@ -150,7 +152,8 @@ class TreeReader:
         """The content of a traced `source`, converted to a socket of type `kind`."""
         at = source.socket.type
         expression = self._output(source) if source.linked else self._default(source)
-        for step in (*reversed(source.passed), kind):
+        passed = source.passed if _CONVERTS_ALL or not source.linked else ()
+        for step in (*reversed(passed), kind):
             expression, at = self._convert(expression, at, step, source), step
         return expression
 

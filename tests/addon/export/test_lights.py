@@ -98,6 +98,7 @@ CASES = {
     "spot": ("SPOT", TILTED, {"shadow_soft_size": 0.0, "spot_size": 0.9, "spot_blend": 1.0}),
     "sun": ("SUN", TURNED, {"angle": 0.0}),
     "wide sun": ("SUN", TURNED, {"angle": 0.6}),
+    "sun of 180 degrees": ("SUN", ASIDE, {"angle": math.pi}),
     "square": ("AREA", TURNED, {"shape": "SQUARE", "size": 0.8}),
     "rectangle": ("AREA", STRETCHED, {"shape": "RECTANGLE", "size": 0.8, "size_y": 1.4}),
     "disk": ("AREA", TURNED, {"shape": "DISK", "size": 1.1}),
@@ -238,6 +239,14 @@ def test_what_is_not_simulated_is_refused_by_name(studio, what):
     studio.quad()
     REFUSED[what](above(studio, "AREA", size=0.5))
     with pytest.raises(Refused, match=f"light 'lamp': {what} is not simulated; "):
+        studio.export()
+
+
+@pytest.mark.parametrize(("kind", "scale"), [("SPOT", (0, 1, 1)), ("SPOT", (0, 0, 0)), ("AREA", (1, 1, 0))])
+def test_a_light_without_an_axis_is_refused(studio, kind, scale):
+    studio.quad()
+    above(studio, kind, matrix=Matrix.Diagonal((*scale, 1.0)))
+    with pytest.raises(Refused, match="light 'lamp': a scale of 0 along an axis"):
         studio.export()
 
 

@@ -79,3 +79,16 @@ def test_density_parts_and_arguments(rng):
     index = np.array([3, 17, 30])
     some = whole.part(index)
     np.testing.assert_array_equal(some.evaluate(wi[:, index])[0], value[:, index])
+
+
+def test_the_series_of_bounces_grows_with_a_colour_above_one_until_it_has_no_sum():
+    """Fss (1 - Eavg) is the ratio of the series of bounces between facets; at 1 and above it has no limit."""
+    alpha = 0.49
+    mean, directional = float(albedo.average_albedo(alpha)), float(albedo.directional_albedo(np.array([1.0]), alpha)[0])
+    limit = 1.0 / (1.0 - mean)
+    color = np.array([[1.4], [0.999 * limit], [1.001 * limit]])
+    factor = multiple_scattering(np.array([1.0]), alpha, color)[:, 0]
+    bounces = sum(mean * 1.4 * (1.4 * (1.0 - mean)) ** k for k in range(200))
+    assert factor[0] == pytest.approx(1.0 + (1.0 / directional - 1.0) * bounces, rel=1e-9)
+    assert factor[1] > 100.0 * factor[0]
+    assert np.isnan(factor[2])

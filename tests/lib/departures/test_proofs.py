@@ -13,18 +13,20 @@ from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.layered import beneath_layer
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.departures.closures import StrayAshikhminShirley
-from etalon.lib.departures.scene import narrow_factor, tabulated_ramp
+from etalon.lib.departures.scene import narrow_factor, tabulated_curves, tabulated_ramp
 from etalon.lib.lights.spread import Spread
 from etalon.lib.microfacets import albedo, beckmann, ggx, masking
 from etalon.lib.microfacets.cycles_tables import COARSE, FINE
 from etalon.lib.microfacets.fresnel import dielectric
-from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, Math, VectorToValue
+from etalon.lib.scene.converters import Curve, Curves
+from etalon.lib.scene.expressions import ONE, ZERO, ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.materials import Glass
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
 from etalon.lib.srgb import srgb_decode
 from etalon.lib.surfaces.lobes import _dielectric
+from etalon.lib.textures.curves import curve, curve_of_channel
 from etalon.lib.textures.images import ImageSet
 from etalon.lib.textures.ramp import color_ramp
 from etalon.tests import scenes
@@ -272,6 +274,27 @@ def test_a_ramp_is_linear_between_its_stops():
     table = np.interp(factor, node, np.interp(node, (0.3005, 0.3015), (0.2, 0.9)))
     assert color_ramp(tabulated_ramp(ramp), factor)[0] == pytest.approx(table, abs=1e-12)
     assert np.abs(table - color_ramp(ramp, factor)[0]).max() > 0.1
+
+
+def test_a_curve_goes_on_along_its_handle_and_not_along_its_last_two_entries():
+    """x^2 from 0 to 1, whose tangents at the ends have the slopes 0 and 2."""
+    node = np.linspace(0.0, 1.0, 257)
+    square = Curve(0.0, 1.0, tuple((node**2).tolist()), (0.0, 0.0), (1.0, 2.0))
+    x = np.array([-2.0, 0.25, 0.5, 3.0])
+    assert curve(square, x) == pytest.approx([0.0, 0.0625, 0.25, 5.0], abs=1e-12)
+    (table,) = tabulated_curves(Curves(ONE, ZERO, (square,))).channels
+    assert curve(table, x) == pytest.approx([-2.0 / 256, 0.0625, 0.25, 1.0 + 2.0 * (2.0 - 1.0 / 256)], abs=1e-12)
+    (table,) = tabulated_curves(Curves(ONE, ZERO, (square,), extends=False)).channels
+    assert curve(table, x) == pytest.approx([0.0, 0.0625, 0.25, 1.0], abs=1e-12)
+
+
+def test_a_combined_curve_comes_before_those_of_the_channels():
+    """2x and then x - 1, in one table; x is 0.25."""
+    doubled = Curve(0.0, 1.0, (0.0, 2.0), (0.0, 2.0), (2.0, 2.0))
+    lowered = Curve(0.0, 1.0, (-1.0, 0.0), (-1.0, 1.0), (0.0, 1.0))
+    both = Curves(ONE, ZERO, (lowered,), doubled)
+    for node in (both, tabulated_curves(both)):
+        assert curve_of_channel(node, 0, np.array([0.25, 2.0])) == pytest.approx([-0.5, 3.0])
 
 
 def test_a_step_moves_to_the_next_node():

@@ -9,7 +9,7 @@ from etalon.lib.microfacets.dispersion import cauchy_index
 from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.microfacets.layers import integrate_glass
 from etalon.lib.sampling.wavelengths import COLORS, NODES
-from etalon.lib.scene.expressions import Constant, Coordinates, Math, ValueToColor, VectorToValue
+from etalon.lib.scene.expressions import ZERO, Constant, Coordinates, Math, ValueToColor, VectorToValue
 from etalon.lib.scene.materials import Diffuse, Glass
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
@@ -22,7 +22,7 @@ from scipy.integrate import trapezoid
 IOR, ABBE = 1.5, 4.0
 # A sky that grows downwards: -10 times the mean of the direction's components, less a half, and nothing below zero.
 _DOWN = Math("MULTIPLY_ADD", VectorToValue(Coordinates("GENERATED")), Constant(-10.0), Constant(-0.5))
-SKY = World(ValueToColor(_DOWN), (8, 4))
+SKY = World(ValueToColor(Math("MAXIMUM", _DOWN, ZERO, ZERO)), (8, 4))
 
 
 def sky(direction):

@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small Cycles renders that show what a node does: one quad per case, one sample per pixel, no noise."""
 
+from contextlib import contextmanager
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import OpenImageIO
+import pytest
 from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.images import ImageTable
+from etalon.lib.departures.scene import tabulated_curves
+from etalon.lib.scene.converters import Curves
 from etalon.lib.scene.materials import Emission
+from etalon.lib.textures import color_spaces
 from etalon.lib.textures.evaluate import Evaluator
+from etalon.lib.textures.fold import inputs
 from etalon.lib.textures.images import ImageSet
 
 CELL = 16
@@ -115,6 +123,15 @@ def rendered(scene, folder):
     )
 
 
+@contextmanager
+def cycles_luminance():
+    """Let the reference weigh colours as Cycles before Blender 5.0 does, whose weights have a white point of fewer digits."""
+    with pytest.MonkeyPatch.context() as patch:
+        if bpy.app.version < (5, 0, 0):
+            patch.setattr(color_spaces, "LUMINANCE_REC709", (0.2126729, 0.7151522, 0.0721750))
+        yield
+
+
 class Points:
     def __init__(self, coordinates, side=FACING):
         self._coordinates = coordinates
@@ -124,6 +141,21 @@ class Points:
 
     def coordinates(self, kind, uv_map):
         return self._coordinates[kind]
+
+
+def tabulated(expression):
+    """The expression with the tables that Cycles has of curves."""
+    changed = replace(expression, **{name: tabulated(value) for name, value in inputs(expression).items()})
+    return tabulated_curves(changed) if isinstance(changed, Curves) else changed
+
+
+def read_tabulated(material, images, refusals):
+    """As read_material, with the tables that Cycles has of curves."""
+    read = read_material(material, images, refusals)
+    return replace(
+        read,
+        lobes=tuple(replace(x, closure=replace(x.closure, color=tabulated(x.closure.color))) for x in read.lobes),
+    )
 
 
 def predicted(material, points, read=read_material):

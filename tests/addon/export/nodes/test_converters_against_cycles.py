@@ -1,13 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Converter and Color nodes and procedural textures against Cycles itself, by the same pictures as the other nodes."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from etalon.addon.export.materials import read_material
-from etalon.lib.scene.converters import Curves
-from etalon.lib.textures.fold import inputs
 from etalon.tests.addon.export.nodes.converter_cases import CONVERTED, CURVED_CASES, EXTRA, PATTERNS
 from etalon.tests.addon.export.nodes.node_cases import COORDINATES
 from etalon.tests.addon.export.nodes.node_cells import (
@@ -18,27 +13,12 @@ from etalon.tests.addon.export.nodes.node_cells import (
     predicted,
     prepare,
     quad,
+    read_tabulated,
     rendered,
     through_emission,
 )
 
 pytestmark = pytest.mark.compares_with_cycles
-
-
-def coarser(expression):
-    """The expression with every fourth entry of the tables of its curves."""
-    changed = {name: coarser(value) for name, value in inputs(expression).items()}
-    if isinstance(expression, Curves):
-        changed["tables"] = tuple(table[::4] for table in expression.tables)
-    return replace(expression, **changed)
-
-
-def read_coarser(material, images, refusals):
-    read = read_material(material, images, refusals)
-    return replace(
-        read,
-        lobes=tuple(replace(x, closure=replace(x.closure, color=coarser(x.closure.color))) for x in read.lobes),
-    )
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +40,7 @@ def cells(tmp_path_factory):
         row, column = index // side * CELL, index % side * CELL
         shown[name] = picture[:, row : row + CELL, column : column + CELL].reshape(3, -1)
     points = Points({kind: shown[kind] for kind in COORDINATES})
-    return {name: (shown[name], predicted(materials[name], points, read_coarser)) for name in EXTRA}
+    return {name: (shown[name], predicted(materials[name], points, read_tabulated)) for name in EXTRA}
 
 
 def apart(shown, got):
@@ -78,7 +58,7 @@ def test_converter(cells, name):
 
 @pytest.mark.parametrize("name", CURVED_CASES)
 def test_curve(cells, name):
-    """Cycles reads curves from tables of 257 entries, every fourth of the reference's, and goes on beyond from the last two."""
+    """Cycles reads curves from tables of 257 entries, and goes on beyond their ends from the last two."""
     shown, got = cells[name]
     assert apart(shown, got)[-1] < 3e-5
 
