@@ -123,6 +123,10 @@ def _srgb_textures(scene: Scene) -> bool:
     return any(scene.images[k].encoding == "SRGB" for k in read)
 
 
+def _faces_in_one_plane(scene: Scene) -> bool:
+    return scene.mesh.overlaps.count > 0
+
+
 def _narrow_spread(scene: Scene) -> bool:
     return any(isinstance(light, AreaLight) and 0.0 < light.spread <= NARROW for light in scene.lights)
 
@@ -237,6 +241,13 @@ DEPARTURES: tuple[Departure, ...] = (
         "spread: up to 0.1 % too bright.",
         "scene/light.cpp",
         relevant=_narrow_spread,
+    ),
+    Departure(
+        "faces in one plane",
+        "Faces that overlap in one plane are one surface. Cycles' rays skip only the face that they leave and meet the others at distance 0, so "
+        "that these hide all light from each other. Where the plane is not along two axes, rounding decides which rays meet them.",
+        "kernel/bvh/util.h",
+        relevant=_faces_in_one_plane,
     ),
     Departure(
         "corrected glossy normal",

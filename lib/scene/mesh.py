@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+
+from .overlaps import Overlaps, find_overlaps
 
 
 @dataclass(frozen=True)
@@ -51,3 +54,8 @@ class Mesh:
     def triangle_count(self) -> int:
         """Number of triangles."""
         return self.triangles.shape[1]
+
+    @cached_property
+    def overlaps(self) -> Overlaps:
+        """The triangles that overlap in one plane, searched for when first asked."""
+        return find_overlaps(self.vertices, self.triangles)

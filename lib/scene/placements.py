@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import EtalonError
-from .coincident import coincident_faces
 from .mesh import Mesh, Object
 
 UNKNOWN_MEMORY = 8 * 2**30
@@ -113,9 +112,7 @@ class Placements:
                 _fill(mesh, group, instances, first_vertex, first_triangle)
                 first_vertex += group.local.positions.shape[1] * len(instances)
                 first_triangle += group.local.triangles.shape[1] * len(instances)
-        mesh = _without_degenerate(mesh)
-        _log_faces(mesh, coincident_faces(mesh), "lie exactly on others; Cycles has them shadow each other")
-        return mesh
+        return _without_degenerate(mesh)
 
 
 def _memory() -> int:
@@ -223,13 +220,13 @@ def _face_normals(mesh: Mesh, at: slice) -> np.ndarray:
     return np.where(length > 0.0, normals / np.where(length > 0.0, length, 1.0), up)
 
 
-def _log_faces(mesh: Mesh, marked: np.ndarray, what: str) -> None:
-    """Say of how many faces something holds, (t,) bool, once for all objects of one name."""
+def _log_degenerate(mesh: Mesh, marked: np.ndarray) -> None:
+    """Say how many faces have no area, (t,) bool, once for all objects of one name."""
     counts: Counter[str] = Counter()
     for index in np.flatnonzero(per_object := np.bincount(mesh.object_index[marked])):
         counts[mesh.objects[index].name] += int(per_object[index])
     for name, count in counts.items():
-        _LOG.warning("%s: %d faces %s", name, count, what)
+        _LOG.warning("%s: %d faces without area left out", name, count)
 
 
 def _without_degenerate(mesh: Mesh) -> Mesh:
@@ -245,7 +242,7 @@ def _without_degenerate(mesh: Mesh) -> Mesh:
         keep[at] = np.sqrt(np.einsum("cn,cn->n", normal, normal)) > _THINNEST * longest
     if keep.all():
         return mesh
-    _log_faces(mesh, ~keep, "without area left out")
+    _log_degenerate(mesh, ~keep)
     return Mesh(
         vertices=mesh.vertices,
         triangles=np.compress(keep, mesh.triangles, axis=1),

@@ -75,4 +75,6 @@ def _passed(
     going.origin = np.take(points.position, index, axis=1) - np.take(points.ng, index, axis=1) * offset[index]
     going.travelled += distance[index]
     going.passed += 1
+    if going.left is not None:
+        going.left = points.triangle[index]
     return going

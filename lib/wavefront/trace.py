@@ -25,7 +25,7 @@ from .paths import Paths
 from .raycaster import Hits
 from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
-from .visibility import transmittance
+from .visibility import coplanar_transmittance, transmittance
 
 
 class Tracer:
@@ -67,6 +67,8 @@ class Tracer:
             hits = kernel.caster.closest(paths.origin, paths.direction)
             if self._flow.hides and self._flow.transparent:
                 hits = self._with_camera_hits(paths, hits)
+        if step and kernel.coplanar is not None:
+            hits = self._with_coplanar_hits(paths, hits)
         self.rays += paths.size
         self._clock.lap(Stage.INTERSECT)
         return hits
@@ -76,6 +78,12 @@ class Tracer:
         index = np.flatnonzero(paths.scatterings == 0)
         origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
         return hits.replaced(index, self._kernel.camera_caster.closest(origin, direction))
+
+    def _with_coplanar_hits(self, paths: Paths, hits: Hits) -> Hits:
+        """The hits, where rays that leave faces meet others in the plane of these at distance 0."""
+        met = self._kernel.coplanar.met_by(paths.left, paths.origin).first()
+        there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
+        return hits.replaced(met.ray, there)
 
     def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(dimension, paths.pixel, paths.sample)
@@ -98,6 +106,8 @@ class Tracer:
         if self._flow.transparent:
             paths.scatter_origin, paths.travelled = rays.origin, np.zeros(count)
             paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        if self._kernel.coplanar is not None:
+            paths.left = np.full(count, -1, np.int32)
         if self._flow.disperses:
             paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
             paths.awaits_color = np.ones(count, bool)
@@ -223,12 +233,14 @@ class Tracer:
         )
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
+        if self._kernel.coplanar is not None:
+            through = through * coplanar_transmittance(self._kernel, origins.points.at(index), direction)
         self.rays += index.size
         self._clock.lap(Stage.SHADOW_RAYS)
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
         index = index[lit]
         arriving = np.take(direct, index, axis=1)
-        if self._flow.transparent:
+        if through.shape[0] == 3:
             arriving *= np.take(through, lit, axis=1)
         self._sums.add(paths.pixel[index], arriving)
         self._clock.lap(Stage.FILM)
@@ -257,6 +269,8 @@ class Tracer:
         )
         if self._flow.disperses:
             following.wavelength, following.awaits_color = paths.wavelength[index], paths.awaits_color[index]
+        if self._kernel.coplanar is not None:
+            following.left = np.take(origins.points.triangle, index)
         if self._flow.transparent:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
@@ -283,16 +297,16 @@ class _Origins:
     """Origins (3, n) of rays that leave points: off the plane by what float32 can resolve."""
 
     def __init__(self, points: SurfacePoints, offset: np.ndarray, one_sided: bool) -> None:
-        self._points, self._offset = points, offset
+        self.points, self._offset = points, offset
         self._front = self._off(offset) if one_sided else None
 
     def _off(self, height: np.ndarray) -> np.ndarray:
-        origin = self._points.ng * height
-        origin += self._points.position
+        origin = self.points.ng * height
+        origin += self.points.position
         return origin
 
     def towards(self, direction: np.ndarray) -> np.ndarray:
         """On the side of `direction`; where no light passes through, the side that is seen: the others carry none."""
         if self._front is not None:
             return self._front
-        return self._off(np.copysign(self._offset, dot(self._points.ng, direction)))
+        return self._off(np.copysign(self._offset, dot(self.points.ng, direction)))

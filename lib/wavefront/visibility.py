@@ -53,3 +53,18 @@ def transmittance(
             return through, unknown
     through[:, active] = 0.0
     return through, unknown
+
+
+def coplanar_transmittance(kernel: Kernel, points: SurfacePoints, direction: np.ndarray) -> np.ndarray:
+    """What faces in the plane of the one that shadow rays leave let through, (3, n): a departure's, see coplanar.py."""
+    through = np.ones_like(direction)
+    met = kernel.coplanar.met_by(points.triangle, points.position)
+    if met.ray.size == 0:
+        return through
+    position = np.take(points.position, met.ray, axis=1)
+    placed, ng, _ = kernel.caster.on_plane(met.triangle, position)
+    others = SurfacePoints(kernel.tables, met.triangle, met.u, met.v, placed, ng, -np.take(direction, met.ray, axis=1))
+    passing = kernel.transparency(others)
+    for row, factor in zip(through, passing, strict=True):
+        np.multiply.at(row, met.ray, factor)
+    return through

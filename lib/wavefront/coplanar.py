@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage of a departure: rays that leave a face and meet, at distance 0, others that overlap it in its plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..scene.mesh import Mesh
+from ..vectors import cross, dot
+
+FACES_IN_ONE_PLANE = "faces in one plane"
+"""The departure that has rays skip only the face that they leave."""
+
+
+class Met(NamedTuple):
+    """Faces met at distance 0: the number (k,) of the ray, the triangle (k,) and the barycentrics u, v (k,) of where it is met."""
+
+    ray: np.ndarray
+    triangle: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+
+    def first(self) -> Met:
+        """One face for each ray that meets any."""
+        _, once = np.unique(self.ray, return_index=True)
+        return Met(*(values[once] for values in self))
+
+
+class CoplanarFaces:
+    """The faces that overlap others, each with these others; read-only once made."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        pairs = mesh.overlaps.pairs
+        both = np.concatenate([pairs, pairs[::-1]], axis=1)
+        order = np.argsort(both[0], kind="stable")
+        self._others = both[1][order].astype(np.int32)
+        self._start = np.searchsorted(both[0][order], np.arange(mesh.triangle_count + 1))
+        self._mesh = mesh
+
+    def met_by(self, triangle: np.ndarray, point: np.ndarray) -> Met:
+        """What rays meet that leave `point` (3, n) on `triangle` (n,), in any direction."""
+        start = self._start[triangle]
+        count = self._start[triangle + 1] - start
+        ray = np.repeat(np.arange(triangle.size), count)
+        if ray.size == 0:
+            return Met(ray, np.empty(0, np.int32), np.empty(0), np.empty(0))
+        number = np.arange(ray.size) - np.repeat(np.cumsum(count) - count, count)
+        other = self._others[start[ray] + number]
+        a, b, c = (np.take(self._mesh.vertices, row[other], axis=1) for row in self._mesh.triangles)
+        along, across, place = b - a, c - a, point[:, ray] - a
+        normal = cross(along, across)
+        doubled = dot(normal, normal)
+        u = dot(cross(place, across), normal) / doubled
+        v = dot(cross(along, place), normal) / doubled
+        inside = np.flatnonzero((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0))
+        return Met(ray[inside], other[inside], u[inside], v[inside])
