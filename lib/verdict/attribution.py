@@ -39,6 +39,9 @@ PAIRS = 8
 SETS_PER_LOOK = 4
 # Departures that change no region by this part of the tolerance are in no larger set.
 ACTING = 0.05
+# Where departures take away more than all but this part of a region's light, agreement is judged relative to this part: relative to what
+# is left of it, a region that they darken altogether would have to be known without noise.
+LEAST_LEFT = 0.1
 # A set is dropped for a larger one when a region is outside the tolerance with it at this level, or its share is not 1. It decides what is
 # tried, not what is claimed.
 DROP_LEVEL = 1e-3
@@ -194,7 +197,8 @@ class Attribution:
         return [names for names in self.pairs if len(names) == size]
 
     def _ends(self, sides: Sides, shift: Moments) -> tuple:
-        return tolerance_ends(sides.candidate, sides.reference, self.test.tolerance, self.test.floor, shift)
+        floor = np.maximum(self.test.floor, LEAST_LEFT * sides.scale)
+        return tolerance_ends(sides.candidate, sides.reference, self.test.tolerance, floor, shift)
 
     def _outside(self, names: Names, sides: Sides) -> np.ndarray:
         """The regions (N,) that are outside the tolerance with `names`, as far as what to try next is concerned."""
