@@ -24,6 +24,7 @@ from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
 from ..lib.scene.scene import Scene
+from ..lib.scene_check.check import check_scene
 from ..lib.settings.common import Target
 from ..lib.settings.comparison import CompareOptions, Settings
 from ..lib.settings.reference import Options
@@ -89,7 +90,7 @@ def judge(
             divisor,
             scouted,
         )
-        comparison = replace(comparison, options=settings.part(CompareOptions))
+        comparison = replace(comparison, options=settings.part(CompareOptions), findings=check_scene(scene))
         if beside is not None:
             write_report(comparison, reference.plan, beside, repeat)
     return comparison

@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 
 from ...lib.progress import Progress
+from ...lib.report.scene_check import scene_check_lines
 from ...lib.report.words import sentences, unexplained
 from ...lib.settings.common import Target
 from ...lib.settings.comparison import Settings
@@ -30,6 +31,8 @@ def run(target: Target, settings: Settings) -> int:
     print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
     for sentence in sentences(comparison):
         print(f"  {sentence}")
+    for line in scene_check_lines(comparison.findings):
+        print(f"  {line}")
     print(f"report: {folder / 'report.html'}")
     if unexplained(comparison):
         print(f"smallest scene that shows it: {folder / job.MINIMAL}")

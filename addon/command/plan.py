@@ -11,8 +11,10 @@ from ...lib.effects.plan import Plan, make_plan
 from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
 from ...lib.files.atomic import replace_file
+from ...lib.report.scene_check import scene_check_lines
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
+from ...lib.scene_check.check import check_scene
 from ...lib.settings.commands import PlanOutput
 from ...lib.settings.common import Target
 from ...lib.settings.words import write_changes
@@ -38,7 +40,8 @@ def run(target: Target, settings: PlanOutput) -> int:
         archive.save(scene, settings.save)
     if settings.json:
         counts = {"triangles": scene.mesh.triangle_count, "lights": len(scene.lights)}
-        print(json.dumps({"scene": scene.name, **counts, **asdict(plan)}, indent=2))
+        findings = [asdict(finding) for finding in check_scene(scene)]
+        print(json.dumps({"scene": scene.name, **counts, **asdict(plan), "scene_check": findings}, indent=2))
     else:
         print(plan_text(scene, plan))
     return 0
@@ -63,4 +66,5 @@ def plan_text(scene: Scene, plan: Plan) -> str:
     for heading, needed in (("needed", True), ("not needed", False)):
         lines += ["", heading]
         lines += [f"  {d.effect:{width}}  {d.fact}" for d in plan.decisions if d.needed is needed]
-    return "\n".join(lines)
+    found = scene_check_lines(check_scene(scene))
+    return "\n".join([*lines, "", *found] if found else lines)

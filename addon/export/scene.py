@@ -23,6 +23,7 @@ from .mesh import read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
+from .set_aside import find_set_aside
 
 
 def export_scene(
@@ -68,6 +69,7 @@ def export_scene(
         transport=Transport(bounces, max(Transport().transparent_max_bounces, scene.cycles.transparent_max_bounces)),
         images=images.images,
         blender=bpy.app.version[:2],
+        findings=find_set_aside(depsgraph, mesh),
     )
     validate(result)
     return result

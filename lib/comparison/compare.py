@@ -20,6 +20,7 @@ from ..light_tracing.scouting import Scouted
 from ..pages.formats import format_bound, format_duration
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
+from ..scene.findings import Finding
 from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE
@@ -69,7 +70,8 @@ class Comparison:
     everything, `pilot_seconds` the timed calls and the first look alone, `round_seconds` what one more replicate of both sides takes, of
     all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at each
     look. `divisor` says how many times narrower and lower the images are than the scene asks for. `caustics` (K,) is the part of
-    each region's light that arrives by caustics, at most, where a scouting pass was made.
+    each region's light that arrives by caustics, at most, where a scouting pass was made. `findings` are those of the scene check, where the
+    caller made one.
     """
 
     scene: str
@@ -92,6 +94,7 @@ class Comparison:
     history: tuple[BoundAt, ...]
     divisor: int
     caustics: np.ndarray | None
+    findings: tuple[Finding, ...] = ()
 
 
 def compare(

@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..blender_versions import Versions, format_release
 from ..errors import EtalonError
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
@@ -25,6 +27,7 @@ class Departure:
     `statement` says what Cycles does and what is right; `source` is the file in Cycles' tree, `versions` the Blender releases that depart
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
+    `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
     """
 
     name: str
@@ -33,6 +36,7 @@ class Departure:
     versions: Versions = ALL
     relevant: Callable[[Scene], bool] = lambda scene: False
     neutralised: str = ""
+    by_rounding: bool = False
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
@@ -125,6 +129,11 @@ def _srgb_textures(scene: Scene) -> bool:
 
 def _faces_in_one_plane(scene: Scene) -> bool:
     return scene.mesh.overlaps.count > 0
+
+
+def _two_materials_in_one_plane(scene: Scene) -> bool:
+    mesh = scene.mesh
+    return bool(np.not_equal(*mesh.material_index[mesh.overlaps.pairs]).any())
 
 
 def _narrow_spread(scene: Scene) -> bool:
@@ -244,10 +253,19 @@ DEPARTURES: tuple[Departure, ...] = (
     ),
     Departure(
         "faces in one plane",
-        "Faces that overlap in one plane are one surface. Cycles' rays skip only the face that they leave and meet the others at distance 0, so "
-        "that these hide all light from each other. Where the plane is not along two axes, rounding decides which rays meet them.",
+        "Faces that overlap in one plane are one surface. Cycles' rays skip only the face that they leave and meet the others at distance "
+        "0, so that these hide all light from each other. Where the plane is not along two axes, rounding decides which rays meet them.",
         "kernel/bvh/util.h",
         relevant=_faces_in_one_plane,
+        by_rounding=True,
+    ),
+    Departure(
+        "other of two faces",
+        "Where faces of different materials overlap in one plane, rounding decides which of them a ray meets. The reference meets one, "
+        "and Cycles may meet the other.",
+        "kernel/bvh/bvh.h",
+        relevant=_two_materials_in_one_plane,
+        by_rounding=True,
     ),
     Departure(
         "corrected glossy normal",

@@ -129,6 +129,17 @@ def _explains(why: Explanation, left: int, names: int) -> str:
     return f" {'It explains' if names == 1 else 'They explain'} {count} of the {whole} that differ." if count else ""
 
 
+def _rounded(comparison: Comparison, why: Explanation) -> list[str]:
+    count = int(why.rounded.sum())
+    whole = comparison.verdict.count(Outcome.EXPLAINED)
+    where = plural(count, "region") if count == whole else f"{count} of the {whole} regions that differ"
+    names = {name for names, here in zip(why.causes, why.rounded, strict=True) if here for name in names}
+    return [
+        f"Explained by the scene: {listed(tuple(sorted(names)))}. Rounding in single precision decides which rays are affected. In {where}, "
+        f"{comparison.candidate.name} lies between the reference with this departure and the reference without it."
+    ]
+
+
 def _likely(comparison: Comparison, why: Explanation) -> list[str]:
     one = len(why.named) == 1
     head = f"Likely {'cause' if one else 'causes, together'}, not proved yet: {listed(why.named)}."
@@ -201,6 +212,7 @@ _SENTENCES = {
     State.CAUSE: _cause,
     State.PARTIAL: _partial,
     State.LIKELY: _likely,
+    State.ROUNDED: _rounded,
     State.NO_REASON: _no_reason,
     State.RULED_OUT: _ruled_out,
     State.OPEN: _open,

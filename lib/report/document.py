@@ -20,7 +20,7 @@ from .words import forecast_seconds, sentences, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 6
+VERSION = 7
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -35,6 +35,8 @@ CHANGES = {
     "`floor` is one number for each channel; a region has `rare`, `blind_spot`, `largest_share`, `tail_shape`, `dark` and `caustics`; "
     "`withdrawn` lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has a `divisor`; "
     "regions of the kind 'cell' are those of coarser grids, and claims on all regions are tested together.",
+    7: "Version 7: `scene_check` lists what in the scene is likely not meant or was set aside; each region has a `reason`: every difference is "
+    "put down to departures, to the scene, or is 'unexplained'; `attribution.state` may be 'explained by rounding'.",
 }
 
 
@@ -65,6 +67,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "departures": _departures(comparison),
             "attribution": _attribution(comparison),
             "unexplained": len(unexplained(comparison)),
+            "scene_check": [asdict(finding) for finding in comparison.findings],
             "plan": [asdict(decision) for decision in plan.decisions],
             "forecast": _forecast(comparison),
             "looks": [asdict(look) for look in verdict.looks],
@@ -148,10 +151,19 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
         "tail_shape": verdict.shapes[k],
         "dark": bool(verdict.dark[k]),
         "caustics": None if comparison.caustics is None else comparison.caustics[k],
+        "reason": _reason(comparison, k),
         "causes": [] if comparison.explanation is None else comparison.explanation.causes[k],
         "share": _share(comparison, k),
         "rest": None if comparison.explanation is None else comparison.explanation.rest[k],
     }
+
+
+def _reason(comparison: Comparison, k: int) -> str | None:
+    """What the difference of region k is put down to; None where it is not shown to differ."""
+    outcome, why = comparison.verdict.outcomes[k], comparison.explanation
+    if outcome is Outcome.EXPLAINED:
+        return "scene" if why.rounded[k] else "departures"
+    return "unexplained" if outcome is Outcome.DIFFERENT else None
 
 
 def _share(comparison: Comparison, k: int) -> dict[str, Any] | None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import EtalonError
 from ..files.atomic import replace_file
-from . import camera, converters, expressions, images, lights, materials, mesh, procedural, scene, sky, world
+from . import camera, converters, expressions, findings, images, lights, materials, mesh, procedural, scene, sky, world
 from .checks import validate
 from .scene import Scene
 
@@ -23,7 +23,20 @@ _VERSION = 1
 _SMALL = 64
 _CLASSES = {
     kind.__name__: kind
-    for module in (camera, converters, expressions, images, lights, materials, mesh, procedural, scene, sky, world)
+    for module in (
+        camera,
+        converters,
+        expressions,
+        findings,
+        images,
+        lights,
+        materials,
+        mesh,
+        procedural,
+        scene,
+        sky,
+        world,
+    )
     for kind in vars(module).values()
     if isinstance(kind, type) and is_dataclass(kind)
 }

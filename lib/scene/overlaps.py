@@ -85,7 +85,9 @@ def _planes(corners: np.ndarray, center: np.ndarray) -> _Planes:
     longest = np.sqrt(np.max([np.einsum("kt,kt->t", e, e) for e in edges], axis=0))
     tolerance = RESOLVED * np.abs(corners).max(axis=(0, 1))
     with np.errstate(divide="ignore"):
-        normal_error = np.where(doubled > 0.0, 2.0 * tolerance * longest / np.where(doubled > 0.0, doubled, 1.0), np.inf)
+        normal_error = np.where(
+            doubled > 0.0, 2.0 * tolerance * longest / np.where(doubled > 0.0, doubled, 1.0), np.inf
+        )
     middle = (a + b + c) / 3.0 - center[:, None]
     away = np.sqrt(np.einsum("kt,kt->t", middle, middle))
     distance = np.einsum("kt,kt->t", normal, middle)
@@ -97,7 +99,10 @@ def _hashed(planes: _Planes, radius: float) -> tuple[np.ndarray, np.ndarray]:
     keep = np.flatnonzero(planes.normal_error <= 0.5 * _NORMAL_CELL)
     values = np.vstack([planes.normal[:, keep] / _NORMAL_CELL, planes.distance[None, keep] / (_DISTANCE_CELL * radius)])
     errors = np.vstack(
-        [np.tile(planes.normal_error[keep] / _NORMAL_CELL, (3, 1)), planes.distance_error[None, keep] / (_DISTANCE_CELL * radius)]
+        [
+            np.tile(planes.normal_error[keep] / _NORMAL_CELL, (3, 1)),
+            planes.distance_error[None, keep] / (_DISTANCE_CELL * radius),
+        ]
     )
     values += _OFFSETS[:, None]
     low, high = np.floor(values - errors).astype(np.int64), np.floor(values + errors).astype(np.int64)
@@ -129,9 +134,7 @@ def _dropped_axis(planes: _Planes, item: np.ndarray, group: np.ndarray) -> np.nd
     return np.repeat(np.argmax(np.abs(planes.normal[:, item[first]]), axis=0), np.diff(np.append(first, item.size)))
 
 
-def _boxes(
-    corners: np.ndarray, planes: _Planes, item: np.ndarray, group: np.ndarray, axis: np.ndarray
-) -> Boxes:
+def _boxes(corners: np.ndarray, planes: _Planes, item: np.ndarray, group: np.ndarray, axis: np.ndarray) -> Boxes:
     """The boxes of the triangles in their planes, less what single precision does not resolve."""
     sides = np.empty((4, item.size))
     for dropped in range(3):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..blender_versions import Release
 from .camera import Camera
+from .findings import Finding
 from .images import Image
 from .lights import Light
 from .materials import Material
@@ -31,6 +32,7 @@ class Scene:
     """Everything the reference needs; written by the exporter, checked by `checks.validate`, never changed.
 
     `blender` is the release that exported it, by which departures are chosen; None for a scene that no Blender made.
+    `findings` are what only the exporter could see; scene_check has the others.
     """
 
     name: str
@@ -42,3 +44,4 @@ class Scene:
     transport: Transport = Transport()
     images: tuple[Image, ...] = ()
     blender: Release | None = None
+    findings: tuple[Finding, ...] = ()

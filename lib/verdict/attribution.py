@@ -146,9 +146,13 @@ class Attribution:
         claimed = holm(self._agreement[names], level)
         claimed &= ~self.different | (self._between[names] <= level / self.test.outcomes.size)
         off = self.shares(names, sides).off & self.different
-        if self._inside is not None and claimed.any() and off.any():
-            off = (self._inside() @ off.astype(float)) > 0
-        return claimed & ~off
+        return claimed & ~self.contains(off) if claimed.any() else claimed
+
+    def contains(self, marked: np.ndarray) -> np.ndarray:
+        """The regions (N,) in which one of those `marked` (N,) lies, itself among them."""
+        if self._inside is None or not marked.any():
+            return marked
+        return (self._inside() @ marked.astype(float)) > 0
 
     def level_of(self, names: Names) -> float:
         """What a set may spend on claims of agreement, and as much again on claims of its share."""

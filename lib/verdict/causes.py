@@ -56,6 +56,8 @@ class State(Enum):
     """A set of departures explains every region that is not EQUIVALENT, or all that differ while others are open."""
     PARTIAL = "partial cause"
     """Departures explain some regions, or a part of the difference; the rest is left over."""
+    ROUNDED = "explained by rounding"
+    """All that differs is explained, some of it by departures of which rounding decides how much acts (rounding.py)."""
     LIKELY = "likely cause"
     """A set is compatible with all that is seen and acts, but it is not proved to explain it."""
     NO_REASON = "no known reason"
@@ -120,7 +122,8 @@ class Explanation:
 
     state: the finding. named: the departures that it names (cause, partial causes or likely cause). chosen: those that explain a
     region: the fewest that explain every region that was not EQUIVALENT, if `complete` says that there are such. causes (N): the
-    fewest names that explain each region, empty where nothing does. roles (M): what is said of each departure. alternatives: other
+    fewest names that explain each region, empty where nothing does. rounded (N,): the regions of which the difference lies between none
+    and all of the effect of their `causes`, whose size rounding decides. roles (M): what is said of each departure. alternatives: other
     sets of as many departures as `named` that the data do not tell from it.
     effect (M, N, 3): what each departure alone adds to the reference, relative to it; NaN where it was not rendered. shares (M): what
     part that is of the difference in the channel furthest off; None where it was not rendered. of_named: the same of all `named`
@@ -135,6 +138,7 @@ class Explanation:
     chosen: tuple[str, ...]
     complete: bool
     causes: tuple[tuple[str, ...], ...]
+    rounded: np.ndarray
     roles: tuple[Role, ...]
     alternatives: tuple[tuple[str, ...], ...]
     effect: np.ndarray
@@ -158,6 +162,7 @@ def nothing_found(regions: int, departures: tuple[Departure, ...] = ()) -> Expla
         chosen=(),
         complete=False,
         causes=((),) * regions,
+        rounded=np.zeros(regions, bool),
         roles=(Role.OPEN,) * count,
         alternatives=(),
         effect=np.full((count, regions, 3), np.nan),

@@ -11,6 +11,7 @@ from ..film.regions import RegionMoments
 from .attribution import Attribution, Names
 from .causes import BAND, Explanation, Role, Shares, State, nothing_found, small_limit
 from .proof import growth_of_proof
+from .rounding import rounded_regions
 from .shares import Sides
 
 # A likely cause has at most so many departures.
@@ -30,21 +31,19 @@ def explain(
     with np.errstate(divide="ignore", invalid="ignore"):
         difference = sides.gap / sides.scale
     best, causes = _causes(search, sides)
+    by_rounding, rounded = rounded_regions(search, sides, different & ~np.array([bool(names) for names in causes]))
+    causes = [by_rounding if here else names for names, here in zip(causes, rounded, strict=True)]
     chosen = best if search.complete else frozenset().union(*causes)
     alone = {name: frozenset([name]) for name in search.names}
     shares = {name: search.shares(one, sides) for name, one in alone.items() if one in search.pairs}
     left = different & ~np.array([bool(names) for names in causes])
     target = left if left.any() else different
-    state, named, others = _find(search, sides, chosen, shares, left)
+    if rounded.any() and not left.any():
+        state, named, others = State.ROUNDED, chosen, []
+    else:
+        state, named, others = _find(search, sides, chosen, shares, left)
     limit = small_limit(len(search.names))
-    roles = {}
-    for name in search.names:
-        small = name in shares and (shares[name].bound[target] < limit).all()
-        roles[name] = Role.SMALL if small else Role.OPEN
-    for name in named:
-        roles[name] = {State.CAUSE: Role.CAUSE, State.LIKELY: Role.LIKELY}.get(state, Role.PARTIAL)
-    for name in chosen - named:
-        roles[name] = Role.PARTIAL
+    roles = _roles(search, state, shares, target, (named, chosen, by_rounding))
     of_named = search.moments(named) if named else None
     effect = np.full((len(search.names), *difference.shape), np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -57,8 +56,10 @@ def explain(
         departures=search.departures,
         named=_ordered(search, named),
         chosen=_ordered(search, chosen),
-        complete=search.complete,
+        complete=search.complete
+        or (rounded.any() and all(bool(names) for names, open_ in zip(causes, search.wanted, strict=True) if open_)),
         causes=tuple(_ordered(search, names) for names in causes),
+        rounded=rounded,
         roles=tuple(roles[name] for name in search.names),
         alternatives=tuple(_ordered(search, names) for names in others),
         effect=effect,
@@ -71,6 +72,29 @@ def explain(
         pairs=min(len(pairs) for pairs in search.pairs.values()),
         seconds=seconds,
     )
+
+
+def _roles(
+    search: Attribution,
+    state: State,
+    shares: dict[str, Shares],
+    target: np.ndarray,
+    sets: tuple[Names, Names, Names],
+) -> dict[str, Role]:
+    """What is said of each departure; `sets` are those named, those chosen, and those of which rounding decides how much acts."""
+    limit = small_limit(len(search.names))
+    roles = {}
+    for name in search.names:
+        small = name in shares and (shares[name].bound[target] < limit).all()
+        roles[name] = Role.SMALL if small else Role.OPEN
+    named, chosen, by_rounding = sets
+    for name in named:
+        roles[name] = {State.CAUSE: Role.CAUSE, State.LIKELY: Role.LIKELY}.get(state, Role.PARTIAL)
+    for name in chosen - named:
+        roles[name] = Role.PARTIAL
+    for name in by_rounding:
+        roles[name] = Role.LIKELY
+    return roles
 
 
 def _find(

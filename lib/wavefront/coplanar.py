@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage of a departure: rays that leave a face and meet, at distance 0, others that overlap it in its plane."""
+"""Stage of two departures: what rays meet where faces overlap in one plane.
+
+Rays that leave a face meet the others at distance 0; and of two faces of different materials rays meet the other one.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,8 @@ from ..vectors import cross, dot
 
 FACES_IN_ONE_PLANE = "faces in one plane"
 """The departure that has rays skip only the face that they leave."""
+OTHER_FACE = "other of two faces"
+"""The departure that has rays meet, of two faces in one plane, the one that the reference does not meet."""
 
 
 class Met(NamedTuple):
@@ -31,8 +36,11 @@ class Met(NamedTuple):
 class CoplanarFaces:
     """The faces that overlap others, each with these others; read-only once made."""
 
-    def __init__(self, mesh: Mesh) -> None:
+    def __init__(self, mesh: Mesh, of_two_materials: bool = False) -> None:
+        """`of_two_materials`: only pairs of which each has its own."""
         pairs = mesh.overlaps.pairs
+        if of_two_materials:
+            pairs = pairs[:, np.not_equal(*mesh.material_index[pairs])]
         both = np.concatenate([pairs, pairs[::-1]], axis=1)
         order = np.argsort(both[0], kind="stable")
         self._others = both[1][order].astype(np.int32)

@@ -50,7 +50,9 @@ class Flow:
             samples_lobes=needs(Effect.SCATTERED_RAYS),
             last_rays=needs(Effect.LAST_RAYS),
             has_choices=needs(Effect.LIGHT_SELECTION) or needs(Effect.SEVERAL_LOBES),
-            asks_visibility=needs(Effect.SHADOW_RAYS) or LIGHT_BELOW in options.departures or kernel.coplanar is not None,
+            asks_visibility=needs(Effect.SHADOW_RAYS)
+            or LIGHT_BELOW in options.departures
+            or kernel.coplanar is not None,
             most_bounces=kernel.scene.transport.max_bounces if needs(Effect.INDIRECT_LIGHT) else 0,
             disperses=needs(Effect.DISPERSION),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),

@@ -25,7 +25,7 @@ from ..textures.evaluate import evaluate
 from ..textures.fold import fold_scene
 from ..textures.images import ImageSet
 from .camera_caster import CameraCaster
-from .coplanar import FACES_IN_ONE_PLANE, CoplanarFaces
+from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
 from .emissive import EmissiveMesh
 from .raycaster import Raycaster
@@ -40,7 +40,9 @@ class Kernel:
     `scene` is as it stands after the departures, folded where the plan prunes. `lights` are the samplers of light objects, then the
     environment's, then the emissive mesh's, as far as the plan calls for them; `selection` picks among them. `sky` is the constant
     world's radiance (3, 1), or None. `one_sided`: all light leaves a face on the side from which it is seen. `camera_caster` is another
-    one than `caster` where objects hide from camera rays. `coplanar` has the faces that overlap others, where rays meet these. A kernel `like` this one of the same mesh shares what depends on the mesh alone.
+    one than `caster` where objects hide from camera rays. `coplanar` has the faces that overlap others, where rays meet these at distance
+    0, `other_faces` those that rays meet in place of others; both belong to departures. A kernel `like` this one of the same mesh shares
+    what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
     """
 
@@ -73,6 +75,9 @@ class Kernel:
         self.light_is_delta = np.array([light.delta for light in self.lights], bool)
         lit_from_below = LIGHT_BELOW in options.departures
         self.coplanar = CoplanarFaces(scene.mesh) if FACES_IN_ONE_PLANE in options.departures else None
+        self.other_faces = (
+            CoplanarFaces(scene.mesh, of_two_materials=True) if OTHER_FACE in options.departures else None
+        )
         self.one_sided = not lit_from_below and not any(m.transmits for m in self.materials)
 
     def _light_objects(self) -> list[LightSampler]:

@@ -16,7 +16,8 @@ class Paths:
     sampled, inf for camera rays and delta lobes. The next four are kept only where surfaces can be transparent, else
     None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. The next
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
-    its colour (bool). `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that these are the camera rays themselves.
+    its colour (bool). `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that
+    these are the camera rays themselves.
     """
 
     pixel: np.ndarray

@@ -69,6 +69,8 @@ class Tracer:
                 hits = self._with_camera_hits(paths, hits)
         if step and kernel.coplanar is not None:
             hits = self._with_coplanar_hits(paths, hits)
+        if kernel.other_faces is not None:
+            hits = self._with_other_faces(paths, hits)
         self.rays += paths.size
         self._clock.lap(Stage.INTERSECT)
         return hits
@@ -78,6 +80,15 @@ class Tracer:
         index = np.flatnonzero(paths.scatterings == 0)
         origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
         return hits.replaced(index, self._kernel.camera_caster.closest(origin, direction))
+
+    def _with_other_faces(self, paths: Paths, hits: Hits) -> Hits:
+        """The hits, where rays meet the other of two faces in one plane that have different materials."""
+        index = np.flatnonzero(hits.triangle >= 0)
+        distance = hits.distance[index]
+        point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
+        met = self._kernel.other_faces.met_by(hits.triangle[index], point).first()
+        there = Hits(met.triangle, distance[met.ray], met.u.astype(np.float32), met.v.astype(np.float32))
+        return hits.replaced(index[met.ray], there)
 
     def _with_coplanar_hits(self, paths: Paths, hits: Hits) -> Hits:
         """The hits, where rays that leave faces meet others in the plane of these at distance 0."""

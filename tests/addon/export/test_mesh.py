@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from etalon.addon.export.mesh import read_mesh
 from etalon.lib.errors import EtalonError
-from etalon.lib.scene.coincident import coincident_faces
 from etalon.lib.scene.mesh import Object
 from etalon.lib.scene.placements import Placements
+from etalon.lib.scene_check.check import check_scene
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Euler, Matrix
@@ -318,18 +318,18 @@ def test_faces_without_area_are_left_out_and_counted(studio, caplog):
     assert "thin: 2 faces without area left out" in caplog.text
 
 
-def test_faces_on_top_of_each_other_are_counted_by_name(studio, caplog):
+def test_faces_on_top_of_each_other_are_found_by_name_with_their_area(studio):
     """Copies of an object in one place, turned or turned over; a face that shares but an edge is none, nor is its mirror image."""
     square, order = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 2, 1)], [(0, 1, 2), (0, 2, 3)]
     studio.add("sheet", studio.mesh("sheet", square, order))
     studio.add("copy", studio.mesh("copy", square[::-1], [(1, 2, 3)]))
     studio.add("apart", studio.mesh("apart", [(x, y, -z) for x, y, z in square], order))
-    with caplog.at_level(logging.WARNING):
-        mesh = studio.export().mesh
-    assert coincident_faces(mesh).tolist() == [True, False, True, False, False]
-    assert "sheet: 1 faces lie exactly on others" in caplog.text
-    assert "copy: 1 faces" in caplog.text
-    assert "apart" not in caplog.text
+    scene = studio.export()
+    assert scene.mesh.overlaps.pairs.tolist() == [[0], [2]]
+    assert scene.mesh.overlaps.area.tolist() == pytest.approx([0.5])
+    found = next(finding for finding in check_scene(scene) if finding.check == "overlapping faces")
+    assert "'sheet' and 'copy' (0.5 m²)" in found.what
+    assert "apart" not in found.what
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])

@@ -135,6 +135,15 @@ def prism():
     return scenes.scene(parts, [glass, scenes.emission(10.0)], camera)
 
 
+def rug():
+    """On the left a floor and its copy under a sun; on the right two panels in one plane that shine differently."""
+    left, right = (scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)) for x in (-2.0, 0.0))
+    parts = [left, left, replace(right, material=1), replace(right, material=2)]
+    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
+    materials = [scenes.diffuse(0.8, 0.6, 0.4), scenes.emission(0.2), scenes.emission(0.3)]
+    return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,))
+
+
 class Cached:
     """A renderer that remembers its replicates, so that cases share what they have in common."""
 
@@ -171,6 +180,7 @@ SCENES = {
     coats: (3e-3, 1024, set()),
     early: (5e-3, 64, set()),
     prism: (2e-2, 512, set()),
+    rug: (1e-2, 64, set()),
 }
 
 
@@ -270,6 +280,37 @@ def test_what_no_departure_explains_stays_different(seed):
     # Both departures do much here, but in places the wrong way, and in others nothing.
     assert found.explanation.state is State.RULED_OUT
     assert "Unexplained: 10 regions differ, and no set of the departures that apply fits" in " ".join(sentences(found))
+
+
+class Between:
+    """A candidate part of the way from one renderer to another."""
+
+    name = "between"
+    settings: dict = {}  # noqa: RUF012
+
+    def __init__(self, first, second, part):
+        self._ends, self._part = (first, second), part
+
+    def render(self, *how):
+        first, second = (renderer.render(*how) for renderer in self._ends)
+        return replace(first, radiance=(1.0 - self._part) * first.radiance + self._part * second.radiance)
+
+
+@pytest.mark.parametrize("part", [0.2, 0.7])
+def test_what_lies_between_none_and_all_of_what_rounding_decides_is_put_down_to_the_scene(part, seed):
+    plain, all_of_it = (planted(rug, names, seed) for names in ((), ("faces in one plane", "other of two faces")))
+    found = judged(rug, Between(plain, all_of_it, part))
+    assert found.verdict.outcome is Outcome.EXPLAINED
+    assert found.explanation.state is State.ROUNDED
+    assert found.explanation.rounded[1:].all()
+    assert "Explained by the scene: faces in one plane and other of two faces." in " ".join(sentences(found))
+
+
+def test_what_rounding_cannot_make_stays_unexplained(seed):
+    """A floor brighter than with or without its copy."""
+    found = judged(rug, Brighter(planted(rug, (), seed), np.where(np.arange(4) < 2, 1.05, 1.0)[:, None]))
+    assert found.verdict.outcome is Outcome.DIFFERENT
+    assert not found.explanation.rounded.any()
 
 
 def test_half_an_explanation_names_the_regions_that_it_covers(seed):

@@ -3,7 +3,6 @@
 
 import numpy as np
 import pytest
-
 from etalon.lib.scene.overlaps import find_overlaps
 
 

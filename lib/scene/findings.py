@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Findings about a scene: what in it is likely not meant, or was set aside for the comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+_MOST_NAMES = 3
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding, for a user to read.
+
+    `check` names the kind of finding, `what` says what was found and where, `effect` what it does to the comparison, `remedy` what to do.
+    """
+
+    check: str
+    what: str
+    effect: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.check}: {self.what} {self.effect} {self.remedy}"
+
+
+def list_names(names: list[str]) -> str:
+    """At most three names in quotes, and how many more there are.
+
+    >>> list_names(["a", "b", "c", "d", "e"])
+    "'a', 'b', 'c' and 2 more"
+    """
+    shown = [f"'{name}'" for name in names[:_MOST_NAMES]]
+    if len(names) > _MOST_NAMES:
+        return f"{', '.join(shown)} and {len(names) - _MOST_NAMES} more"
+    return " and ".join([", ".join(shown[:-1]), shown[-1]]) if len(shown) > 1 else shown[0]

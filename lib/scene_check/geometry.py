@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks of faces and objects."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..scene.findings import Finding, list_names
+from ..scene.mesh import Mesh
+from ..scene.scene import Scene
+from ..vectors import cross, dot
+
+_MOST_PAIRS = 3
+
+
+def find_overlapping_faces(scene: Scene) -> Finding | None:
+    """Faces that overlap in one plane, by the objects that they belong to, the largest area first."""
+    overlaps = scene.mesh.overlaps
+    if not overlaps.count:
+        return None
+    areas: dict[tuple[str, str], float] = {}
+    owners = np.sort(scene.mesh.object_index[overlaps.pairs], axis=0)
+    pairs, which = np.unique(owners, axis=1, return_inverse=True)
+    for (a, b), area in zip(pairs.T, np.bincount(which.reshape(-1), overlaps.area), strict=True):
+        names = scene.mesh.objects[a].name, scene.mesh.objects[b].name
+        areas[names] = areas.get(names, 0.0) + float(area)
+    largest = sorted(areas.items(), key=lambda item: -item[1])
+    shown = "; ".join(f"{_of(names)} ({area:.3g} m²)" for names, area in largest[:_MOST_PAIRS])
+    more = f"; and {len(largest) - _MOST_PAIRS} more pairs of objects" if len(largest) > _MOST_PAIRS else ""
+    return Finding(
+        "overlapping faces",
+        f"Faces share a plane and an area of it: {shown}{more}.",
+        "Cycles has such faces hide all light from each other; the reference treats them as one surface.",
+        "Move one of each pair by a millimetre, or delete it.",
+    )
+
+
+def _of(names: tuple[str, str]) -> str:
+    return f"'{names[0]}' with itself" if names[0] == names[1] else f"'{names[0]}' and '{names[1]}'"
+
+
+def find_turned_normals(scene: Scene) -> Finding | None:
+    """Smooth faces all of whose shading normals point away from the side that the face itself points to."""
+    mesh = scene.mesh
+    if not mesh.corner_normals.shape[2]:
+        return None
+    smooth = np.flatnonzero(mesh.smooth)
+    a, b, c = (np.take(mesh.vertices, corner[smooth], axis=1) for corner in mesh.triangles)
+    face = cross(b - a, c - a)
+    turned = np.ones(smooth.size, bool)
+    for corner in mesh.corner_normals:
+        turned &= dot(face, corner[:, smooth].astype(np.float64)) < 0.0
+    if not turned.any():
+        return None
+    names = _objects_of(mesh, smooth[turned])
+    count = int(turned.sum())
+    return Finding(
+        "normals against faces",
+        f"{count} {'triangle has' if count == 1 else 'triangles have'} shading normals that point to the other side: {list_names(names)}.",
+        "Such faces are dark, or lit from behind, in both renderers.",
+        "Recalculate the normals, or clear custom normals.",
+    )
+
+
+def find_mirrored(scene: Scene) -> Finding | None:
+    """Objects whose transform mirrors them."""
+    mirrored = [o.name for o in scene.mesh.objects if np.linalg.det(o.world_from_object[:, :3]) < 0.0]
+    if not mirrored:
+        return None
+    objects = "1 object is" if len(mirrored) == 1 else f"{len(mirrored)} objects are"
+    return Finding(
+        "negative scale",
+        f"{objects} mirrored by a negative scale: {list_names(list(dict.fromkeys(mirrored)))}.",
+        "Both renderers show them alike; tangents, and so normal maps and anisotropy, are mirrored too.",
+        "Apply the scale if that is not meant.",
+    )
+
+
+def _objects_of(mesh: Mesh, triangles: np.ndarray) -> list[str]:
+    """The names of the objects that triangles belong to, each once."""
+    return list(dict.fromkeys(mesh.objects[k].name for k in np.unique(mesh.object_index[triangles])))

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Differences that lie between none and all of the effect of a departure of which rounding decides how much of it acts.
+
+Faces in one plane hide each other's light in as many rays as single precision happens to put on the wrong side. No set of departures
+reproduces that, and none has to: such a scene has no value of its own there. A region is put down to it where its difference lies, in
+all channels, between zero and what the departure does in full, give or take the tolerance and the noise. This is a finding about the
+scene, not a claim with a level.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .attribution import ACTING, Attribution, Names
+from .shares import Sides
+
+# Standard errors of a region's difference that are left to noise.
+_ERRORS = 3.0
+
+
+def rounded_regions(search: Attribution, sides: Sides, left: np.ndarray) -> tuple[Names, np.ndarray]:
+    """The departures by which rounding explains regions, and these regions (N,), of those marked in `left` (N,)."""
+    rounding = {d.name for d in search.departures if d.by_rounding}
+    sets = [names for names in search.pairs if names <= rounding]
+    none = np.zeros(left.size, bool)
+    if not sets:
+        return frozenset(), none
+    effects = {names: search.moments(names) for names in sets}
+    low = np.minimum(0.0, np.min([effect.mean for effect in effects.values()], axis=0))
+    high = np.maximum(0.0, np.max([effect.mean for effect in effects.values()], axis=0))
+    variance = [m.variance / m.count for m in (sides.candidate, sides.reference, *effects.values())]
+    allowed = search.test.tolerance * sides.scale
+    slack = allowed + _ERRORS * np.sqrt(np.sum(variance, axis=0))
+    acts = np.maximum(-low, high) > ACTING * allowed
+    found = left & acts.any(axis=1) & ((sides.gap >= low - slack) & (sides.gap <= high + slack)).all(axis=1)
+    # A region is no better known than those that lie inside it.
+    found &= ~search.contains(left & ~found)
+    used = [
+        names
+        for names, effect in effects.items()
+        if (np.abs(effect.mean) > ACTING * allowed)[found].any() and len(names) == 1
+    ]
+    return (frozenset().union(*used), found) if found.any() else (frozenset(), none)
