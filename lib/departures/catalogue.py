@@ -128,6 +128,10 @@ def _srgb_textures(scene: Scene) -> bool:
     return any(scene.images[k].encoding == "SRGB" for k in read)
 
 
+def _multiplied_alpha(scene: Scene) -> bool:
+    return any(isinstance(n, ImageTexture) and n.association != "SEPARATE" for n in _nodes(scene))
+
+
 def _faces_in_one_plane(scene: Scene) -> bool:
     return scene.mesh.overlaps.count > 0
 
@@ -194,10 +198,17 @@ DEPARTURES: tuple[Departure, ...] = (
     ),
     Departure(
         "texture interpolation",
-        "8-bit sRGB texels are interpolated as code values and decoded afterwards; light mixes linearly, so the reference decodes "
-        "them first.",
+        "sRGB texels are interpolated as code values and decoded afterwards; light mixes linearly, so the reference decodes them first.",
         "kernel/svm/image.h",
         relevant=_srgb_textures,
+    ),
+    Departure(
+        "alpha in code values",
+        "Alpha is multiplied into the code values of a texture before they are decoded, of 8-bit textures with the result cut off to 8 bits. "
+        "Alpha is a share of light, so the reference multiplies decoded colours. Where the texture's Alpha is not used, a grey of code 0.6 at "
+        "alpha 0.5 becomes 0.073 in place of 0.159; where it is, alpha is divided out again, and the rounding stays.",
+        "util/image_metadata.cpp",
+        relevant=_multiplied_alpha,
     ),
     Departure(
         "multiple-scattering tables",

@@ -58,14 +58,15 @@ def _gather(texels: np.ndarray, index: np.ndarray) -> np.ndarray:
 class ImageSet:
     """The images of a scene, ready to be sampled.
 
-    With `decode_first` (the book) sRGB code values become linear light, and alpha is multiplied in, before texels are
-    interpolated. Without, code values are multiplied and interpolated and the result is decoded, as Cycles does.
+    The model: sRGB code values become linear light, alpha is multiplied in, and texels are interpolated, in this order. Two departures change
+    it, and Cycles has both. Without `decode_first`, code values are interpolated and decoded afterwards. With `alpha_in_codes`, alpha is
+    multiplied into code values, 8-bit ones with the result cut off to 8 bits.
     """
 
-    def __init__(self, images: Sequence[Image], decode_first: bool = True) -> None:
+    def __init__(self, images: Sequence[Image], decode_first: bool = True, alpha_in_codes: bool = False) -> None:
         self._images = tuple(images)
-        self._decode_first = decode_first
-        self._texels: dict[tuple[int, bool], np.ndarray] = {}
+        self._decode_first, self._alpha_in_codes = decode_first, alpha_in_codes
+        self._texels: dict[tuple[int, str], np.ndarray] = {}
 
     def sample(
         self,
@@ -77,7 +78,7 @@ class ImageSet:
         association: str = "SEPARATE",
     ) -> np.ndarray:
         """RGBA (4, n) of image `index` at (u, v), each (n,); colours linear. The names are ImageTexture's."""
-        texels = self._prepared(index, multiplied=association != "SEPARATE")
+        texels = self._prepared(index, association)
         height, width = self._images[index].pixels.shape[:2]
         across = _Axis(u, width, interpolation, extension)
         up = _Axis(v, height, interpolation, extension)
@@ -87,24 +88,49 @@ class ImageSet:
                 part = _gather(texels, row * width + column)
                 part *= row_weight * column_weight
                 rgba += part
-        if association == "WEIGHTED":
+        decodes = self._images[index].encoding == "SRGB" and not self._decode_first
+        divided = association == "WEIGHTED" or (association == "MULTIPLIED" and decodes and not self._alpha_in_codes)
+        if divided:
             rgba[:3] /= np.where(rgba[3] == 0, 1.0, rgba[3])
-        if self._images[index].encoding == "SRGB" and not self._decode_first:
+        if decodes:
             rgba[:3] = srgb_decode(rgba[:3])
+        if divided and association == "MULTIPLIED":
+            rgba[:3] *= rgba[3]
         return rgba
 
-    def _prepared(self, index: int, multiplied: bool) -> np.ndarray:
+    def _prepared(self, index: int, association: str) -> np.ndarray:
         """Texels (height * width, 4) as they are interpolated, made once."""
-        key = (index, multiplied)
+        key = (index, association)
         if key not in self._texels:
-            image = self._images[index]
-            texels = image.pixels.reshape(-1, 4)
-            decode = image.encoding == "SRGB" and self._decode_first
-            if decode or multiplied:
-                texels = texels.astype(np.float32)
-                if decode:
-                    texels[:, :3] = srgb_decode(texels[:, :3])
-                if multiplied:
-                    texels[:, :3] *= texels[:, 3:]
-            self._texels[key] = texels
+            self._texels[key] = self._associated(self._images[index], association)
         return self._texels[key]
+
+    def _associated(self, image: Image, association: str) -> np.ndarray:
+        """The texels (n, 4) of `image`, decoded and multiplied by alpha as far as that comes before interpolation."""
+        texels = image.pixels.reshape(-1, 4)
+        decode = image.encoding == "SRGB" and self._decode_first
+        multiplied = association != "SEPARATE"
+        if not (decode or multiplied):
+            return texels
+        texels = texels.astype(np.float32)
+        color, alpha = texels[:, :3], texels[:, 3:]
+        if multiplied and self._alpha_in_codes:
+            color[:] = _multiplied_codes(color, alpha)
+            if decode and association == "MULTIPLIED":
+                color[:] = srgb_decode(color)
+            elif decode:
+                color[:] = alpha * srgb_decode(color / np.where(alpha == 0.0, 1.0, alpha))
+            return texels
+        if decode:
+            color[:] = srgb_decode(color)
+        if multiplied:
+            color *= alpha
+        return texels
+
+
+def _multiplied_codes(codes: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """Codes (n, 3) times alpha (n, 1), each in 0..1; bytes become bytes again, cut off below."""
+    bytes_ = [np.rint(255.0 * values) for values in (codes, alpha)]
+    if all(np.abs(255.0 * values - whole).max() < 1e-3 for values, whole in zip((codes, alpha), bytes_, strict=True)):
+        return np.floor(bytes_[0] * bytes_[1] / 255.0) / 255.0
+    return codes * alpha

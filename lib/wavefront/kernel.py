@@ -57,7 +57,11 @@ class Kernel:
         if plan.needs(Effect.HIDDEN_OBJECTS):
             self.camera_caster = CameraCaster(scene.mesh) if same is None else same.camera_caster
         self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
-        self.images = ImageSet(scene.images, decode_first="texture interpolation" not in options.departures)
+        self.images = ImageSet(
+            scene.images,
+            decode_first="texture interpolation" not in options.departures,
+            alpha_in_codes="alpha in code values" in options.departures,
+        )
         tables = cycles_tables(scene.blender) if "multiple-scattering tables" in options.departures else None
         self.materials = [PreparedMaterial(m, self.images, options, plan.prunes, tables) for m in self.scene.materials]
         self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry

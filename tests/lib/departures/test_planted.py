@@ -31,7 +31,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Glass, Lobe, Material
+from etalon.lib.scene.materials import Diffuse, Emission, Glass, Lobe, Material
 from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import State
 from etalon.lib.verdict.outcome import Outcome
@@ -146,6 +146,16 @@ def curved():
     return scenes.scene(scenes.fan(ANGLES), materials, scenes.fan_camera(ANGLES), world=1.0)
 
 
+def decal():
+    """A texture of even texels that cover half of what they lie on, shining and as a diffuse floor under a sun."""
+    parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
+    texture = ImageTexture(Coordinates("POSITION"), 0, interpolation="CLOSEST", association="MULTIPLIED")
+    materials = [scenes.material(Emission(texture)), scenes.material(Diffuse(texture))]
+    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
+    images = (Image("decal", np.tile(np.array([0.6, 0.7, 0.8, 0.5], np.float32), (2, 2, 1)), "SRGB"),)
+    return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,), images=images)
+
+
 def rug():
     """On the left a floor and its copy under a sun; on the right two panels in one plane that shine differently."""
     left, right = (scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)) for x in (-2.0, 0.0))
@@ -193,6 +203,7 @@ SCENES = {
     prism: (2e-2, 512, set()),
     curved: (5e-3, 64, set()),
     rug: (1e-2, 64, set()),
+    decal: (1e-2, 64, set()),
 }
 
 

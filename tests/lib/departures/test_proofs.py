@@ -21,6 +21,7 @@ from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.scene.converters import Curve, Curves
 from etalon.lib.scene.expressions import ONE, ZERO, ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
+from etalon.lib.scene.lights import SunLight
 from etalon.lib.scene.materials import Glass
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
@@ -29,6 +30,7 @@ from etalon.lib.surfaces.lobes import _dielectric
 from etalon.lib.textures.curves import curve, curve_of_channel
 from etalon.lib.textures.images import ImageSet
 from etalon.lib.textures.ramp import color_ramp
+from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
 from etalon.tests.replicates import assert_mean, replicates
 from scipy.special import roots_legendre
@@ -251,6 +253,20 @@ def test_a_narrow_light_sends_out_its_power(spread):
     assert narrow_factor(0.1) > 1.0009
 
 
+@pytest.mark.parametrize("copies", [1, 2, 3])
+def test_a_face_in_the_place_of_another_adds_nothing(copies):
+    """Of a floor under a sun: irradiance times albedo over pi, however often it is there; with the departure nothing once it is there twice."""
+    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (np.pi,) * 3)
+    camera = scenes.orthographic(1, 1, 1.0, (0.1, 0.0, 5.0))
+    scene = scenes.scene([scenes.floor()] * copies, scenes.diffuse(0.8), camera, (sun,))
+    for names, exact in (
+        (frozenset(), 0.8 * 0.8),
+        (frozenset({"faces in one plane"}), 0.8 * 0.8 if copies == 1 else 0.0),
+    ):
+        found = ReferenceRenderer(scene, Options(threads=1, departures=names)).render(0, 16).radiance
+        assert found == pytest.approx(np.full((1, 1, 3), exact), rel=1e-12)
+
+
 def test_interpolation_keeps_the_light_of_a_texture():
     """The mean over a repeated image is the mean of its texels' light, whatever lies between them; of code values it is not."""
     codes = np.ones((2, 2, 4), np.float32)
@@ -264,6 +280,50 @@ def test_interpolation_keeps_the_light_of_a_texture():
     light = srgb_decode(codes[..., 0]).mean()
     assert (ImageSet([image]).sample(0, u, v)[0] * weight).sum() == pytest.approx(light, rel=1e-6)
     assert (ImageSet([image], decode_first=False).sample(0, u, v)[0] * weight).sum() < 0.9 * light
+
+
+@pytest.mark.parametrize("interpolates_codes", [True, False])
+def test_half_covered_texels_reflect_half_the_light(interpolates_codes):
+    """Alpha is a share of an area: texels of alpha 1/2 give what every other texel being there gives, half of the decoded light.
+
+    That is so wherever colours are interpolated; of code values halved before they are decoded it is not.
+    """
+    solid = np.array([0.6, 0.6, 0.6, 1.0], np.float32)
+    half = np.tile(np.array([0.6, 0.6, 0.6, 0.5], np.float32), (2, 2, 1))
+    dithered = np.zeros((2, 2, 4), np.float32)
+    dithered[[0, 1], [0, 1]] = solid
+    light = 0.5 * srgb_decode(np.array([0.6]))[0]
+    u, v = (grid.ravel() for grid in np.meshgrid([0.25, 0.75], [0.25, 0.75]))
+
+    def mean(pixels, in_codes):
+        images = ImageSet([Image("texels", pixels, "SRGB")], not interpolates_codes, in_codes)
+        return images.sample(0, u, v, association="MULTIPLIED")[0].mean()
+
+    assert mean(half, False) == pytest.approx(light, rel=1e-6)
+    assert mean(dithered, False) == mean(dithered, True) == pytest.approx(light, rel=1e-6)
+    assert mean(half, True) == pytest.approx(srgb_decode(np.array([0.3]))[0], rel=1e-6)
+    assert mean(half, True) < 0.5 * light
+
+
+def test_bytes_are_cut_off_after_alpha_is_multiplied_in():
+    """127 at alpha 3/255 is 1.49 codes; a byte holds 1, so that 85 comes back where alpha is divided out. The model keeps 127."""
+    texel = np.array([127, 127, 127, 3], np.float32).reshape(1, 1, 4) / 255.0
+    there = np.zeros(1), np.zeros(1)
+    for in_codes, code in ((False, 127), (True, 85)):
+        images = ImageSet([Image("texel", texel, "SRGB")], alpha_in_codes=in_codes)
+        exact = srgb_decode(np.array([code / 255.0]))[0]
+        assert images.sample(0, *there, association="WEIGHTED")[0] == pytest.approx(exact, rel=1e-5)
+
+
+def test_floats_are_not_cut_off(rng):
+    """Where alpha is divided out again, the departure leaves a float texture as it is."""
+    pixels = rng.uniform(0.1, 1.0, (3, 4, 4)).astype(np.float32)
+    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 7)))
+    model, departed = (
+        ImageSet([Image("texels", pixels, "SRGB")], alpha_in_codes=in_codes).sample(0, u, v, association="WEIGHTED")
+        for in_codes in (False, True)
+    )
+    assert departed == pytest.approx(model, rel=1e-5)
 
 
 def test_a_ramp_is_linear_between_its_stops():

@@ -162,7 +162,7 @@ def predicted(material, points, read=read_material):
     images, refusals = ImageTable(), []
     lobes = read(material, images, refusals).lobes
     assert not refusals
-    evaluate = Evaluator(points, ImageSet(images.images, decode_first=False))
+    evaluate = Evaluator(points, ImageSet(images.images, decode_first=False, alpha_in_codes=True))
     total = np.zeros((3, points.size))
     for lobe in lobes:
         assert isinstance(lobe.closure, Emission)
