@@ -7,8 +7,7 @@ import importlib
 from typing import Any
 
 from ...lib.errors import EtalonError
-
-LIBRARIES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
+from .libraries import explain_import
 
 
 def load_blender() -> Any:
@@ -23,7 +22,4 @@ def load_blender() -> Any:
             "or render a scene saved as .npz, which needs no Blender"
         ) from error
     except ImportError as error:
-        raise EtalonError(
-            f"Blender cannot start ({error}); install the system libraries that it needs, "
-            f"on Debian or Ubuntu: apt-get install {LIBRARIES}"
-        ) from error
+        raise EtalonError(f"Blender cannot start: {explain_import(error) or error}") from error

@@ -68,13 +68,25 @@ def _make_folder(folder: Path) -> list[Path]:
             raise EtalonError(f"{folder} is a file, not a folder; name another folder")
         missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
         folder.mkdir(parents=True, exist_ok=True)
-        for left in sweep(folder, UNFINISHED):
-            if (left / _COMPLETE).is_file():
-                with suppress(OSError):
-                    _swap(folder, left, json.loads((left / _COMPLETE).read_text(encoding="utf-8")))
+        _finish(folder)
     except OSError as error:
         raise EtalonError(f"{folder} cannot be written ({error.strerror}); name another folder") from error
     return missing
+
+
+def clear_unfinished(folder: Path) -> None:
+    """Finish or remove what a process that was ended left in `folder`, which goes too where nothing else is in it."""
+    if folder.is_dir():
+        with suppress(OSError):
+            _finish(folder)
+            folder.rmdir()
+
+
+def _finish(folder: Path) -> None:
+    for left in sweep(folder, UNFINISHED):
+        if (left / _COMPLETE).is_file():
+            with suppress(OSError):
+                _swap(folder, left, json.loads((left / _COMPLETE).read_text(encoding="utf-8")))
 
 
 @contextmanager
