@@ -24,7 +24,7 @@ def run(settings: BatchOptions) -> int:
     plan.require_scenes(SCENES)
     blender = f"{bpy.app.version_string} {bpy.app.build_hash.decode(errors='replace')}"
     code = run_plan(plan, blender, _tell)
-    print(f"grid: {plan.out / 'batch.html'}")
+    print(one_line(f"grid: {plan.out / 'batch.html'}"))
     return code
 
 

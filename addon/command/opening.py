@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 
 from ...lib.errors import EtalonError, unknown
+from ...lib.plain_text import folder_name
 from ...lib.settings.common import Target
 from ...reference_scenes import SCENES, build
 from ..host.quiet import quiet
@@ -46,6 +47,11 @@ def open_target(
     if scene.camera is None:
         raise EtalonError(f"{scene.name}: the scene has no camera; add one in Blender and make it the active camera")
     return Path(target).stem if target else (Path(bpy.data.filepath).stem or scene.name)
+
+
+def results_folder(chosen: Path | None, name: str) -> Path:
+    """The folder that was chosen for the results, or one below etalon-out that no name can lead out of."""
+    return chosen or Path("etalon-out") / folder_name(name)
 
 
 def as_opened(target: Target) -> Target:

@@ -7,6 +7,7 @@ import json
 from dataclasses import asdict
 
 from ...lib.effects.plan import Plan, make_plan
+from ...lib.plain_text import one_line
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
 from ...lib.settings.commands import PlanOutput
@@ -34,4 +35,4 @@ def plan_text(scene: Scene, plan: Plan) -> str:
     for heading, needed in (("needed", True), ("not needed", False)):
         lines += ["", heading]
         lines += [f"  {d.effect:{width}}  {d.fact}" for d in plan.decisions if d.needed is needed]
-    return "\n".join(lines)
+    return "\n".join(map(one_line, lines))
