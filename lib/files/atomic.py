@@ -24,8 +24,8 @@ _NEW, _OLD, _COMPLETE = "new", "old", "complete"
 def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
     """Yield an empty folder; when the block ends well, its files replace those of their names in `folder`, all or none.
 
-    The files `without`, which belonged to the results before, go away with them; other files in `folder` stay. Old and new files never
-    lie in `folder` together. If the process ends while they move, the next call for `folder` finishes that.
+    Files whose names match the patterns `without`, which belonged to the results before, go away with them; other files in `folder` stay.
+    Old and new files never lie in `folder` together. If the process ends while they move, the next call for `folder` finishes that.
 
     Entering it proves that `folder` can be written, before any time is spent, and removes what processes that were ended left there.
     Raises EtalonError where it cannot be written or the disk is full; then `folder` is as it was.
@@ -39,8 +39,10 @@ def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
             with _known_places(folder, new):
                 yield new
             _flush(new)
-            _note(beside, without)
-            _swap(folder, beside, without)
+            stale = {path.name for pattern in without for path in folder.glob(pattern)}
+            names = sorted(stale - {path.name for path in new.iterdir()})
+            _note(beside, names)
+            _swap(folder, beside, names)
             finished = True
     except OSError as error:
         place = _place(folder, str(error.filename or folder))
@@ -126,28 +128,28 @@ def _flush_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
-def _note(beside: Path, without: Sequence[str]) -> None:
+def _note(beside: Path, stale: Sequence[str]) -> None:
     """Note that all new files are there, and which old ones are to go."""
     written = beside / f"{_COMPLETE}.part"
     with written.open("w", encoding="utf-8") as file:
-        json.dump(list(without), file)
+        json.dump(stale, file)
         file.flush()
         os.fsync(file.fileno())
     os.replace(written, beside / _COMPLETE)
     _flush_folder(beside)
 
 
-def _swap(folder: Path, beside: Path, without: Sequence[str]) -> None:
+def _swap(folder: Path, beside: Path, stale: Sequence[str]) -> None:
     """Move the old files out of `folder`, then the new ones in; raises OSError, after which `folder` is as it was."""
     new, old = beside / _NEW, beside / _OLD
     moved: list[tuple[Path, Path]] = []
     try:
         old.mkdir(exist_ok=True)
         names = sorted(path.name for path in new.iterdir())
-        for name in (*names, *without):
+        for name in (*names, *stale):
             if (folder / name).is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(folder / name))
-        for name in (*names, *without):
+        for name in (*names, *stale):
             if os.path.lexists(folder / name):
                 _move(folder / name, old / name, moved)
         for name in names:
