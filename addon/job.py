@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-import tempfile
 import threading
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,6 +19,7 @@ from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.atomic import replace_files
+from ..lib.files.ownership import temporary_folder
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
@@ -67,7 +67,7 @@ def judge(
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
     `may_shrink` allow it, a smaller one of the same view is compared.
     """
-    with nullcontext() if folder is None else replace_files(folder) as beside:
+    with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
         verdict, divisor, run = settings.part(CompareOptions), 1, TimedRun(settings.time, progress)
         if may_shrink and settings.size == "auto" and settings.samples is None:
@@ -123,9 +123,7 @@ def show_unexplained(
 ) -> None:
     """Have `show` write a small scene into `folder` for what nothing explains, from a box of pixels and the objects in it."""
     box = where(comparison)
-    if box is None:
-        (folder / MINIMAL).unlink(missing_ok=True)
-    else:
+    if box is not None:
         # In pixels of the whole size, of which a smaller image was compared.
         times = comparison.divisor
         whole = box[0] * times, box[1] * times, (box[2] + 1) * times - 1, (box[3] + 1) * times - 1
@@ -170,9 +168,9 @@ class BackgroundJob:
         self._settings = settings
         self._may_shrink = not scene.render.use_border
         self._cancel = threading.Event()
-        self._temporary = tempfile.TemporaryDirectory(prefix="etalon-", ignore_cleanup_errors=True)
+        self._temporary = ExitStack()
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
-        copy = Path(self._temporary.name) / "scene.blend"
+        copy = self._temporary.enter_context(temporary_folder()) / "scene.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
         self._blender = SecondBlender(copy, scene.name, settings)
         self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
@@ -218,7 +216,7 @@ class BackgroundJob:
             raise
         finally:
             self._blender.close()
-            self._temporary.cleanup()
+            self._temporary.close()
 
     def _report(self, fraction: float) -> None:
         self.fraction = fraction

@@ -12,8 +12,9 @@ import bpy
 from ...lib.audit.document import table
 from ...lib.audit.measure import audit
 from ...lib.audit.setting import FACTORY, FILE, Setting
-from ...lib.audit.write import write_audit
+from ...lib.audit.write import PICTURES, write_audit
 from ...lib.files.atomic import replace_files
+from ...lib.plain_text import one_line
 from ...lib.progress import Progress
 from ...lib.settings.audit import AuditOptions
 from ...lib.settings.common import Target
@@ -24,7 +25,7 @@ from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
 from ..host.quiet import quiet
 from .console import bar, interruptible
-from .opening import as_opened, open_target, refuse_archive
+from .opening import as_opened, open_target, refuse_archive, results_folder
 
 # What `neutral` leaves alone, for it only adds noise or needs volumes, and an audit asks about.
 NEUTRAL_BESIDES = {
@@ -92,11 +93,11 @@ def run(target: Target, asked_for: AuditOptions) -> int:
     """Open the scene, measure, print the table, leave the report; the user's settings come back."""
     refuse_archive(target)
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
-    folder = asked_for.out or Path("etalon-out") / name
+    folder = results_folder(asked_for.out, name)
     found = measure_open_scene(name, asked_for, folder, repeating_command("audit", as_opened(target), asked_for))
-    print(f"{name}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
+    print(f"{one_line(name)}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
     print(table(found.figures))
-    print(f"report: {folder / 'audit.html'}")
+    print(one_line(f"report: {folder / 'audit.html'}"))
     return 0
 
 
@@ -110,7 +111,7 @@ def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat:
         return CyclesWith(scene, {}, seed=asked_for.seed, threads=threads, others=assignments)
 
     with (
-        replace_files(folder) as beside,
+        replace_files(folder, without=PICTURES) as beside,
         interruptible() as interrupted,
         bar(f"{name}: audit") as shown,
         quiet(),

@@ -11,10 +11,14 @@ from collections.abc import Sequence
 
 from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
+from ...lib.plain_text import one_line
 from ...lib.refusals import describe_refusals
 from ...lib.version import VERSION
 from ...lib.wavefront.tuning import tune_process
+from ..host.libraries import explain_import
+from ..host.own_process import gather_temporary_files, watch_leash
 from .arguments import find_command, make_parser, read_arguments
+from .streams import dependable_streams
 from .table import COMMANDS, VERDICTS
 
 DESCRIPTION = """\
@@ -40,6 +44,21 @@ def parser(prog: str = "etalon") -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; every error that a user can cause is one line on standard error."""
     words = list(sys.argv[1:] if argv is None else argv)
+    with dependable_streams() as output:
+        code = _main(words)
+        output.flush()
+        if output.error is not None and not isinstance(output.error, BrokenPipeError):
+            return _fail(f"standard output cannot be written ({output.error.strerror}); make room or write elsewhere")
+        return code
+
+
+def _fail(message: str) -> int:
+    """Say in one line what went wrong; returns the exit code."""
+    print(f"etalon: {one_line(message)}", file=sys.stderr)
+    return ExitCode.BAD_INPUT
+
+
+def _main(words: list[str]) -> int:
     top = parser()
     try:
         find_command(top, words)
@@ -47,28 +66,31 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     try:
-        return _run(arguments)
+        from .console import interrupted_by_order
+
+        with interrupted_by_order():
+            return _run(arguments)
     except Refused as refused:
         for line in describe_refusals(refused):
-            print(f"etalon: {line}", file=sys.stderr)
+            _fail(line)
+        return ExitCode.BAD_INPUT
     except EtalonError as error:
-        print(f"etalon: {error}", file=sys.stderr)
+        return _fail(str(error))
     except OSError as error:
-        print(
-            f"etalon: {error.filename or 'file'}: {error.strerror}; check the path, its permissions and the disk",
-            file=sys.stderr,
-        )
+        return _fail(f"{error.filename or 'file'}: {error.strerror}; check the path, its permissions and the disk")
     except MemoryError:
-        print("etalon: out of memory; lower the resolution or simplify the scene", file=sys.stderr)
+        return _fail("out of memory; lower the resolution or simplify the scene")
     except KeyboardInterrupt:
         print("etalon: interrupted", file=sys.stderr)
         return ExitCode.INTERRUPTED
-    except Exception:
+    except Exception as error:
+        missing = explain_import(error) if isinstance(error, ImportError) else ""
+        if missing:
+            return _fail(missing)
         # Python would end with 1, which is a verdict.
         traceback.print_exc()
         print("etalon: this is an error in etalon itself; please report it with the text above", file=sys.stderr)
         return ExitCode.INTERNAL_ERROR
-    return ExitCode.BAD_INPUT
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -77,6 +99,8 @@ def _run(arguments: argparse.Namespace) -> int:
     settings = read_arguments(command, arguments)
     from .console import ended_by_interrupt
 
+    watch_leash()
+    gather_temporary_files()
     with ended_by_interrupt():
         if command.blender:
             from ..host.blender import load_blender

@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 
+from ...lib.plain_text import one_line
 from ...lib.progress import Progress
 from ...lib.report.scene_check import scene_check_lines
 from ...lib.report.words import sentences, unexplained
@@ -16,24 +15,24 @@ from ...lib.settings.words import repeating_command
 from .. import job
 from ..host.quiet import quiet
 from .console import bar, interruptible
-from .opening import as_opened, open_target, refuse_archive
+from .opening import as_opened, open_target, refuse_archive, results_folder
 
 
 def run(target: Target, settings: Settings) -> int:
     """Open the scene, compare, print the verdict; the exit code is the verdict's."""
     refuse_archive(target)
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
-    folder = settings.out or Path("etalon-out") / name
+    folder = results_folder(settings.out, name)
     repeat = repeating_command("compare", as_opened(target), settings)
     with interruptible() as interrupted, bar(name) as shown, quiet():
         progress = Progress(shown.report, interrupted, shown.tell)
         comparison = job.compare_here(bpy.context.scene, settings, folder, repeat, progress)
-    print(f"{comparison.scene}: {comparison.verdict.outcome.value}")
+    print(f"{one_line(comparison.scene)}: {comparison.verdict.outcome.value}")
     for sentence in sentences(comparison):
-        print(f"  {sentence}")
+        print(f"  {one_line(sentence)}")
     for line in scene_check_lines(comparison.findings):
-        print(f"  {line}")
-    print(f"report: {folder / 'report.html'}")
+        print(f"  {one_line(line)}")
+    print(one_line(f"report: {folder / 'report.html'}"))
     if unexplained(comparison):
-        print(f"smallest scene that shows it: {folder / job.MINIMAL}")
+        print(one_line(f"smallest scene that shows it: {folder / job.MINIMAL}"))
     return comparison.verdict.outcome.exit_code

@@ -7,10 +7,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from pathlib import Path
 
 from ...lib.cost.verify import Verification
 from ...lib.cost.write import table, took
+from ...lib.plain_text import one_line
 from ...lib.progress import Progress
 from ...lib.settings.common import Target
 from ...lib.settings.cost import CostOptions
@@ -27,10 +27,10 @@ def run(target: Target, settings: CostOptions) -> int:
         import bpy
 
         from ..cost import measure_cost
-        from .opening import as_opened, open_target, refuse_archive
+        from .opening import as_opened, open_target, refuse_archive, results_folder
     refuse_archive(target)
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
-    folder = settings.out or Path("etalon-out") / name
+    folder = results_folder(settings.out, name)
     repeat = repeating_command("cost", as_opened(target), settings)
 
     opened = time.perf_counter() - begin
@@ -47,7 +47,7 @@ def run(target: Target, settings: CostOptions) -> int:
         print(_verdict(found.verification))
     elif settings.verify:
         print("not verified: interrupted, or no strategy reaches the target")
-    print(f"report: {folder / 'cost.html'}")
+    print(one_line(f"report: {folder / 'cost.html'}"))
     return 0
 
 

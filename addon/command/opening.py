@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 
 from ...lib.errors import EtalonError, unknown
+from ...lib.plain_text import folder_name
 from ...lib.settings.common import Target
 from ...reference_scenes import SCENES, build
 from ..host.quiet import quiet
@@ -57,6 +58,11 @@ def _where_cameras_are(scene: bpy.types.Scene) -> str:
     if others:
         return f"other scenes of the file have one: {', '.join(others)}; make that the active scene and save the file"
     return "add one in Blender and make it the active camera"
+
+
+def results_folder(chosen: Path | None, name: str) -> Path:
+    """The folder that was chosen for the results, or one below etalon-out that no name can lead out of."""
+    return chosen or Path("etalon-out") / folder_name(name)
 
 
 def as_opened(target: Target) -> Target:

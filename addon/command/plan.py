@@ -11,6 +11,7 @@ from ...lib.effects.plan import Plan, make_plan
 from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
 from ...lib.files.atomic import replace_file
+from ...lib.plain_text import one_line
 from ...lib.report.scene_check import scene_check_lines
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
@@ -67,4 +68,4 @@ def plan_text(scene: Scene, plan: Plan) -> str:
         lines += ["", heading]
         lines += [f"  {d.effect:{width}}  {d.fact}" for d in plan.decisions if d.needed is needed]
     found = scene_check_lines(check_scene(scene))
-    return "\n".join([*lines, "", *found] if found else lines)
+    return "\n".join(map(one_line, [*lines, "", *found] if found else lines))

@@ -6,6 +6,7 @@ from __future__ import annotations
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_file
 from ...lib.film.exr import write_film
+from ...lib.plain_text import one_line
 from ...lib.progress import Progress
 from ...lib.rendering.replicates import render_film
 from ...lib.settings.common import Target
@@ -22,5 +23,5 @@ def run(target: Target, settings: RenderOutput) -> int:
         if not film.moments.n:
             raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
         write_film(path, film)
-    print(f"{settings.out}: {film.moments.n} replicates of {film.samples} samples, {film.seconds:.1f} s")
+    print(f"{one_line(str(settings.out))}: {film.moments.n} replicates of {film.samples} samples, {film.seconds:.1f} s")
     return 0

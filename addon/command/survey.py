@@ -18,6 +18,7 @@ from pathlib import Path
 from ...lib.batch.process import end, etalon_command, start
 from ...lib.errors import EtalonError, Refusal
 from ...lib.exit_codes import ExitCode
+from ...lib.plain_text import one_line, spreadsheet_cell
 from ...lib.refusals import group_refusals
 
 # A file that takes longer than so many seconds to load and export is given up.
@@ -110,7 +111,7 @@ def as_text(files: Sequence[Surveyed]) -> str:
     if counted:
         lines += ["", "files  alone  what stops them"]
         lines += [f"{count:5}  {alone:5}  {kind}" for kind, count, alone in counted]
-    return "\n".join(lines)
+    return "\n".join(map(one_line, lines))
 
 
 def as_json(folder: Path, files: Sequence[Surveyed]) -> str:
@@ -125,5 +126,7 @@ def as_csv(files: Sequence[Surveyed]) -> str:
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(_COLUMNS)
-    rows.writerows((one.file, one.state, one.triangles, one.lights, "\n".join(one.reasons)) for one in files)
+    for one in files:
+        cells = one.file, one.state, one.triangles, one.lights, "\n".join(one.reasons)
+        rows.writerow(map(spreadsheet_cell, cells))
     return text.getvalue()

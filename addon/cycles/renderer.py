@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ import bpy
 import numpy as np
 
 from ...lib.errors import EtalonError
+from ...lib.files.ownership import temporary_folder
 from ...lib.film.exr import read_exr
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
@@ -87,8 +87,8 @@ class CyclesRenderer:
         """
         begin = time.perf_counter()
         rendering = reading = 0.0
-        with self._state(), tempfile.TemporaryDirectory(prefix="etalon-") as folder:
-            path = Path(folder) / "cycles.exr"
+        with self._state(), temporary_folder() as folder:
+            path = folder / "cycles.exr"
             left, bottom, width, height = rendered_region(self.scene.render, *full_frame(self.scene.render))
             whole = Windows((height, width), ((0, 0, width - 1, height - 1),))
             total, nonfinite = np.zeros((height, width, 3)), np.zeros((height, width), np.int32)

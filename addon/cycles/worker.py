@@ -11,7 +11,9 @@ import importlib
 import importlib.util
 import json
 import os
+import queue
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,19 @@ def _package() -> str:
     return "etalon"
 
 
+def _requests() -> queue.SimpleQueue[str]:
+    """The lines of standard input; where its other end is closed, nobody waits for an answer, and this process ends at once."""
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    def read() -> None:
+        for line in sys.stdin:
+            lines.put(line)
+        os._exit(0)
+
+    threading.Thread(target=read, name="requests", daemon=True).start()
+    return lines
+
+
 def _serve(request: dict[str, Any], package: str) -> None:
     """Answer the other process until its end of the pipe is closed; every answer is one marked line of JSON."""
     import bpy
@@ -42,6 +57,7 @@ def _serve(request: dict[str, Any], package: str) -> None:
     folder = Path(request["folder"])
     scene = bpy.data.scenes[request["scene"]]
     settings = options.Settings.from_json(request["settings"])
+    requests = _requests()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
 
     def say(**answer: Any) -> None:
@@ -54,8 +70,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
             stack.enter_context(cycles.neutral(scene, threads=settings.threads))
             renderer = cycles.CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
             say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
-            for line in sys.stdin:
-                wanted = json.loads(line)
+            while True:
+                wanted = json.loads(requests.get())
                 if "show" in wanted:
                     shown = wanted["show"]
                     job.show(scene, settings, tuple(shown["box"]), shown["names"], Path(shown["path"]))

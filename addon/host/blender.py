@@ -7,9 +7,8 @@ import importlib
 from typing import Any
 
 from ...lib.errors import EtalonError
+from .libraries import explain_import
 from .quiet import quiet
-
-LIBRARIES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
 
 
 def load_blender() -> Any:
@@ -25,7 +24,4 @@ def load_blender() -> Any:
             "or render a scene saved as .npz, which needs no Blender"
         ) from error
     except ImportError as error:
-        raise EtalonError(
-            f"Blender cannot start ({error}); install the system libraries that it needs, "
-            f"on Debian or Ubuntu: apt-get install {LIBRARIES}"
-        ) from error
+        raise EtalonError(f"Blender cannot start: {explain_import(error) or error}") from error

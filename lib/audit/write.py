@@ -18,6 +18,8 @@ from .document import ORIGINS, SAME, WORDS, bias, document, map_name, ratio
 from .findings import Audit
 
 NEUTRAL = "neutral.png"
+PICTURES = (NEUTRAL, map_name("*"))
+"""Which pictures there are depends on the settings: those of an older audit go with it."""
 # Maps are drawn up to this many tolerances.
 LIMIT = 5
 # Pixels of a picture in the page; the files beside it hold all.

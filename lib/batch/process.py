@@ -11,6 +11,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
+LEASH = "ETALON_LEASH"
+"""The variable of the environment that tells another `etalon` to end when its standard input does."""
+
 
 def etalon_command() -> list[str]:
     """The command that starts another `etalon`: through the Blender program if this is one, else through Python."""
@@ -20,12 +23,20 @@ def etalon_command() -> list[str]:
     return [sys.executable, "-m", "etalon"]
 
 
-def start(command: list[str], temporary: Path | None = None, **pipes: Any) -> subprocess.Popen[str]:
+def start(
+    command: list[str], temporary: Path | None = None, leash: bool = False, **pipes: Any
+) -> subprocess.Popen[str]:
     """Start `command` in a process group of its own, so that a Ctrl-C on the terminal reaches only this process.
 
-    Its temporary files go to the folder `temporary`, so that they go with that folder even where it is ended at once.
+    Its temporary files go to the folder `temporary`, so that they go with that folder even where it is ended at once. With a `leash`,
+    which another `etalon` heeds, it ends when this process does, even where this one is killed.
     """
-    environment = os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)) if temporary else None
+    environment = dict(os.environ)
+    if temporary is not None:
+        environment |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary))
+    if leash:
+        environment[LEASH] = "1"
+        pipes["stdin"] = subprocess.PIPE
     if sys.platform == "win32":
         flags = subprocess.CREATE_NEW_PROCESS_GROUP
         return subprocess.Popen(command, text=True, env=environment, creationflags=flags, **pipes)

@@ -16,6 +16,9 @@ from .document import Extras, document, write_csv
 from .measure import Measurement
 from .plots import error_figure, save, stage_figure
 
+PICTURES = ("cost.*", "stages.*")
+"""Which files there are depends on the strategies: those of an older measurement go with it."""
+
 
 def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[str, Any]:
     """Write all files into `folder`, which must be there; returns what cost.json holds."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from .film import Film
 
 # Rows of an image in one piece: a multiple of what OpenEXR compresses together.
 _ROWS = 64
+_REMEDY = "make room or name another folder"
 
 
 def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
@@ -53,13 +55,31 @@ def _write(path: Path, names: list[str], shape: tuple[int, int], channels: Calla
     with replace_file(path) as beside:
         file = OpenImageIO.ImageOutput.create(str(beside))
         good = file is not None and file.open(str(beside), spec)
+        written = 0
         for start in range(0, height if good else 0, _ROWS):
             end = min(start + _ROWS, height)
             pixels = np.stack(channels(slice(start, end)), axis=2, dtype=np.float32, casting="same_kind")
+            written = zlib.crc32(pixels, written)
             good = good and file is not None and file.write_scanlines(start, end, 0, pixels)
-        good = good and file is not None and file.close()
-        if not good:
-            raise _failure(path, file, "cannot be written", "make room or name another folder")
+        if not (good and file is not None and file.close()):
+            raise _failure(path, file, "cannot be written", _REMEDY)
+        if _checksum(beside, names) != written:
+            raise EtalonError(f"{path}: cannot be written (it does not read back as written); {_REMEDY}")
+
+
+def _checksum(beside: Path, names: list[str]) -> int:
+    """The CRC-32 of the channels in a file; OpenImageIO reports that they are written also where the disk is full."""
+    found, file = 0, OpenImageIO.ImageInput.open(str(beside))
+    if file is None:
+        OpenImageIO.geterror()  # which it would print at the end of the process
+    else:
+        spec = file.spec()
+        order = [spec.channelnames.index(name) for name in names]  # the file has its own order
+        for start in range(0, spec.height, _ROWS):
+            pixels = file.read_scanlines(0, 0, start, min(start + _ROWS, spec.height), 0, 0, spec.nchannels, "float")
+            found = zlib.crc32(b"" if pixels is None else np.ascontiguousarray(pixels[..., order]), found)
+        file.close()
+    return found
 
 
 def read_exr(path: Path | str) -> dict[str, np.ndarray]:
@@ -79,4 +99,6 @@ def read_exr(path: Path | str) -> dict[str, np.ndarray]:
 
 def _failure(path: Path | str, file: Any, what: str, remedy: str) -> EtalonError:
     reason = (file.geterror() if file is not None else OpenImageIO.geterror()).strip().splitlines()
+    if file is not None:
+        file.close()  # Windows removes no open file
     return EtalonError(f"{path}: {what} ({reason[0] if reason else 'no reason given'}); {remedy}")

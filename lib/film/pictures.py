@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..errors import EtalonError
 from ..srgb import srgb_encode
 
 NONFINITE = (255, 0, 255)
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 STRIPE = (128, 0, 128)
 # Endpoints, and white between them, that stay apart for every kind of colour vision (ColorBrewer's RdBu).
 BELOW, EQUAL, ABOVE = (33, 102, 172), (247, 247, 247), (178, 24, 43)
@@ -66,4 +68,23 @@ def write_png(path: Path, pixels: np.ndarray) -> None:
     good = good and file is not None and file.write_image(np.ascontiguousarray(pixels)) and file.close()
     if not good:
         reason = file.geterror() if file is not None else OpenImageIO.geterror()
+        if file is not None:
+            file.close()
         raise EtalonError(f"{path}: cannot be written ({reason.strip()}); make room or name another folder")
+    if not is_whole_png(path.read_bytes()):
+        raise EtalonError(
+            f"{path}: cannot be written (it does not read back as written); make room or name another folder"
+        )
+
+
+def is_whole_png(content: bytes) -> bool:
+    """Whether all chunks of a PNG file are there, each with its own checksum, up to the one that ends it."""
+    start, kind = len(_SIGNATURE), b""
+    while kind != b"IEND" and len(content) >= start + 12:
+        length = int.from_bytes(content[start : start + 4], "big")
+        kind = content[start + 4 : start + 8]
+        end = start + 8 + length
+        if zlib.crc32(content[start + 4 : end]) != int.from_bytes(content[end : end + 4], "big"):
+            return False
+        start = end + 4
+    return content.startswith(_SIGNATURE) and kind == b"IEND" and start == len(content)

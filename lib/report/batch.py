@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..pages import render_page
+from ..plain_text import spreadsheet_cell
 
 COLUMNS = ("status", "verdict", "relative_difference", "low", "high", "seconds", "folder", "message")
 
@@ -38,10 +39,11 @@ def write_csv(names: list[str], rows: list[Row], path: Path) -> None:
     """Write one line a comparison; `names` are those of the varied properties."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["scene", *names, *COLUMNS])
+        writer.writerow([spreadsheet_cell(name) for name in ("scene", *names, *COLUMNS)])
         for r in rows:
             numbers = [r.difference, r.low, r.high, round(r.seconds, 1)]
-            writer.writerow([r.scene, *r.values, r.status, r.verdict, *numbers, r.folder, r.message])
+            cells = [r.scene, *r.values, r.status, r.verdict, *numbers, r.folder, r.message]
+            writer.writerow([spreadsheet_cell(cell) for cell in cells])
 
 
 def write_grid(names: list[str], rows: list[Row], path: Path) -> None:

@@ -11,13 +11,11 @@ the sun. The disc is the formula of Cycles with its two colours measured: 1e-3 a
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -25,6 +23,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ....lib.errors import EtalonError
+from ....lib.files.ownership import temporary_folder
 from ....lib.film.exr import read_exr
 from ....lib.scene import expressions as ex
 from ....lib.scene.images import Image
@@ -172,8 +171,8 @@ def _set(node: bpy.types.Node, settings: Settings) -> None:
 
 def _rendered(scene: bpy.types.Scene) -> np.ndarray:
     """What Cycles shows, (height, width, 3), row 0 at the bottom; raises EtalonError where it cannot."""
-    with tempfile.TemporaryDirectory(prefix="etalon-") as folder:
-        path = Path(folder) / "sky.exr"
+    with temporary_folder() as folder:
+        path = folder / "sky.exr"
         scene.render.filepath = str(path)
         with quiet():
             try:

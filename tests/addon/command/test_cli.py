@@ -228,3 +228,51 @@ def test_the_first_ctrl_c_is_a_wish_and_the_second_an_order():
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_an_order_to_end_is_a_wish_however_often_it_comes(name):
+    """`timeout` sends it to the process and to its group."""
+    import signal
+
+    if not hasattr(signal, name):
+        pytest.skip("Windows has no such signal")
+    number = getattr(signal, name)
+    with interruptible() as interrupted:
+        for _ in range(3):
+            signal.raise_signal(number)
+        assert interrupted()
+    assert signal.getsignal(number) is signal.SIG_DFL
+
+
+def test_an_order_to_end_elsewhere_interrupts_once(capfd, monkeypatch):
+    import signal
+
+    cleared = []
+
+    def ordered(arguments):
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        finally:
+            signal.raise_signal(signal.SIGTERM)
+            cleared.append(True)
+
+    monkeypatch.setattr(cli, "_run", ordered)
+    code, out, lines = run(capfd, "scenes")
+    assert (code, out, lines, cleared) == (130, "", ["etalon: interrupted"], [True])
+
+
+def test_no_name_of_a_scene_leads_out_of_the_folder_for_results(tmp_path):
+    from pathlib import Path
+
+    from etalon.addon.command.opening import open_target, results_folder
+
+    path = tmp_path / "...blend"
+    bpy.ops.wm.read_factory_settings()
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    assert results_folder(None, open_target(str(path))) == Path("etalon-out/scene")
+    for name in ("/etc", "../../x", ".."):
+        bpy.ops.wm.read_factory_settings()
+        bpy.context.scene.name = name
+        assert results_folder(None, open_target(None)).parent == Path("etalon-out")
+    assert results_folder(Path("chosen"), "x") == Path("chosen")

@@ -103,3 +103,16 @@ def test_materials_that_are_not_simulated_come_over_as_unknown(program, tmp_path
         assert "Subsurface" in second.export().materials[0].unknown
     finally:
         second.close()
+
+
+def test_it_ends_amid_a_render_when_this_process_is_gone(program, tmp_path):
+    scene = floor()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
+    second = SecondBlender(tmp_path / "copy.blend", scene.name, Settings(seed=3, threads=1))
+    try:
+        second.export()
+        second._send({"replicate": 0, "samples": 1 << 24, "windows": None, "size": None})
+        second._process.stdin.close()  # as the system does for a process that ends, however that happens
+        assert second._process.wait(timeout=60) == 0
+    finally:
+        second.close()

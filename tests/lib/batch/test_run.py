@@ -4,11 +4,14 @@
 import csv
 import json
 import sqlite3
+import subprocess
 import sys
 from contextlib import closing
 
 import pytest
 from etalon.lib.batch import run as batch
+from etalon.lib.batch.journal import open_journal
+from etalon.lib.batch.plan import read_plan
 from etalon.lib.errors import EtalonError
 from etalon.lib.report.document import FORMAT, VERSION
 
@@ -17,7 +20,7 @@ STAND_IN = """
 import json, os, sys
 from pathlib import Path
 arguments = dict(a[2:].split("=", 1) for a in sys.argv[1:] if a.startswith("--"))
-value = json.loads(sys.argv[3].rpartition("=")[2])
+value = json.loads(sys.argv[3].split(".x=", 1)[1])
 with open("calls.txt", "a") as calls:
     print(json.dumps(sys.argv[1:]), file=calls)
 if value == "crash":
@@ -60,9 +63,9 @@ def write_plan(folder, values, scenes=("glossy_spheres",)):
     return path
 
 
-def run(path):
+def run(path, blender="5.3.0", told=None):
     """What `etalon batch` does with a plan."""
-    return batch.run_plan(batch.read_plan(path))
+    return batch.run_plan(read_plan(path), blender, [].append if told is None else told.append)
 
 
 def calls(folder):
@@ -92,7 +95,7 @@ def test_a_crash_and_a_refusal_are_recorded_and_the_rest_go_on(folder):
     with (folder / "out" / "batch.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["verdict"] for row in rows] == ["", "", "EQUIVALENT"]
-    assert rows[1]["message"] == "etalon: Floor: Velvet BSDF is not simulated; use a Glossy BSDF"
+    assert rows[1]["message"] == "Floor: Velvet BSDF is not simulated; use a Glossy BSDF"
     assert float(rows[2]["relative_difference"]) == 0.0012
 
 
@@ -129,20 +132,20 @@ def test_a_verdict_of_an_older_version_is_told_and_compared_again(folder, capfd)
 
 def test_ctrl_c_keeps_what_is_finished_and_the_tables(folder, monkeypatch):
     path = write_plan(folder, [0, 1, 3])
-    run_unit = batch._run_unit
+    run_process = batch._run_process
 
-    def interrupted(arguments):
+    def interrupted(arguments, out):
         if len(calls(folder)) == 2:
             raise KeyboardInterrupt
-        return run_unit(arguments)
+        return run_process(arguments, out)
 
     (folder / "calls.txt").touch()
-    monkeypatch.setattr(batch, "_run_unit", interrupted)
+    monkeypatch.setattr(batch, "_run_process", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(path)
     assert list(statuses(folder)) == [0, 1]
     assert "not run" in (folder / "out" / "batch.html").read_text()
-    monkeypatch.setattr(batch, "_run_unit", run_unit)
+    monkeypatch.setattr(batch, "_run_process", run_process)
     assert run(path) == 1
     assert len(calls(folder)) == 3
 
@@ -163,32 +166,108 @@ def test_a_scene_name_never_becomes_a_path(folder):
     assert not (folder.parent / "escape").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("scenes = [", "is not TOML"),
-        ("scenes = []", "'scenes' must be"),
-        ('scenes = ["a"]\ncolour = 1', "unknown entry 'colour'"),
-        ('scenes = ["a"]\n[[vary]]\npath = "x"', "'values'"),
-        ('scenes = ["a"]\n[[vary]]\npath = "x"\nvalues = []', "is empty"),
-        ('scenes = ["a"]\noptions = 3', "'options' a table"),
-    ],
-)
-def test_a_wrong_plan_is_told_by_name(tmp_path, text, complaint):
-    path = tmp_path / "plan.toml"
-    path.write_text(text)
-    with pytest.raises(EtalonError, match=complaint):
-        run(path)
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_missing_plan_is_told_by_name(tmp_path):
-    with pytest.raises(EtalonError, match=r"nowhere\.toml: cannot be read"):
-        run(tmp_path / "nowhere.toml")
-
-
 def test_a_foreign_journal_is_left_alone(folder):
     (folder / "out").mkdir()
     (folder / "out" / "journal.sqlite").write_text("a shopping list, long enough to be no empty database " * 20)
     with pytest.raises(EtalonError, match="is not a journal"):
         run(write_plan(folder, [0]))
+
+
+def test_a_batch_that_runs_already_is_told_in_one_line(folder):
+    path = write_plan(folder, [0])
+    plan = read_plan(path)
+    plan.out.mkdir()
+    with open_journal(plan.out), pytest.raises(EtalonError, match="another batch is running there; wait for it"):
+        run(path)
+    assert not (folder / "calls.txt").exists()
+    assert run(path) == 0
+    assert not (plan.out / "journal.lock").exists()
+
+
+def test_a_killed_batch_holds_no_lock(folder):
+    path = write_plan(folder, [0])
+    (folder / "out").mkdir()
+    script = (
+        "import os, sys; from pathlib import Path; from etalon.lib.batch.journal import open_journal\n"
+        "with open_journal(Path(sys.argv[1])): os.abort()"
+    )
+    done = subprocess.run([sys.executable, "-c", script, str(folder / "out")], capture_output=True, timeout=60)
+    assert done.returncode != 0
+    assert (folder / "out" / "journal.lock").exists()
+    assert run(path) == 0
+    assert not (folder / "out" / "journal.lock").exists()
+
+
+def test_a_journal_that_another_program_holds_is_no_foreign_one(folder, monkeypatch):
+    path = write_plan(folder, [0])
+    run(path)
+    connect = sqlite3.connect
+    monkeypatch.setattr(sqlite3, "connect", lambda *a, **k: connect(*a, timeout=0.0, **k))
+    with closing(connect(folder / "out" / "journal.sqlite", isolation_level=None)) as other:
+        other.execute("begin exclusive")
+        with pytest.raises(EtalonError, match="is open in another program; close it there"):
+            run(path)
+
+
+def test_a_database_of_something_else_is_no_journal(folder):
+    (folder / "out").mkdir()
+    with closing(sqlite3.connect(folder / "out" / "journal.sqlite")) as other:
+        other.execute("create table units (colour text)")
+    with pytest.raises(EtalonError, match="is not a journal of this command"):
+        run(write_plan(folder, [0]))
+
+
+def test_another_blender_compares_again(folder):
+    path = write_plan(folder, [0])
+    for blender in ("5.2.3", "5.3.0", "5.3.0"):
+        run(path, blender)
+    assert len(calls(folder)) == 2
+
+
+def test_every_comparison_and_the_whole_are_told(folder):
+    told = []
+    assert run(write_plan(folder, ["crash", "refuse", 0, 3]), told=told) == 2
+    *units, summary = told
+    assert [line.split(": ")[1].split(" (")[0] for line in units] == ["failed", "refused", "EQUIVALENT", "UNDECIDED"]
+    assert "it was ended by signal 6" in units[0] or "code" in units[0]
+    assert "refused: Floor: Velvet BSDF is not simulated; use a Glossy BSDF" in units[1]
+    assert units[2].startswith("[3/4] glossy_spheres <b>rough</b>=0: EQUIVALENT")
+    assert summary == "4 comparisons: 1 failed, 1 refused, 1 EQUIVALENT, 1 UNDECIDED"
+
+
+def test_a_plan_of_which_everything_fails_says_so(folder):
+    told = []
+    path = write_plan(folder, ["refuse", "crash"])
+    assert run(path) == 2
+    assert run(path, told=told) == 2
+    assert told[-1] == "2 comparisons: 1 refused, 1 failed"
+    assert len(calls(folder)) == 4
+
+
+def test_a_verdict_of_a_comparison_that_was_ended_is_none(folder, verdict_json):
+    stopped = json.loads(verdict_json) | {"stopped": "cancelled"}
+    (folder / "verdict.json").write_text(json.dumps(stopped))
+    assert run(write_plan(folder, [3])) == 2
+    assert statuses(folder)[3][0] == "failed"
+
+
+def test_what_a_child_leaves_half_written_is_removed(folder):
+    (folder / "stand_in.py").write_text(
+        """
+import os, sys
+from pathlib import Path
+from etalon.lib.files.atomic import replace_files
+with replace_files(Path(sys.argv[-1].partition("=")[2])) as beside:
+    (beside / "half.exr").write_text("half")
+    os.abort()
+"""
+    )
+    run(write_plan(folder, [0]))
+    assert {path.name for path in (folder / "out").iterdir()} == {"journal.sqlite", "batch.csv", "batch.html"}
+
+
+def test_cells_that_a_spreadsheet_would_run_begin_with_an_apostrophe(folder):
+    run(write_plan(folder, ["refuse", "=1+1", "-1", -1, "@x", "+x"]))
+    with (folder / "out" / "batch.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["<b>rough</b>"] for row in rows] == ["refuse", "'=1+1", "-1", "-1", "'@x", "'+x"]
