@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,38 @@ from .film import Film
 # Rows of an image in one piece: a multiple of what OpenEXR compresses together.
 _ROWS = 64
 _REMEDY = "make room or name another folder"
+# Primaries and white of Rec. 709 (ITU-R BT.709-6, item 1.3), as OpenEXR orders them: red, green, blue, white, each x and y.
+REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
-def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
+@dataclass(frozen=True)
+class Meaning:
+    """What the numbers of an image file are, which the file says in its attributes.
+
+    `unit` is that of the channels, `comment` a sentence for people, `colour` the identifier of the colour space (Color Interop Forum), or
+    'data' for numbers that are no colours. `chromaticities` are written for colours alone.
+    """
+
+    unit: str
+    comment: str
+    colour: str
+
+
+RADIANCE = Meaning(
+    "W m^-2 sr^-1",
+    "R, G, B: radiance, scene-linear Rec. 709, in W m^-2 sr^-1 as Blender counts it. error.R, error.G, error.B: its standard error, "
+    "in the same unit. samples: finite samples of each pixel.",
+    "lin_rec709_scene",
+)
+DIFFERENCE = Meaning(
+    "1", "R, G, B: (Cycles - reference) / reference, without unit; NaN where pixels are not compared.", "data"
+)
+
+
+def write_exr(path: Path | str, channels: dict[str, np.ndarray], meaning: Meaning) -> None:
     """Write `channels`, name -> (height, width) array, as float32; a reader finds them under the same names.
+
+    The attributes of the file say what the numbers are.
 
     "R", "G", "B" make the picture that viewers show; "error.R" is channel R of a layer "error". The file is written beside its
     place and renamed. Raises EtalonError where it cannot be written, ValueError where the arrays differ in shape.
@@ -29,7 +58,8 @@ def write_exr(path: Path | str, channels: dict[str, np.ndarray]) -> None:
     shapes = {np.shape(channel) for channel in channels.values()}
     if len(shapes) != 1:
         raise ValueError(f"{path}: channels of different shapes")
-    _write(Path(path), list(channels), shapes.pop(), lambda rows: [channel[rows] for channel in channels.values()])
+    shape = shapes.pop()
+    _write(Path(path), list(channels), shape, meaning, lambda part: [channel[part] for channel in channels.values()])
 
 
 def write_film(path: Path | str, film: Film) -> None:
@@ -43,15 +73,22 @@ def write_film(path: Path | str, film: Film) -> None:
         error, finite = moments.standard_error, moments.n * film.samples - film.nonfinite[rows]
         return [*np.moveaxis(moments.mean, 2, 0), *np.moveaxis(error, 2, 0), finite]
 
-    _write(Path(path), [*"RGB", *(f"error.{name}" for name in "RGB"), "samples"], film.shape, channels)
+    _write(Path(path), [*"RGB", *(f"error.{name}" for name in "RGB"), "samples"], film.shape, RADIANCE, channels)
 
 
-def _write(path: Path, names: list[str], shape: tuple[int, int], channels: Callable[[slice], list[np.ndarray]]) -> None:
+def _write(
+    path: Path,
+    names: list[str],
+    shape: tuple[int, int],
+    meaning: Meaning,
+    channels: Callable[[slice], list[np.ndarray]],
+) -> None:
     """Write what `channels` gives for the rows that it is asked for, a few at a time."""
     height, width = shape
     spec = OpenImageIO.ImageSpec(width, height, len(names), "float")
     spec.channelnames = names
     spec.attribute("compression", "zip")
+    _describe(spec, meaning)
     with replace_file(path) as beside:
         file = OpenImageIO.ImageOutput.create(str(beside))
         good = file is not None and file.open(str(beside), spec)
@@ -80,6 +117,15 @@ def _checksum(beside: Path, names: list[str]) -> int:
             found = zlib.crc32(b"" if pixels is None else np.ascontiguousarray(pixels[..., order]), found)
         file.close()
     return found
+
+
+def _describe(spec: OpenImageIO.ImageSpec, meaning: Meaning) -> None:
+    """Set the attributes that say unit and colour space; OpenEXR calls ImageDescription "comments"."""
+    spec.attribute("ImageDescription", meaning.comment)
+    spec.attribute("unit", meaning.unit)
+    spec.attribute("colorInteropID", meaning.colour)
+    if meaning.colour != "data":
+        spec.attribute("chromaticities", OpenImageIO.TypeDesc("float[8]"), REC709)
 
 
 def read_exr(path: Path | str) -> dict[str, np.ndarray]:

@@ -14,7 +14,7 @@ from ..comparison.compare import Comparison
 from ..effects.plan import Plan
 from ..files.atomic import replace_files
 from ..files.plain_data import write_json
-from ..film.exr import write_exr, write_film
+from ..film.exr import DIFFERENCE, write_exr, write_film
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
 from ..pages import render_page
 from ..relative import relative_difference
@@ -65,7 +65,7 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str) -
     write_film(folder / "reference.exr", comparison.reference.film)
     write_film(folder / "cycles.exr", comparison.candidate.film)
     difference = pixel_differences(comparison)
-    write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")})
+    write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")}, DIFFERENCE)
     means = _shown(comparison)
     exposure = middle_exposure(means[0])
     limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance

@@ -2,9 +2,10 @@
 """Films of replicates, and their files."""
 
 import numpy as np
+import OpenImageIO
 import pytest
 from etalon.lib.errors import EtalonError
-from etalon.lib.film.exr import read_exr, write_exr, write_film
+from etalon.lib.film.exr import DIFFERENCE, RADIANCE, read_exr, write_exr, write_film
 from etalon.lib.film.film import Film
 from etalon.lib.film.pictures import hatched, middle_exposure, signed8, srgb8
 from etalon.lib.film.rendering import Rendering
@@ -74,7 +75,7 @@ def test_negative_radiance_is_a_number():
 def test_an_exr_gives_back_what_was_written(tmp_path, rng):
     image = rng.standard_normal((3, 4)).astype(np.float32)
     image[0, 0], image[0, 1], image[0, 2] = np.nan, np.inf, -1.0
-    write_exr(tmp_path / "a.exr", {"R": image, "error.R": 2 * image})
+    write_exr(tmp_path / "a.exr", {"R": image, "error.R": 2 * image}, RADIANCE)
     channels = read_exr(tmp_path / "a.exr")
     np.testing.assert_array_equal(channels["R"], image)
     np.testing.assert_array_equal(channels["error.R"], 2 * image)
@@ -93,10 +94,35 @@ def test_a_film_on_disk_has_its_errors_and_samples(tmp_path):
     assert np.isnan(channels["R"][0, 1])
 
 
+def read_attributes(path):
+    file = OpenImageIO.ImageInput.open(str(path))
+    found = {attribute.name: attribute.value for attribute in file.spec().extra_attribs}
+    file.close()
+    return found
+
+
+def test_an_image_of_radiance_says_its_unit_and_its_colour_space(tmp_path):
+    film = Film.empty(1, 2, 4)
+    film.add(rendering(np.ones((1, 2, 3))))
+    write_film(tmp_path / "film.exr", film)
+    found = read_attributes(tmp_path / "film.exr")
+    # ITU-R BT.709-6, item 1.3: red, green, blue, and D65.
+    assert found["chromaticities"] == pytest.approx([0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329])
+    assert (found["unit"], found["colorInteropID"]) == ("W m^-2 sr^-1", "lin_rec709_scene")
+    assert "scene-linear Rec. 709" in found["ImageDescription"]
+
+
+def test_an_image_of_differences_says_that_it_holds_no_colours(tmp_path):
+    write_exr(tmp_path / "difference.exr", {"R": np.zeros((2, 2))}, DIFFERENCE)
+    found = read_attributes(tmp_path / "difference.exr")
+    assert (found["unit"], found["colorInteropID"]) == ("1", "data")
+    assert "chromaticities" not in found
+
+
 def test_files_that_cannot_be_written_or_read_say_so(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(EtalonError, match=r"cannot be written|not a folder"):
-        write_exr(tmp_path / "file" / "a.exr", {"R": np.zeros((2, 2))})
+        write_exr(tmp_path / "file" / "a.exr", {"R": np.zeros((2, 2))}, RADIANCE)
     with pytest.raises(EtalonError, match="cannot be read"):
         read_exr(tmp_path / "none.exr")
     (tmp_path / "text.exr").write_text("no image")
