@@ -27,7 +27,7 @@ def images(rng):
 def write(folder, images):
     """Two images as results."""
     with replace_files(folder) as beside:
-        write_exr(beside / "a.exr", images[0])
+        write_exr(beside / "a.exr", images[0], RADIANCE)
         write_png(beside / "a.png", images[1])
 
 
@@ -62,7 +62,7 @@ def cut(monkeypatch, share):
 def test_a_float_image_that_is_cut_short_is_an_error(tmp_path, monkeypatch, images, share):
     cut(monkeypatch, share)
     with pytest.raises(EtalonError, match=r"a\.exr: cannot be written \(it does not read back"):
-        write_exr(tmp_path / "a.exr", images[0])
+        write_exr(tmp_path / "a.exr", images[0], RADIANCE)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -76,7 +76,7 @@ def test_a_picture_that_is_cut_short_is_an_error(tmp_path, monkeypatch, images, 
 def test_a_float_image_with_other_pixels_is_an_error(tmp_path, monkeypatch, images):
     monkeypatch.setattr(exr, "_checksum", lambda path, names: zlib.crc32(b""))
     with pytest.raises(EtalonError, match="does not read back"):
-        write_exr(tmp_path / "a.exr", images[0])
+        write_exr(tmp_path / "a.exr", images[0], RADIANCE)
 
 
 def test_a_picture_with_a_changed_byte_is_not_whole(tmp_path, images):
