@@ -12,7 +12,7 @@ import pytest
 from etalon.lib.errors import EtalonError
 from etalon.lib.files.atomic import replace_files
 from etalon.lib.film import exr
-from etalon.lib.film.exr import read_exr, write_exr
+from etalon.lib.film.exr import RADIANCE, read_exr, write_exr
 from etalon.lib.film.pictures import is_whole_png, write_png
 
 SIZES = range(4, 304, 15)  # KiB
