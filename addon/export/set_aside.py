@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 
@@ -17,12 +19,32 @@ _TERMINATOR = (
     "shadow_terminator_offset",
 )
 
+_MOST_FILES = 20
+
 
 def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding, ...]:
     """The settings of the scene's objects and lights that are compared in their neutral state."""
     things = [instance.object for instance in depsgraph.object_instances if instance.show_self]
     found = (_terminator(things, mesh), _soft_falloff(things))
     return tuple(finding for finding in found if finding is not None)
+
+
+def find_missing_images(missing: Sequence[str]) -> tuple[Finding, ...]:
+    """The images that are not there, each a sentence without its stop: both sides show magenta in their place."""
+    if not missing:
+        return ()
+    shown = "; ".join(missing[:_MOST_FILES]) + (
+        f"; and {len(missing) - _MOST_FILES} more" if len(missing) > _MOST_FILES else ""
+    )
+    images = "1 image is" if len(missing) == 1 else f"{len(missing)} images are"
+    return (
+        Finding(
+            "missing textures",
+            f"{images} missing: {shown}.",
+            "Both sides show magenta (1, 0, 1) there.",
+            "Restore the files, or choose others.",
+        ),
+    )
 
 
 def _terminator(things: list[bpy.types.Object], mesh: Mesh) -> Finding | None:

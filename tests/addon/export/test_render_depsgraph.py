@@ -55,7 +55,7 @@ def test_a_render_region_without_a_whole_pixel_is_one_line(scene):
     before = settings(scene)
     scene.render.use_border = True
     scene.render.border_min_x, scene.render.border_max_x = 0.3, 0.3001
-    with pytest.raises(EtalonError, match="^Scene: its render region holds no whole pixel; widen the region"):
+    with pytest.raises(EtalonError, match=r"^Scene: its render region holds no whole pixel; widen the region"):
         with_render_depsgraph(scene, lambda depsgraph: 3)
     scene.render.use_border = False
     assert settings(scene) == before
