@@ -258,7 +258,6 @@ def switch(owner, name, value=True):
 
 
 SETTINGS = {
-    "scene 'Scene': motion blur": switch("render", "use_motion_blur"),
     "scene 'Scene': Simplify": switch("render", "use_simplify"),
     "scene 'Scene': stereoscopy": switch("render", "use_multiview"),
     "scene 'Scene': Freestyle": switch("render", "use_freestyle"),
@@ -278,7 +277,7 @@ def test_settings_that_are_not_simulated_are_refused_by_name(studio, what):
 def test_all_refusals_come_at_once_and_each_once(studio):
     for i in range(3):
         studio.add(f"hair {i}", bpy.data.hair_curves.new("hair"))
-    studio.scene.render.use_motion_blur = True
+    studio.scene.render.use_simplify = True
     studio.add("lamp", bpy.data.lights.new("lamp", "POINT")).data.use_shadow = False
     with pytest.raises(Refused) as caught:
         studio.export()
@@ -324,8 +323,8 @@ def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
     assert "Toon" in green.unknown
     assert blue.unknown == ""
     assert isinstance(blue.lobes[0].closure, Emission)
-    studio.scene.render.use_motion_blur = True
-    with pytest.raises(Refused, match="motion blur"):
+    studio.scene.render.use_simplify = True
+    with pytest.raises(Refused, match="Simplify"):
         studio.export(partial=True)
 
 
