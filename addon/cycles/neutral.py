@@ -157,8 +157,8 @@ def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: 
     max_bounces: of a path, in Cycles' count, and of each kind of scattering; None: the scene's. threads: None: the scene's choice.
     May be nested: only what differs is touched. One `neutral` held around many renders keeps the scene's data in Cycles
     between them (persistent data), which costs memory and saves each its synchronisation. Export inside it too: some of what it
-    sets (simplify, transparent bounces, adaptive subdivision) is seen by the exporter. Raises EtalonError where a value
-    cannot be held because it is animated or driven, or where there is no Cycles.
+    sets (simplify, transparent bounces, adaptive subdivision) is seen by the exporter. Animation and drivers of what it sets are muted
+    meanwhile. Raises EtalonError where a linked file does not let them be, or where there is no Cycles.
     """
     if not hasattr(scene, "cycles"):
         raise EtalonError("Cycles is not there; enable the add-on Cycles Render Engine in Blender's preferences")
@@ -166,7 +166,7 @@ def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: 
     try:
         _set_scene(changes, scene, scene.cycles.max_bounces if max_bounces is None else max_bounces, threads)
         _set_data(changes)
-        _check_animation(changes, scene)
+        _mute_animation(changes)
         yield changes
     finally:
         changes.undo()
@@ -200,18 +200,21 @@ def _set_data(changes: Changes) -> None:
     changes.set_all("world.cycles", (w.cycles for w in data.worlds), WORLD_CYCLES)
 
 
-def _check_animation(changes: Changes, scene: bpy.types.Scene) -> None:
-    """A render evaluates animation and drivers again, over what was set: refuse channels that would not leave it there."""
-    frame = scene.frame_current_final
+def _mute_animation(changes: Changes) -> None:
+    """A render evaluates animation and drivers again, over what was set: mute the channels that would not leave it there."""
     for owner, name, value in changes.held:
         data = owner.id_data
         if data.animation_data is None:
             continue
         path = owner.path_from_id(name)
-        driven = any(curve.data_path == path and not curve.mute for curve in data.animation_data.drivers)
-        moved = any(c.data_path == path and not c.mute and c.evaluate(frame) != value for c in _curves(data))
-        if driven or moved:
-            raise EtalonError(f"{data.name}: {path} is animated or driven, and must stay at {value}; mute its channel")
+        for curve in (*data.animation_data.drivers, *_curves(data)):
+            if curve.data_path != path:
+                continue
+            changes.set(curve, "mute", True)
+            if not curve.mute:  # of a linked library's action
+                raise EtalonError(
+                    f"{data.name}: {path} is animated or driven, and must stay at {value}; mute its channel"
+                )
 
 
 def _curves(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:

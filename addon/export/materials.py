@@ -39,10 +39,7 @@ _LARGEST_TABLE = (4096, 2048)
 
 
 def read_material(material: bpy.types.Material, images: ImageTable, refusals: list[Refusal]) -> Material:
-    """The material as lobes; what is not simulated is appended to `refusals`, images to `images`.
-
-    Raises EtalonError when an image's file is not there.
-    """
+    """The material as lobes; what is not simulated is appended to `refusals`, images to `images`."""
     if not _uses_nodes(material):
         r, g, b, _ = material.diffuse_color
         return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
@@ -57,7 +54,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
 
 
 def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list[Refusal]) -> World:
-    """The world's radiance as an expression of direction; black without a world. Errors as read_material."""
+    """The world's radiance as an expression of direction; black without a world. The rest as read_material."""
     if world is None:
         return World(ex.BLACK, _NO_TABLE)
     owner = f"world '{world.name}'"

@@ -25,7 +25,6 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
     """Append what of the evaluated scene's and view layer's settings is not simulated."""
     render = scene.render
     settings = {
-        "motion blur": render.use_motion_blur and layer.use_motion_blur,
         "Simplify": render.use_simplify,
         "stereoscopy": render.use_multiview,
         "Freestyle": render.use_freestyle and layer.use_freestyle,
@@ -105,7 +104,6 @@ def refuse_light_rays(
         "shadows switched off": not data.use_shadow,
         "a light portal": data.type == "AREA" and cycles.is_portal,
         "shadow caustics": cycles.is_caustics_light,
-        "multiple importance sampling switched off": not cycles.use_multiple_importance_sampling,
         f"its limit of {cycles.max_bounces} bounces": cycles.max_bounces < bounces,
         f"ray visibility without {', '.join(hidden)}": hidden,
         "light linking": _is_linked(light),

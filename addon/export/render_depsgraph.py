@@ -12,6 +12,7 @@ from ...lib.errors import EtalonError
 from .nodes.declarations import DECLARATIONS
 from .nodes.declared import remember_defaults
 from .properties.declared import remember_properties
+from .stale_images import reload_stale_images
 
 Result = TypeVar("Result")
 
@@ -36,6 +37,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
     """
     remember_defaults(DECLARATIONS)
     remember_properties()
+    reload_stale_images()
     results: list[Result] = []
     errors: list[BaseException] = []
 

@@ -23,7 +23,7 @@ from .mesh import read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
-from .set_aside import find_set_aside
+from .set_aside import find_missing_images, find_set_aside
 
 
 def export_scene(
@@ -69,7 +69,7 @@ def export_scene(
         transport=Transport(bounces, max(Transport().transparent_max_bounces, scene.cycles.transparent_max_bounces)),
         images=images.images,
         blender=bpy.app.version[:2],
-        findings=find_set_aside(depsgraph, mesh),
+        findings=(*find_missing_images(tuple(images.missing)), *find_set_aside(depsgraph, mesh)),
     )
     validate(result)
     return result
@@ -116,10 +116,7 @@ class MaterialTable:
         if not self._partial:
             return read_material(material, self._images, self._refusals)
         refusals: list[Refusal] = []
-        try:
-            read = read_material(material, self._images, refusals)
-        except EtalonError as missing:
-            return Material(material.name, (), str(missing))
+        read = read_material(material, self._images, refusals)
         if not refusals:
             return read
         return Material(material.name, (), ", ".join(dict.fromkeys(refusal.what.strip(" ,") for refusal in refusals)))

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 
@@ -17,12 +19,57 @@ _TERMINATOR = (
     "shadow_terminator_offset",
 )
 
+_MOST_FILES = 20
+
 
 def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding, ...]:
     """The settings of the scene's objects and lights that are compared in their neutral state."""
     things = [instance.object for instance in depsgraph.object_instances if instance.show_self]
-    found = (_terminator(things, mesh), _soft_falloff(things))
+    found = (_motion_blur(depsgraph), _terminator(things, mesh), _soft_falloff(things), _light_sampling(things))
     return tuple(finding for finding in found if finding is not None)
+
+
+def find_missing_images(missing: Sequence[str]) -> tuple[Finding, ...]:
+    """The images that are not there, each a sentence without its stop: both sides show magenta in their place."""
+    if not missing:
+        return ()
+    shown = "; ".join(missing[:_MOST_FILES]) + (
+        f"; and {len(missing) - _MOST_FILES} more" if len(missing) > _MOST_FILES else ""
+    )
+    images = "1 image is" if len(missing) == 1 else f"{len(missing)} images are"
+    return (
+        Finding(
+            "missing textures",
+            f"{images} missing: {shown}.",
+            "Both sides show magenta (1, 0, 1) there.",
+            "Restore the files, or choose others.",
+        ),
+    )
+
+
+def _motion_blur(depsgraph: bpy.types.Depsgraph) -> Finding | None:
+    if not (depsgraph.scene_eval.render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur):
+        return None
+    return Finding(
+        "motion blur",
+        "Motion blur is off on both sides.",
+        "What moves is compared as it stands at this frame.",
+        "Switch Motion Blur off to render what is compared.",
+    )
+
+
+def _light_sampling(things: list[bpy.types.Object]) -> Finding | None:
+    lights = [o for o in things if o.type == "LIGHT"]
+    names = list(dict.fromkeys(o.name for o in lights if not o.data.cycles.use_multiple_importance_sampling))
+    if not names:
+        return None
+    lamps = "1 light" if len(names) == 1 else f"{len(names)} lights"
+    return Finding(
+        "light sampling",
+        f"Multiple importance sampling of {lamps} is on on both sides: {list_names(names)}.",
+        "With it off, Cycles' reflected and refracted rays do not meet the light: mirrors do not show it, and noise differs.",
+        "Switch Multiple Importance on in the light's settings to render what is compared.",
+    )
 
 
 def _terminator(things: list[bpy.types.Object], mesh: Mesh) -> Finding | None:

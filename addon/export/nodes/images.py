@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ....lib.errors import EtalonError, Refusal
+from ....lib.errors import Refusal
 from ....lib.scene.images import Image
 from ....lib.srgb import srgb_encode
 from ..properties.declared import refuse_undeclared
@@ -19,6 +19,9 @@ _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 _SOURCES = ("FILE", "GENERATED")
 _PREMULTIPLIED_FORMATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER")
 _TYPES = ("IMAGE", "UV_TEST")
+
+MISSING = (1.0, 0.0, 1.0)
+"""What Cycles shows of an image that it cannot read, whatever its colour space; its alpha is 1."""
 
 Refuse = Callable[[str, str], None]
 
@@ -37,20 +40,39 @@ class ImageTable:
     def __init__(self) -> None:
         self._entries: dict[tuple[int, bool], Entry | None] = {}
         self._images: list[Image] = []
+        self.missing: dict[str, None] = {}
+        """What has no image, in the order in which it was met: the files that are not there, and nodes without an image."""
 
     @property
     def images(self) -> tuple[Image, ...]:
         """All images so far, in the order of their indices."""
         return tuple(self._images)
 
-    def add(self, image: bpy.types.Image | None, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+    def is_missing(self, node: bpy.types.Node, owner: str) -> bool:
+        """Whether an image node has no image that can be read: Cycles then shows MISSING. What is missing is noted.
+
+        A file in a colour space that is not read may be missing too: what Cycles shows then depends on the release.
+        """
+        image = node.image
+        if image is None:
+            self.missing[f"{owner}: node '{node.name}' has no image"] = None
+            return True
+        image = image.original
+        if image.source != "FILE" or image.type not in _TYPES or (image.size[0] and image.size[1]):
+            return False
+        space = image.colorspace_settings.name  # empty where Blender has never read the file
+        if bpy.app.version < (5, 0, 0) and space and space not in _ENCODINGS:
+            return False
+        path = bpy.path.abspath(image.filepath, library=image.library)
+        fault = "cannot be read" if os.path.isfile(path) else "is not there"
+        self.missing[f"image '{image.name}': file '{path}' {fault}"] = None
+        return True
+
+    def add(self, image: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
         """The entry of `image`, read at its first use; None where it is refused, by `refuse(what, remedy)`.
 
-        `alpha_linked` says whether the node's alpha is in use. Raises EtalonError when the file is not there or unreadable.
+        `alpha_linked` says whether the node's alpha is in use. The image is none that `is_missing`.
         """
-        if image is None:
-            refuse(" without an image", "choose an image")
-            return None
         image = image.original
         key = (image.session_uid, alpha_linked)
         if key not in self._entries:
@@ -106,20 +128,13 @@ def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
     if image.source not in _SOURCES or image.type not in _TYPES:
         kind = image.source if image.source not in _SOURCES else image.type
         return f"{kind.lower().replace('_', ' ')}", "use a single still image"
-    _require_loaded(image)  # the colour space is known only then
+    if not image.size[0] or not image.size[1]:  # the colour space is known only once it is loaded
+        return "no texels", "restore its file, or choose another image"
     if image.colorspace_settings.name not in _ENCODINGS:
         return f"colour space {image.colorspace_settings.name}", f"convert it to {' or '.join(_ENCODINGS)}"
     if image.is_dirty and image.source == "FILE" and image.packed_file is None:
         return "changes that are not saved", "save or pack the image: Cycles reads the file"
     return None
-
-
-def _require_loaded(image: bpy.types.Image) -> None:
-    width, height = image.size
-    if not width or not height:
-        path = bpy.path.abspath(image.filepath, library=image.library)
-        fault = "cannot be read" if os.path.isfile(path) else "is not there"
-        raise EtalonError(f"image '{image.name}': file '{path}' {fault}; restore it, or choose another image")
 
 
 def _load(image: bpy.types.Image) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
+from .images import MISSING
 from .tree import Scope, TreeReader, valid_link
 
 _SURFACE_COORDINATES = {
@@ -207,6 +208,8 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
         reader.refuse(
             node, scope, ", socket 'Vector' (unlinked) in a world,", "link Texture Coordinate, Generated to it"
         )
+    if reader.images.is_missing(node, reader.owner):
+        return ex.Constant(MISSING) if output == "Color" else ex.ONE
     entry = reader.images.add(node.image, alpha_linked, lambda what, remedy: reader.refuse(node, scope, what, remedy))
     if entry is None:
         return ex.BLACK if output == "Color" else ex.ZERO
@@ -228,6 +231,8 @@ def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope
         reader.refuse(node, scope, ", projection Mirror Ball,", "choose Equirectangular")
     if not reader.is_world and not valid_link(node.inputs[0]):
         reader.refuse(node, scope, ", socket 'Vector' (unlinked) on a surface,", "link its coordinates")
+    if reader.images.is_missing(node, reader.owner):
+        return ex.Constant(MISSING)
     entry = reader.images.add(node.image, False, lambda what, remedy: reader.refuse(node, scope, what, remedy))
     if entry is None:
         return ex.BLACK

@@ -6,6 +6,7 @@ import warnings
 import bpy
 import numpy as np
 import pytest
+from etalon.addon.cycles.neutral import SEQUENCE
 from etalon.addon.cycles.renderer import CHUNK, CyclesRenderer, neutral
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.windows import Windows
@@ -265,26 +266,29 @@ def test_the_first_layer_in_use_is_rendered_and_all_stay_in_use():
     assert [layer.use for layer in scene.view_layers] == [False, True, True]
 
 
-def test_an_animated_light_that_must_hold_is_refused_and_one_at_the_value_is_not():
+def evaluated(scene, *names):
+    """The named settings of Cycles as a depsgraph has them."""
+    scene.frame_set(scene.frame_current)
+    cycles = scene.evaluated_get(bpy.context.evaluated_depsgraph_get()).cycles
+    return [getattr(cycles, name) for name in names]
+
+
+def test_animation_and_drivers_of_what_must_hold_are_muted_and_come_back():
     scene = building.start("animated", 8, 8, 0)
     building.sphere_light("Ball", (0.0, 0.0, 2.0), 0.3, (1.0, 1.0, 1.0))
     light = bpy.data.lights["Ball"]
     light.use_soft_falloff = True
     light.keyframe_insert("use_soft_falloff", frame=1)
-    light.use_soft_falloff = False
-    light.keyframe_insert("use_soft_falloff", frame=2)
-    scene.frame_set(1)
-    with pytest.raises(EtalonError, match="Ball: use_soft_falloff is animated or driven"), neutral(scene):
-        pass
-    scene.frame_set(2)
-    with neutral(scene):
-        assert not light.use_soft_falloff
-
-
-def test_an_animated_setting_that_must_hold_is_refused():
-    scene = restless()
-    scene.keyframe_insert("cycles.sample_clamp_indirect", frame=1)
-    before = snapshot(scene)
-    with pytest.raises(EtalonError, match=r"cycles\.sample_clamp_indirect is animated or driven"), neutral(scene):
-        pass
-    assert snapshot(scene) == before
+    scene.cycles.samples = 16
+    scene.keyframe_insert("cycles.samples", frame=1)
+    driver = scene.driver_add("cycles.sample_clamp_indirect")
+    driver.driver.expression = "3.0"
+    names = "samples", "sample_clamp_indirect"
+    assert evaluated(scene, *names) == [16, 3.0]
+    for _ in range(2):
+        with neutral(scene):
+            assert evaluated(scene, *names) == [SEQUENCE, 0.0]
+            assert not light.evaluated_get(bpy.context.evaluated_depsgraph_get()).use_soft_falloff
+        assert evaluated(scene, *names) == [16, 3.0]
+        assert light.use_soft_falloff
+        assert not driver.mute

@@ -223,9 +223,6 @@ REFUSED = {
     "shadows switched off": lambda lamp: setattr(lamp.data, "use_shadow", False),
     "a light portal": lambda lamp: setattr(lamp.data.cycles, "is_portal", True),
     "shadow caustics": lambda lamp: setattr(lamp.data.cycles, "is_caustics_light", True),
-    "multiple importance sampling switched off": lambda lamp: setattr(
-        lamp.data.cycles, "use_multiple_importance_sampling", False
-    ),
     "its limit of 3 bounces": lambda lamp: setattr(lamp.data.cycles, "max_bounces", 3),
     "ray visibility without glossy": lambda lamp: setattr(lamp, "visible_glossy", False),
     "a spread of 0": lambda lamp: setattr(lamp.data, "spread", 0.0),

@@ -5,6 +5,7 @@ import re
 
 import bpy
 import numpy as np
+import OpenImageIO
 import pytest
 from etalon.addon.export import export_scene
 from etalon.lib.errors import EtalonError, Refused
@@ -257,7 +258,6 @@ def switch(owner, name, value=True):
 
 
 SETTINGS = {
-    "scene 'Scene': motion blur": switch("render", "use_motion_blur"),
     "scene 'Scene': Simplify": switch("render", "use_simplify"),
     "scene 'Scene': stereoscopy": switch("render", "use_multiview"),
     "scene 'Scene': Freestyle": switch("render", "use_freestyle"),
@@ -277,7 +277,7 @@ def test_settings_that_are_not_simulated_are_refused_by_name(studio, what):
 def test_all_refusals_come_at_once_and_each_once(studio):
     for i in range(3):
         studio.add(f"hair {i}", bpy.data.hair_curves.new("hair"))
-    studio.scene.render.use_motion_blur = True
+    studio.scene.render.use_simplify = True
     studio.add("lamp", bpy.data.lights.new("lamp", "POINT")).data.use_shadow = False
     with pytest.raises(Refused) as caught:
         studio.export()
@@ -308,24 +308,71 @@ def test_a_particle_system_that_shows_objects_is_exported(studio, rays, hits):
 
 
 def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
-    """Each says what of it is not simulated, a missing image too; objects, lights and settings are refused as ever."""
+    """Each says what of it is not simulated; objects, lights and settings are refused as ever."""
     soft, lost = glow(studio, "red"), glow(studio, "green")
-    for material, kind in ((soft, "ShaderNodeSubsurfaceScattering"), (lost, "ShaderNodeTexImage")):
+    for material, kind in ((soft, "ShaderNodeSubsurfaceScattering"), (lost, "ShaderNodeBsdfToon")):
         tree = material.node_tree
         node, out = tree.nodes.new(kind), next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
         tree.links.new(node.outputs[0], out.inputs["Surface"])
-    image = bpy.data.images.new("lost", 4, 4)
-    image.source, image.filepath = "FILE", "//nowhere.png"
-    next(n for n in lost.node_tree.nodes if n.bl_idname == "ShaderNodeTexImage").image = image
     strip(studio, "strip", 0.0, soft, lost, glow(studio, "blue"))
     with pytest.raises(EtalonError):
         studio.export()
     red, green, blue = studio.export(partial=True).materials
     assert red.lobes == green.lobes == ()
     assert "Subsurface Scattering" in red.unknown
-    assert "nowhere.png' is not there" in green.unknown
+    assert "Toon" in green.unknown
     assert blue.unknown == ""
     assert isinstance(blue.lobes[0].closure, Emission)
-    studio.scene.render.use_motion_blur = True
-    with pytest.raises(Refused, match="motion blur"):
+    studio.scene.render.use_simplify = True
+    with pytest.raises(Refused, match="Simplify"):
         studio.export(partial=True)
+
+
+def saved_image(path, value):
+    """Write a file of 2 x 2 texels of one value."""
+    buffer = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(2, 2, 3, OpenImageIO.FLOAT))
+    buffer.set_pixels(OpenImageIO.ROI(), np.full((2, 2, 3), value, np.float32))
+    assert buffer.write(str(path))
+
+
+def shown_image(studio, path):
+    """A square that glows with the image at `path`; the image as Blender holds it, read."""
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Linear Rec.709"
+    assert len(image.pixels) > 0
+    material = glow(studio, "red")
+    tree = material.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    emission = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    tree.links.new(node.outputs[0], emission.inputs["Color"])
+    thing = studio.quad("thing")
+    thing.data.materials.clear()
+    thing.data.materials.append(material)
+    return image
+
+
+def test_a_texture_that_changed_on_disk_is_what_cycles_will_read(studio, tmp_path):
+    saved_image(tmp_path / "rug.exr", 0.25)
+    shown_image(studio, tmp_path / "rug.exr")
+    assert studio.export().images[0].pixels[0, 0, 0] == 0.25
+    saved_image(tmp_path / "rug.exr", 0.75)
+    assert studio.export().images[0].pixels[0, 0, 0] == 0.75
+
+
+def test_a_texture_that_is_gone_since_blender_read_it_is_magenta(studio, tmp_path):
+    saved_image(tmp_path / "rug.exr", 0.25)
+    shown_image(studio, tmp_path / "rug.exr")
+    (tmp_path / "rug.exr").unlink()
+    scene = studio.export()
+    assert scene.images == ()
+    (finding,) = (one for one in scene.findings if one.check == "missing textures")
+    assert f"1 image is missing: image 'rug.exr': file '{tmp_path / 'rug.exr'}' is not there." in str(finding)
+
+
+def test_missing_textures_are_magenta_in_cycles_too(studio, tmp_path):
+    saved_image(tmp_path / "rug.exr", 0.25)
+    shown_image(studio, tmp_path / "rug.exr")
+    (tmp_path / "rug.exr").unlink()
+    studio.look_down(1.0)
+    np.testing.assert_allclose(studio.cycles()[16, 16], [1.0, 0.0, 1.0], atol=1e-6)

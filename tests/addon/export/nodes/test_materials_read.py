@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.images import ImageTable
-from etalon.lib.errors import EtalonError
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene import materials as mt
 from etalon.lib.textures.requirements import requirements
@@ -312,7 +311,6 @@ REFUSED = {
     "built-in texture mapping (scale)": colored(mapped_inside),
     "interpolation Cubic": textured(interpolation="Cubic"),
     "projection Box": textured(projection="BOX"),
-    "without an image": textured(image=None),
     "image 'rug' (colour space Filmic Log)": odd_space,
     "image 'rug' (texels that are not finite)": broken_texels,
     "image 'tiles' (tiled)": tiled,
@@ -391,17 +389,25 @@ def test_all_refusals_come_together():
 
 
 @pytest.mark.parametrize("damaged", [False, True])
-def test_a_file_that_is_not_there_or_damaged_is_named(tmp_path, damaged):
+def test_a_file_that_is_not_there_or_damaged_is_magenta_and_named(tmp_path, damaged):
     path = tmp_path / "rug.png"
     path.write_bytes(b"not a picture")
     image = bpy.data.images.load(str(path))
     if not damaged:
         path.unlink()
-    with pytest.raises(
-        EtalonError, match=r"image 'rug.png.*rug.png' (is not there|cannot be read); restore it"
-    ) as caught:
-        lobes(textured(image=image))
-    assert ("cannot be read" in str(caught.value)) == damaged
+    table = ImageTable()
+    read = read_material(glowing("Rug", textured(image=image)), table, [])
+    assert read.lobes[0].closure.color == ex.Constant((1.0, 0.0, 1.0))
+    (missing,) = table.missing
+    fault = "cannot be read" if damaged else "is not there"
+    assert missing == f"image '{image.name}': file '{path}' {fault}"
+
+
+def test_a_node_without_an_image_is_magenta_and_named():
+    table, material = ImageTable(), glowing("Rug", textured(image=None))
+    read = read_material(material, table, [])
+    assert read.lobes[0].closure.color == ex.Constant((1.0, 0.0, 1.0))
+    assert list(table.missing) == [f"material '{material.name}': node 'Image Texture' has no image"]
 
 
 def test_images_are_collected_once():
