@@ -17,7 +17,7 @@ from ..lib.cost.models import measure_forms
 from ..lib.cost.result import Cost
 from ..lib.cost.verify import Verification, verify
 from ..lib.cost.ways import BEST, Way, reference_ways
-from ..lib.cost.write import PICTURES, write_cost
+from ..lib.cost.write import STAGE_PICTURES, write_cost
 from ..lib.effects.plan import make_plan
 from ..lib.errors import Cancelled, EtalonError, unknown
 from ..lib.files.atomic import replace_files
@@ -62,7 +62,7 @@ def measure_cost(
     users = traded(scene)
     with quiet():
         exported = export(scene)
-    beside_folder = nullcontext() if folder is None else replace_files(folder, without=PICTURES)
+    beside_folder = nullcontext() if folder is None else replace_files(folder, without=STAGE_PICTURES)
     with beside_folder as beside, quiet(), neutral(scene, threads=options.threads):
         exporting = opened + time.perf_counter() - begin
         ways = reference_ways(exported, options.seed, options.threads, exporting)

@@ -12,7 +12,7 @@ import bpy
 from ...lib.audit.document import table
 from ...lib.audit.measure import audit
 from ...lib.audit.setting import FACTORY, FILE, Setting
-from ...lib.audit.write import PICTURES, write_audit
+from ...lib.audit.write import old_pictures, write_audit
 from ...lib.files.atomic import replace_files
 from ...lib.plain_text import one_line
 from ...lib.progress import Progress
@@ -111,7 +111,7 @@ def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat:
         return CyclesWith(scene, {}, seed=asked_for.seed, threads=threads, others=assignments)
 
     with (
-        replace_files(folder, without=PICTURES) as beside,
+        replace_files(folder, without=old_pictures(folder)) as beside,
         interruptible() as interrupted,
         bar(f"{name}: audit") as shown,
         quiet(),

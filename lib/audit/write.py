@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,6 @@ from .document import ORIGINS, SAME, WORDS, bias, document, map_name, ratio
 from .findings import Audit
 
 NEUTRAL = "neutral.png"
-PICTURES = (NEUTRAL, map_name("*"))
-"""Which pictures there are depends on the settings: those of an older audit go with it."""
 # Maps are drawn up to this many tolerances.
 LIMIT = 5
 # Pixels of a picture in the page; the files beside it hold all.
@@ -47,6 +46,15 @@ def write_audit(audit: Audit, folder: Path, command: str = "") -> dict[str, Any]
     page = render_page(Path(__file__).with_name("audit.html"), values, {"bias": bias, "ratio": ratio})
     (folder / "audit.html").write_text(page, encoding="utf-8")
     return figures
+
+
+def old_pictures(folder: Path) -> list[str]:
+    """The pictures of the audit whose figures are in `folder`; which there are depends on the settings."""
+    try:
+        figures = json.loads((folder / "audit.json").read_text(encoding="utf-8"))
+        return [NEUTRAL, *(map_name(str(setting["key"])) for setting in figures["settings"])]
+    except (OSError, ValueError, LookupError, TypeError):  # none, or of something else
+        return []
 
 
 def _small(pixels: np.ndarray, path: Path) -> str:

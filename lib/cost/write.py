@@ -16,8 +16,9 @@ from .document import Extras, document, write_csv
 from .measure import Measurement
 from .plots import error_figure, save, stage_figure
 
-PICTURES = ("cost.*", "stages.*")
-"""Which files there are depends on the strategies: those of an older measurement go with it."""
+STAGES = "stages"
+STAGE_PICTURES = (f"{STAGES}.png", f"{STAGES}.svg")
+"""Files that only some strategies have: those of an older measurement go with it."""
 
 
 def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[str, Any]:
@@ -27,7 +28,7 @@ def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[s
     write_csv(figures, folder / "cost.csv")
     pictures = {"error": save(error_figure(figures), folder, "cost")}
     if any(len(way.get("stages", ())) > 3 for way in figures["ways"]):
-        pictures["stages"] = save(stage_figure(figures), folder, "stages")
+        pictures["stages"] = save(stage_figure(figures), folder, STAGES)
     values = {"figures": figures, "pictures": {name: Markup(svg) for name, svg in pictures.items()}}
     filters = {f.__name__: f for f in (digits, interval, middle, ends, took)}
     page = render_page(Path(__file__).with_name("cost.html"), values, filters)

@@ -24,7 +24,7 @@ _NEW, _OLD, _COMPLETE = "new", "old", "complete"
 def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
     """Yield an empty folder; when the block ends well, its files replace those of their names in `folder`, all or none.
 
-    Files whose names match the patterns `without`, which belonged to the results before, go away with them; other files in `folder` stay.
+    The files `without`, which belonged to the results before, go away with them where they are not new; other files in `folder` stay.
     Old and new files never lie in `folder` together. If the process ends while they move, the next call for `folder` finishes that.
 
     Entering it proves that `folder` can be written, before any time is spent, and removes what processes that were ended left there.
@@ -39,8 +39,7 @@ def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
             with _known_places(folder, new):
                 yield new
             _flush(new)
-            stale = {path.name for pattern in without for path in folder.glob(pattern)}
-            names = sorted(stale - {path.name for path in new.iterdir()})
+            names = sorted(set(without) - {path.name for path in new.iterdir()})
             _note(beside, names)
             _swap(folder, beside, names)
             finished = True

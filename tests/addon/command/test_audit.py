@@ -336,3 +336,14 @@ def test_bad_input_is_one_line(words, told, capfd, tmp_path):
     assert (code, out, len(err)) == (2, "", 1)
     assert told in err[0]
     assert not (tmp_path / "audit").exists()
+
+
+def test_pictures_of_an_older_audit_are_known_by_its_figures(tmp_path):
+    from etalon.lib.audit.write import old_pictures
+
+    assert old_pictures(tmp_path) == []
+    (tmp_path / "audit.json").write_text('{"settings": [{"key": "clamp-indirect"}]}')
+    assert old_pictures(tmp_path) == ["neutral.png", "map-clamp-indirect.png"]
+    for text in ("", "[]", '{"settings": 3}', '{"settings": [{}]}', '{"settings": ["x"]}'):
+        (tmp_path / "audit.json").write_text(text)
+        assert old_pictures(tmp_path) == []

@@ -73,7 +73,7 @@ def old(tmp_path):
 
 
 def test_a_file_that_is_no_result_any_more_goes_with_the_old_ones(old):
-    with replace_files(old, without=["s*.blend", "b.*", "never.blend"]) as beside:
+    with replace_files(old, without=["stale.blend", "b.json", "never.blend"]) as beside:
         (beside / "a.exr").write_text("new")
         (beside / "b.json").write_text("new")
     assert contents(old) == {"a.exr": "new", "b.json": "new", "mine.txt": "mine"}
