@@ -23,7 +23,8 @@ FILES = ("__init__.py", "api.py", "public_name.py", "py.typed", "LICENSE", "blen
 
 # Brought by Blender (4.2's and Debian 13's NumPy are the oldest with that Python): wheels must fit it, not replace it.
 NUMPY = {"3.11": "1.24.3", "3.13": "2.2.4"}
-NOT_BUNDLED = ("numpy", "openimageio", "bpy")
+# shtab serves shells, which the inside of Blender has none of.
+NOT_BUNDLED = ("numpy", "openimageio", "bpy", "shtab")
 
 # pip's names of each of Blender's platforms: the oldest system that Blender and embreex run on, and those before it.
 PLATFORMS = {

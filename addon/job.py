@@ -61,8 +61,11 @@ def judge(
     repeat: str,
     progress: Progress,
     may_shrink: bool = True,
+    name: str = "",
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
+
+    The report is about a file called `name`, or has the scene's name where none is given.
 
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
     `may_shrink` allow it, a smaller one of the same view is compared.
@@ -70,11 +73,13 @@ def judge(
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
         verdict, divisor, run = settings.part(CompareOptions), 1, TimedRun(settings.time, progress)
+        progress.begin("timing the renderers")
         if may_shrink and settings.size == "auto" and settings.samples is None:
             divisor = choose_divisor((reference, candidate), scene.camera, run)
         if divisor > 1:
             size = scene.camera.width // divisor, scene.camera.height // divisor
             reference, candidate = reference.at_size(*size), candidate.at_size(*size)
+        progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
         # What choosing the size and scouting took is part of the time.
         verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
@@ -90,10 +95,20 @@ def judge(
             divisor,
             scouted,
         )
-        comparison = replace(comparison, options=settings.part(CompareOptions), findings=check_scene(scene))
+        about = {"options": settings.part(CompareOptions), "findings": check_scene(scene)}
+        comparison = replace(comparison, **about, scene=name or comparison.scene)
         if beside is not None:
+            progress.begin("writing the report")
             write_report(comparison, reference.plan, beside, repeat)
     return comparison
+
+
+def name_of_file(scene: bpy.types.Scene) -> str:
+    """The name of the open file, with the scene's where there are several; the scene's alone where it was never saved."""
+    file = bpy.path.basename(bpy.data.filepath)
+    if not file:
+        return scene.name
+    return file if len(bpy.data.scenes) == 1 else f"{file}, scene {scene.name}"
 
 
 def compare_here(
@@ -109,11 +124,13 @@ def compare_here(
     shows it. `repeat` is the command that the report shows; `progress` is told the share that is done, and asked whether to end.
     Raises Refused or EtalonError.
     """
-    exported = export(scene, settings.partial)
+    progress.begin("reading the scene")
+    exported, name = export(scene, settings.partial), name_of_file(scene)
     with neutral(scene, threads=settings.threads):
         candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
-        comparison = judge(exported, candidate, settings, folder, repeat, progress, not scene.render.use_border)
+        comparison = judge(exported, candidate, settings, folder, repeat, progress, not scene.render.use_border, name)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
+            progress.begin("looking for the smallest scene that shows it")
             show_unexplained(comparison, folder, partial(show, scene, settings))
         return comparison
 
@@ -162,10 +179,11 @@ class BackgroundJob:
     def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path) -> None:
         self.folder = folder
         self.fraction = 0.0
-        self.message = "Exporting"
+        self.message = "Reading the scene"
         self.comparison: Comparison | None = None
         self.errors: tuple[str, ...] = ()
         self._settings = settings
+        self._name = name_of_file(scene)
         self._may_shrink = not scene.render.use_border
         self._cancel = threading.Event()
         self._temporary = ExitStack()
@@ -194,18 +212,18 @@ class BackgroundJob:
     def _run(self) -> None:
         try:
             scene = self._blender.export()
-            self.message = "Rendering"
             self.comparison = judge(
                 scene,
                 self._blender,
                 self._settings,
                 self.folder,
                 self._repeat,
-                Progress(self._report, self._cancel.is_set, self._tell),
+                Progress(self._report, self._cancel.is_set, self._tell, self._begin),
                 self._may_shrink,
+                self._name,
             )
             if self.comparison.stopped is not Stop.CANCELLED:
-                self.message = "Looking for the cause"
+                self._begin("looking for the smallest scene that shows it")
                 show_unexplained(self.comparison, self.folder, self._blender.show)
         except Refused as refused:
             self.errors = tuple(str(refusal) for refusal in refused.refusals)
@@ -220,6 +238,9 @@ class BackgroundJob:
 
     def _report(self, fraction: float) -> None:
         self.fraction = fraction
+
+    def _begin(self, stage: str) -> None:
+        self.message = f"{stage[0].upper()}{stage[1:]}"
 
     def _tell(self, text: str) -> None:
         self.message = f"Agrees {text}"

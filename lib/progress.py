@@ -23,8 +23,8 @@ def _tell_nobody(text: str) -> None:
 class Progress:
     """Told how far the work is and what it has found; asked whether it is to end.
 
-    `report` takes the share that is done, 0 to 1; `tell` takes what is known so far, in one line; `is_cancelled` says whether the user
-    wants the work to end. All may be called from any thread.
+    `begin` takes the name of the stage that begins; `report` takes the share that is done, 0 to 1; `tell` takes what is known so far, in
+    one line; `is_cancelled` says whether the user wants the work to end. All may be called from any thread.
 
     >>> told = []
     >>> Progress(told.append).within(0.5, 1.0).report(0.5)
@@ -37,9 +37,11 @@ class Progress:
         report: Callable[[float], None] = _report_nothing,
         is_cancelled: Callable[[], bool] = _never,
         tell: Callable[[str], None] = _tell_nobody,
+        begin: Callable[[str], None] = _tell_nobody,
     ) -> None:
         self.report = report
         self.tell = tell
+        self.begin = begin
         self._is_cancelled = is_cancelled
 
     @property
@@ -54,7 +56,9 @@ class Progress:
 
     def within(self, first: float, last: float) -> Progress:
         """The progress of a part of the work that takes the share from `first` to `last` of the whole."""
-        return Progress(lambda fraction: self.report(first + (last - first) * fraction), self._is_cancelled, self.tell)
+        return Progress(
+            lambda fraction: self.report(first + (last - first) * fraction), self._is_cancelled, self.tell, self.begin
+        )
 
     @property
     def silent(self) -> Progress:

@@ -8,36 +8,16 @@ open in Blender, and `EXPECTATIONS`.
 from __future__ import annotations
 
 import os
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
 import bpy
 
 from ..lib.errors import EtalonError
-from . import (
-    cornell_glossy,
-    far_from_origin,
-    furnace,
-    glossy_spheres,
-    grazing_plane,
-    lambert_analytic,
-    sigma_sweep,
-    veach_plates,
-)
+from ..lib.settings.common import REFERENCE_SCENES
 
-SCENES: dict[str, ModuleType] = {
-    module.__name__.rpartition(".")[2]: module
-    for module in (
-        glossy_spheres,
-        sigma_sweep,
-        furnace,
-        grazing_plane,
-        veach_plates,
-        cornell_glossy,
-        lambert_analytic,
-        far_from_origin,
-    )
-}
+SCENES: dict[str, ModuleType] = {name: import_module(f".{name}", __name__) for name in REFERENCE_SCENES}
 
 
 def build(name: str) -> None:

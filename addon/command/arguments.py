@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import argparse
+import difflib
+import textwrap
 from collections.abc import Callable
 from typing import Any, NoReturn
 
@@ -11,7 +13,7 @@ from ...lib.errors import unknown
 from ...lib.exit_codes import ExitCode
 from ...lib.settings.declaration import Declared, Option
 from ...lib.settings.units import Flag, Pair, Unit
-from .table import COMMANDS, Command
+from .table import COMMANDS, HELP_WIDTH, Command
 
 
 class Parser(argparse.ArgumentParser):
@@ -19,7 +21,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where to read more, and end with exit code 2."""
-        self.exit(ExitCode.BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+        self.exit(ExitCode.BAD_INPUT, f"{self.prog}: {message.rstrip('.')}; see {self.prog} --help\n")
 
 
 def _reader(unit: Unit) -> Callable[[str], Any]:
@@ -40,10 +42,11 @@ def help_text(declared: Option) -> str:
     return f"{declared.help} (default: {default})" if default else declared.help
 
 
-def _add(group: argparse._ActionsContainer, declared: Option) -> None:
+def _add(group: argparse._ActionsContainer, declared: Option, everything: bool) -> None:
     """Add one option; an argument that is not given leaves no trace, since defaults are the settings' own."""
-    unit = declared.unit
-    about: dict[str, Any] = {"default": argparse.SUPPRESS, "help": help_text(declared).replace("%", "%%")}
+    unit, is_shown = declared.unit, everything or not declared.advanced
+    text = help_text(declared).replace("%", "%%") if is_shown else argparse.SUPPRESS
+    about: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
     if declared.positional:
         nargs = None if declared.required else "?"
         group.add_argument(declared.name, nargs=nargs, metavar=unit.metavar, type=_reader(unit), **about)
@@ -60,42 +63,108 @@ def _add(group: argparse._ActionsContainer, declared: Option) -> None:
     group.add_argument(f"--{declared.flag}", **about)
 
 
-def add_settings(parser: argparse.ArgumentParser, kind: type[Declared]) -> None:
-    """Add every option of a settings class, under the title of the class that declares it."""
+def add_settings(parser: argparse.ArgumentParser, kind: type[Declared], everything: bool = True) -> None:
+    """Add every option of a settings class, under the title of the class that declares it.
+
+    Help shows the common ones, or `everything`.
+    """
     for title, options in kind.groups().items():
         group = parser.add_argument_group(title) if title else parser
         for declared in options:
-            _add(group, declared)
+            _add(group, declared, everything)
 
 
-def make_parser(prog: str, description: str, epilog: str, version: str) -> argparse.ArgumentParser:
-    """The whole command line."""
+def make_parser(
+    prog: str, description: str, epilog: str, version: str, everything: bool = False
+) -> argparse.ArgumentParser:
+    """The whole command line, whose help shows the common options, or `everything`."""
     top = Parser(
-        prog=prog, description=description, epilog=epilog, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog=prog,
+        usage=f"{prog} COMMAND [options]",
+        description=description,
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
     )
     top.add_argument("--version", action="version", version=version)
-    added = top.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
+    added = top.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser, prog=prog)
     for command in COMMANDS:
-        parser = added.add_parser(
-            command.name,
-            help=command.help,
-            description=command.description or command.help[0].upper() + command.help[1:] + ".",
-            epilog=command.epilog,
-            formatter_class=argparse.RawDescriptionHelpFormatter
-            if "\n" in command.description
-            else argparse.HelpFormatter,
-        )
-        for kind in command.settings:
-            add_settings(parser, kind)
+        _add_command(added, prog, command, everything)
     return top
 
 
-def find_command(top: argparse.ArgumentParser, words: list[str]) -> None:
-    """End with one line where the first word that is not an option is the name of no command."""
+def _add_command(added: argparse._SubParsersAction, prog: str, command: Command, everything: bool) -> None:
+    options = [declared for kind in command.settings for declared in kind.options()]
+    given = [declared.unit.metavar for declared in options if declared.positional]
+    given += [f"--{declared.flag} {declared.unit.metavar}" for declared in options if _is_needed_flag(declared)]
+    has_more = any(declared.advanced for declared in options)
+    more = f"\n\nmore options: {prog} {command.name} --help-all" if has_more and not everything else ""
+    parser = added.add_parser(
+        command.name,
+        usage=" ".join([prog, command.name, *given, "[options]"]),
+        help=command.help,
+        description=command.description or command.help[0].upper() + command.help[1:] + ".",
+        epilog=f"{_filled(command.epilog)}{more}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    if has_more:
+        parser.add_argument("--help-all", action="help", help="show all options and exit")
+    for kind in command.settings:
+        add_settings(parser, kind, everything)
+
+
+def _is_needed_flag(declared: Option) -> bool:
+    return declared.required and not declared.positional
+
+
+def _filled(text: str) -> str:
+    """A paragraph broken into lines of a terminal."""
+    return textwrap.fill(text, HELP_WIDTH)
+
+
+def check_words(top: argparse.ArgumentParser, words: list[str]) -> None:
+    """End with one line, which suggests the nearest name, where a word names no command or no option of its command."""
     name = next((word for word in words if not word.startswith("-")), None)
     names = [command.name for command in COMMANDS]
-    if name is not None and name not in names:
+    if name is None:
+        return
+    if name not in names:
         top.error(unknown("command", name, names))
+    parser = _parsers(top)[name]
+    for word in words[words.index(name) + 1 :]:
+        flag = word.partition("=")[0]
+        if word == "--":
+            return
+        if _is_option(flag) and flag not in parser._option_string_actions:
+            parser.error(f"unknown option '{flag}'{_suggestion(flag, parser)}")
+
+
+def read_words(top: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
+    """The arguments that the words give; ends with one line where they give no command, or a word too many."""
+    arguments, left = top.parse_known_args(words)
+    if arguments.command is None:
+        top.error("name a command")
+    if left:
+        _parsers(top)[arguments.command].error(f"unexpected '{left[0]}'; quote a name that has spaces")
+    return arguments
+
+
+def _parsers(top: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    (commands,) = (action for action in top._actions if isinstance(action, argparse._SubParsersAction))
+    return commands.choices
+
+
+def _is_option(word: str) -> bool:
+    """Whether a word can only be an option: a negative number and a lone dash are values."""
+    return word.startswith("-") and len(word) > 1 and not word[1].isdigit() and word[1] != "."
+
+
+def _suggestion(flag: str, parser: argparse.ArgumentParser) -> str:
+    known = [option for option in parser._option_string_actions if option.startswith("--")]
+    begun = [option for option in known if option.startswith(f"--{flag.lstrip('-')}")]
+    near = begun or difflib.get_close_matches(f"--{flag.lstrip('-')}", known, n=1)
+    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def read_arguments(command: Command, arguments: argparse.Namespace) -> tuple[Declared, ...]:

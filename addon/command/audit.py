@@ -12,19 +12,21 @@ import bpy
 from ...lib.audit.document import table
 from ...lib.audit.measure import audit
 from ...lib.audit.setting import FACTORY, FILE, Setting
+from ...lib.audit.summary import summarize
 from ...lib.audit.write import old_pictures, write_audit
 from ...lib.files.atomic import replace_files
 from ...lib.plain_text import one_line
+from ...lib.plural import plural
 from ...lib.progress import Progress
 from ...lib.settings.audit import AuditOptions
-from ...lib.settings.common import Target
+from ...lib.settings.common import PageTerminal, Target, Terminal
 from ...lib.settings.comparison import CompareOptions
 from ...lib.settings.words import repeating_command
 from ..cycles.audit_settings import CATALOGUE, DENOISER, MOST_BOUNCES, kept
 from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
 from ..host.quiet import quiet
-from .console import bar, interruptible
+from .console import bar, interruptible, open_page, print_json
 from .opening import as_opened, open_target, refuse_archive, results_folder
 
 # What `neutral` leaves alone, for it only adds noise or needs volumes, and an audit asks about.
@@ -89,19 +91,29 @@ def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
     return asked
 
 
-def run(target: Target, asked_for: AuditOptions) -> int:
+def run(target: Target, asked_for: AuditOptions, terminal: PageTerminal) -> int:
     """Open the scene, measure, print the table, leave the report; the user's settings come back."""
     refuse_archive(target)
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
     folder = results_folder(asked_for.out, name)
-    found = measure_open_scene(name, asked_for, folder, repeating_command("audit", as_opened(target), asked_for))
-    print(f"{one_line(name)}: {found.rounds} x {found.samples} samples a pixel of each, ended by: {found.stopped}")
-    print(table(found.figures))
-    print(one_line(f"report: {folder / 'audit.html'}"))
+    found = measure_open_scene(
+        name, asked_for, folder, repeating_command("audit", as_opened(target), asked_for), terminal
+    )
+    page = folder / "audit.html"
+    if terminal.json:
+        print_json(found.figures)
+    else:
+        print(one_line(f"{name}: {summarize(found.figures)}") + "\n")
+        print(table(found.figures))
+        samples = plural(found.samples, "sample")
+        print(f"{plural(found.rounds, 'round')} of {samples} per pixel for each setting; ended by: {found.stopped}")
+        print(one_line(f"report: {page}"))
+    if terminal.open:
+        open_page(page)
     return 0
 
 
-def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat: str) -> Found:
+def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat: str, terminal: Terminal) -> Found:
     """Measure the settings of the scene that is open, and write the report to `folder`; it shows the command `repeat`."""
     scene = bpy.context.scene
     asked, stays, samples = settings(scene, asked_for.all), kept(scene), scene.cycles.samples
@@ -113,10 +125,11 @@ def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat:
     with (
         replace_files(folder, without=old_pictures(folder)) as beside,
         interruptible() as interrupted,
-        bar(f"{name}: audit") as shown,
+        bar(name, terminal) as shown,
         quiet(),
         neutral(scene, max_bounces=MOST_BOUNCES, threads=threads) as changes,
     ):
+        shown.begin("rendering each setting")
         changes.set_all("cycles", [scene.cycles], NEUTRAL_BESIDES)
         found = audit(
             name,
@@ -126,6 +139,6 @@ def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat:
             samples,
             tuple(asked.same),
             tuple(asked.missing),
-            Progress(shown.report, interrupted),
+            Progress(shown.report, interrupted, shown.tell, shown.begin),
         )
         return Found(found.rounds, found.samples, found.stopped.value, write_audit(found, beside, repeat))

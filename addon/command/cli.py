@@ -13,11 +13,13 @@ from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
 from ...lib.plain_text import one_line
 from ...lib.refusals import describe_refusals
+from ...lib.settings.common import Target
 from ...lib.version import VERSION
 from ...lib.wavefront.tuning import tune_process
 from ..host.libraries import explain_import
 from ..host.own_process import gather_temporary_files, watch_leash
-from .arguments import find_command, make_parser, read_arguments
+from .arguments import check_words, make_parser, read_arguments, read_words
+from .scene_choice import require_scene
 from .streams import dependable_streams
 from .table import COMMANDS, VERDICTS
 
@@ -36,9 +38,9 @@ examples:
   blender kitchen.blend --background --command etalon compare"""
 
 
-def parser(prog: str = "etalon") -> argparse.ArgumentParser:
-    """The whole command line."""
-    return make_parser(prog, DESCRIPTION, f"{EXAMPLES}\n\n{VERDICTS}", f"etalon {VERSION}")
+def parser(everything: bool = False) -> argparse.ArgumentParser:
+    """The whole command line, whose help shows the common options, or `everything`."""
+    return make_parser("etalon", DESCRIPTION, f"{EXAMPLES}\n\n{VERDICTS}", f"etalon {VERSION}", everything)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -59,10 +61,13 @@ def _fail(message: str) -> int:
 
 
 def _main(words: list[str]) -> int:
-    top = parser()
+    top = parser(everything="--help-all" in words)
+    if not words:
+        top.print_help()
+        return ExitCode.BAD_INPUT
     try:
-        find_command(top, words)
-        arguments = top.parse_args(words)
+        check_words(top, words)
+        arguments = read_words(top, words)
     except SystemExit as end:
         return int(end.code or 0)
     try:
@@ -97,6 +102,9 @@ def _run(arguments: argparse.Namespace) -> int:
     """Import the command's file, which may import Blender, and run it."""
     command = next(command for command in COMMANDS if command.name == arguments.command)
     settings = read_arguments(command, arguments)
+    for target in settings:
+        if isinstance(target, Target):
+            require_scene(command.name, target)
     from .console import ended_by_interrupt
 
     watch_leash()

@@ -3,36 +3,53 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 
+from ...lib.comparison.compare import Comparison
 from ...lib.plain_text import one_line
 from ...lib.progress import Progress
+from ...lib.report.read import read_verdict
 from ...lib.report.scene_check import scene_check_lines
+from ...lib.report.summary import summarize
 from ...lib.report.words import sentences, unexplained
-from ...lib.settings.common import Target
+from ...lib.settings.common import PageTerminal, Target
 from ...lib.settings.comparison import Settings
 from ...lib.settings.words import repeating_command
 from .. import job
 from ..host.quiet import quiet
-from .console import bar, interruptible
+from .console import bar, interruptible, open_page, paint, print_json
 from .opening import as_opened, open_target, refuse_archive, results_folder
 
 
-def run(target: Target, settings: Settings) -> int:
+def run(target: Target, settings: Settings, terminal: PageTerminal) -> int:
     """Open the scene, compare, print the verdict; the exit code is the verdict's."""
     refuse_archive(target)
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
     folder = results_folder(settings.out, name)
     repeat = repeating_command("compare", as_opened(target), settings)
-    with interruptible() as interrupted, bar(name) as shown, quiet():
-        progress = Progress(shown.report, interrupted, shown.tell)
+    with interruptible() as interrupted, bar(name, terminal) as shown, quiet():
+        progress = Progress(shown.report, interrupted, shown.tell, shown.begin)
         comparison = job.compare_here(bpy.context.scene, settings, folder, repeat, progress)
-    print(f"{one_line(comparison.scene)}: {comparison.verdict.outcome.value}")
-    for sentence in sentences(comparison):
-        print(f"  {one_line(sentence)}")
-    for line in scene_check_lines(comparison.findings):
-        print(f"  {one_line(line)}")
-    print(one_line(f"report: {folder / 'report.html'}"))
-    if unexplained(comparison):
-        print(one_line(f"smallest scene that shows it: {folder / job.MINIMAL}"))
+    if terminal.json:
+        print_json(read_verdict(folder / "verdict.json"))
+    else:
+        _print(comparison, folder)
+    if terminal.open:
+        open_page(folder / "report.html")
     return comparison.verdict.outcome.exit_code
+
+
+def _print(comparison: Comparison, folder: Path) -> None:
+    """Print what an artist needs in three lines, where the files are, and the details below."""
+    outcome = comparison.verdict.outcome.value
+    first, *rest = map(one_line, summarize(comparison))
+    print(first.replace(f"{outcome}.", f"{paint(outcome, outcome)}.", 1))
+    print("\n".join(rest))
+    print(one_line(f"report: {folder / 'report.html'}"))
+    if unexplained(comparison) and (folder / job.MINIMAL).is_file():
+        print(one_line(f"smallest scene that shows it: {folder / job.MINIMAL}"))
+    details = ["details", *(f"  {one_line(sentence)}" for sentence in sentences(comparison))]
+    details += map(one_line, scene_check_lines(comparison.findings))
+    print("\n" + paint("\n".join(details), "dim"))

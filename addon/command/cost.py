@@ -7,19 +7,23 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from pathlib import Path
 
+from ...lib.cost.result import Cost
+from ...lib.cost.spans import took
+from ...lib.cost.summary import summarize
 from ...lib.cost.verify import Verification
-from ...lib.cost.write import table, took
+from ...lib.cost.write import table
 from ...lib.plain_text import one_line
 from ...lib.progress import Progress
-from ...lib.settings.common import Target
+from ...lib.settings.common import PageTerminal, Target
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.words import repeating_command
 from ..host.blender import load_blender
-from .console import bar, ended_by_interrupt, interruptible
+from .console import bar, ended_by_interrupt, interruptible, open_page, print_json
 
 
-def run(target: Target, settings: CostOptions) -> int:
+def run(target: Target, settings: CostOptions, terminal: PageTerminal) -> int:
     """Measure, print the table, leave the report."""
     begin = time.perf_counter()  # before Blender is imported, which is part of what a command costs
     with ended_by_interrupt():
@@ -38,22 +42,35 @@ def run(target: Target, settings: CostOptions) -> int:
 
         @contextmanager
         def phase(words: str) -> Iterator[Progress]:
-            with bar(f"{name}: {words}") as shown:
-                yield Progress(shown.report, interrupted)
+            with bar(name, terminal) as shown:
+                shown.begin(words)
+                yield Progress(shown.report, interrupted, shown.tell, shown.begin)
 
         found = measure_cost(name, bpy.context.scene, settings, folder, repeat, phase, opened)
+    page = folder / "cost.html"
+    if terminal.json:
+        print_json(found.figures)
+    else:
+        _print(found, settings, page)
+    if terminal.open:
+        open_page(page)
+    return 0
+
+
+def _print(found: Cost, settings: CostOptions, page: Path) -> None:
+    """Print the summary, the table, and where the report is."""
+    print(one_line(f"{found.figures['scene']}: {summarize(found.figures)}") + "\n")
     print(table(found.figures))
     if found.verification is not None:
         print(_verdict(found.verification))
     elif settings.verify:
         print("not verified: interrupted, or no strategy reaches the target")
-    print(one_line(f"report: {folder / 'cost.html'}"))
-    return 0
+    print(one_line(f"report: {page}"))
 
 
 def _verdict(v: Verification) -> str:
     return (
-        f"{v.label}: forecast {took(asdict(v.forecast.seconds))} with {v.samples} samples a pixel to {100 * v.forecast.target:g} %; "
+        f"{v.label}: forecast {took(asdict(v.forecast.seconds))} with {v.samples} samples per pixel to {100 * v.forecast.target:g} %; "
         f"it took {v.seconds:.2f} s ({'inside' if v.held else 'outside'} the interval) "
         f"and the error is {100 * v.error:.3g} %; exactly {100 * v.forecast.target:g} % would have taken {v.to_target:.2f} s"
     )

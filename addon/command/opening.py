@@ -9,12 +9,13 @@ from pathlib import Path
 
 import bpy
 
-from ...lib.errors import EtalonError, unknown
+from ...lib.errors import EtalonError
 from ...lib.plain_text import folder_name
 from ...lib.settings.common import Target
 from ...reference_scenes import SCENES, build
 from ..host.quiet import quiet
 from .assignments import assign
+from .scene_choice import describe_missing, describe_unknown
 
 # A .blend starts with its own magic, or with that of the gzip or Zstandard stream around it.
 _MAGIC = (b"BLENDER", b"\x1f\x8b", b"\x28\xb5\x2f\xfd")
@@ -35,8 +36,7 @@ def open_target(
         elif target.endswith(".blend"):
             open_blend(Path(target))
         else:
-            message = unknown("reference scene", target, tuple(SCENES))
-            raise EtalonError(message if message.endswith("?") else f"{message}; the name of a file ends in .blend")
+            raise EtalonError(describe_unknown(target))
     scene = bpy.context.scene
     if frame is not None:
         scene.frame_set(frame)
@@ -79,7 +79,7 @@ def refuse_archive(target: Target) -> None:
 def open_blend(path: Path) -> None:
     """Load a .blend without running any script in it; raise EtalonError naming what is missing or damaged."""
     if not path.is_file():
-        raise EtalonError(f"{path}: no such file; check the path")
+        raise EtalonError(describe_missing(path))
     try:
         with path.open("rb") as file:
             start = file.read(7)

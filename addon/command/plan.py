@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -12,43 +11,45 @@ from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
 from ...lib.files.atomic import replace_file
 from ...lib.plain_text import one_line
+from ...lib.plural import plural
 from ...lib.report.scene_check import scene_check_lines
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
 from ...lib.scene_check.check import check_scene
 from ...lib.settings.commands import PlanOutput
-from ...lib.settings.common import Target
+from ...lib.settings.common import Target, Terminal
 from ...lib.settings.words import write_changes
+from .console import print_json
 from .exported import read_scene
 from .survey import as_csv, as_json, as_text, survey
 
 
-def run(target: Target, settings: PlanOutput) -> int:
+def run(target: Target, settings: PlanOutput, terminal: Terminal) -> int:
     """Print which effects the scene needs, each with the fact that decided it."""
     if target.scene is not None and Path(target.scene).is_dir():
-        return _run_folder(Path(target.scene), target, settings)
+        return _run_folder(Path(target.scene), target, settings, terminal)
     if settings.csv is not None:
         raise EtalonError(f"{settings.csv}: --csv makes a table of many files; give a folder in place of a scene")
     try:
         scene = read_scene(target)
     except Refused as refused:
-        if not settings.json:
+        if not terminal.json:
             raise
-        print(json.dumps({"refusals": [asdict(refusal) for refusal in refused.refusals]}, indent=2))
+        print_json({"refusals": [asdict(refusal) for refusal in refused.refusals]})
         return ExitCode.BAD_INPUT
     plan = make_plan(scene)
     if settings.save is not None:
         archive.save(scene, settings.save)
-    if settings.json:
+    if terminal.json:
         counts = {"triangles": scene.mesh.triangle_count, "lights": len(scene.lights)}
         findings = [asdict(finding) for finding in check_scene(scene)]
-        print(json.dumps({"scene": scene.name, **counts, **asdict(plan), "scene_check": findings}, indent=2))
+        print_json({"scene": scene.name, **counts, **asdict(plan), "scene_check": findings})
     else:
         print(plan_text(scene, plan))
     return 0
 
 
-def _run_folder(folder: Path, target: Target, settings: PlanOutput) -> int:
+def _run_folder(folder: Path, target: Target, settings: PlanOutput, terminal: Terminal) -> int:
     """Print which of the folder's files can be compared, and what stops the others."""
     if settings.save is not None:
         raise EtalonError(f"{settings.save}: --save keeps one scene; give a file in place of the folder {folder}")
@@ -56,14 +57,14 @@ def _run_folder(folder: Path, target: Target, settings: PlanOutput) -> int:
     if settings.csv is not None:
         with replace_file(settings.csv) as beside:
             beside.write_text(as_csv(files), encoding="utf-8")
-    print(as_json(folder, files) if settings.json else as_text(files))
+    print(as_json(folder, files) if terminal.json else as_text(files))
     return ExitCode.DONE
 
 
 def plan_text(scene: Scene, plan: Plan) -> str:
     """The plan as two lists for a terminal."""
     width = max(len(decision.effect) for decision in plan.decisions)
-    lines = [f"{scene.name}: {scene.mesh.triangle_count} triangles, {len(scene.lights)} lights"]
+    lines = [f"{scene.name}: {plural(scene.mesh.triangle_count, 'triangle')}, {plural(len(scene.lights), 'light')}"]
     for heading, needed in (("needed", True), ("not needed", False)):
         lines += ["", heading]
         lines += [f"  {d.effect:{width}}  {d.fact}" for d in plan.decisions if d.needed is needed]

@@ -7,21 +7,29 @@ from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_file
 from ...lib.film.exr import write_film
 from ...lib.plain_text import one_line
+from ...lib.plural import plural
 from ...lib.progress import Progress
 from ...lib.rendering.replicates import render_film
-from ...lib.settings.common import Target
+from ...lib.settings.common import Target, Terminal
 from ...lib.settings.reference import RenderOptions, RenderOutput
-from .console import bar, interruptible
+from .console import bar, interruptible, print_json
 from .exported import read_scene
 
 
-def run(target: Target, settings: RenderOutput) -> int:
+def run(target: Target, settings: RenderOutput, terminal: Terminal) -> int:
     """Render the reference and write it; Ctrl-C writes the replicates that are done."""
     scene = read_scene(target)
-    with replace_file(settings.out) as path, interruptible() as interrupted, bar(scene.name) as shown:
+    with replace_file(settings.out) as path, interruptible() as interrupted, bar(scene.name, terminal) as shown:
+        shown.begin("rendering")
         film = render_film(scene, settings.part(RenderOptions), Progress(shown.report, interrupted))
         if not film.moments.n:
             raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
         write_film(path, film)
-    print(f"{one_line(str(settings.out))}: {film.moments.n} replicates of {film.samples} samples, {film.seconds:.1f} s")
+    if terminal.json:
+        height, width = film.shape
+        figures = {"scene": scene.name, "file": settings.out, "width": width, "height": height}
+        print_json(figures | {"replicates": film.moments.n, "samples": film.samples, "seconds": film.seconds})
+    else:
+        replicates, samples = plural(film.moments.n, "replicate"), plural(film.samples, "sample")
+        print(f"{one_line(str(settings.out))}: {replicates} of {samples}, {film.seconds:.1f} s")
     return 0

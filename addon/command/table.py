@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 from ...lib.exit_codes import ExitCode
 from ...lib.settings.audit import AuditOptions
-from ...lib.settings.commands import BatchOptions, PlanOutput, ScenesOptions, StabilityOptions
-from ...lib.settings.common import Target
+from ...lib.settings.commands import BatchOptions, CompletionOptions, PlanOutput, ScenesOptions, StabilityOptions
+from ...lib.settings.common import PageTerminal, Target, Terminal
 from ...lib.settings.comparison import Settings
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.declaration import Declared
 from ...lib.settings.reference import RenderOutput
+
+# Help is broken into lines of so many characters at most.
+HELP_WIDTH = 100
 
 
 def _codes(*codes: tuple[ExitCode, str]) -> str:
@@ -46,6 +49,19 @@ its own. If one crashes, it is recorded as failed and the rest continue. Finishe
 the same command runs only what is missing after Ctrl-C or a crash. OUT has a folder for each comparison, batch.csv and
 batch.html."""
 
+_COMPLETION = """\
+Print a completion script. For bash:
+
+  etalon completion bash > ~/.local/share/bash-completion/completions/etalon
+
+For zsh, in a folder of $fpath:
+
+  etalon completion zsh > ~/.zsh/completions/_etalon
+
+For fish:
+
+  etalon completion fish > ~/.config/fish/completions/etalon.fish"""
+
 _BATCH_CODES = (
     "exit code: that of the worst comparison: 0 all EQUIVALENT, 4 some EXPLAINED, 3 some UNDECIDED, 1 some DIFFERENT, "
     "2 some refused or failed"
@@ -67,45 +83,63 @@ class Command:
 COMMANDS = (
     Command(
         "compare",
-        (Target, Settings),
+        (Target, Settings, PageTerminal),
         "render with the reference and with Cycles, and compare the images",
         epilog=VERDICTS,
         blender=True,
     ),
     Command(
         "render",
-        (Target, RenderOutput),
+        (Target, RenderOutput, Terminal),
         "render the reference alone",
-        "Channels of the EXR: radiance (R, G, B), its standard error (error.R ...) and the sample count (samples). "
+        "Channels of the EXR: radiance (R, G, B), its standard error (error.R ...) and the sample count\n(samples). "
         "SCENE may also be a scene saved as .npz, which needs no Blender.",
     ),
-    Command("scenes", (ScenesOptions,), "list the reference scenes, or save one as a .blend", blender=True),
+    Command("scenes", (ScenesOptions, Terminal), "list the reference scenes, or save one as a .blend", blender=True),
     Command(
         "plan",
-        (Target, PlanOutput),
+        (Target, PlanOutput, Terminal),
         "list the effects that a scene needs, and why, without rendering",
         "SCENE may also be a scene saved as .npz, which needs no Blender, or a folder: then each .blend file in it is read, in a "
         "process of its own, and a table says which can be compared and what stops the others.",
     ),
     Command(
         "cost",
-        (Target, CostOptions),
+        (Target, CostOptions, PageTerminal),
         "measure the time that accuracy takes, or forecast it",
         "Error against time for every sampling strategy, for Cycles, and for Cycles' denoiser.",
     ),
     Command(
         "audit",
-        (Target, AuditOptions),
+        (Target, AuditOptions, PageTerminal),
         "measure what each Cycles setting of a file costs: bias, noise, seconds",
         "Cycles against Cycles: the file's own settings, one at a time, against the least biased state.",
         blender=True,
     ),
-    Command("batch", (BatchOptions,), "compare scenes over property values; can be interrupted", _BATCH, _BATCH_CODES),
+    Command(
+        "batch",
+        (BatchOptions, PageTerminal),
+        "compare scenes over property values; can be interrupted",
+        _BATCH,
+        _BATCH_CODES,
+    ),
     Command(
         "stability",
-        (StabilityOptions,),
+        (StabilityOptions, PageTerminal),
         "measure the rounding errors of the reference, and those of the same equations in float32",
         "Every equation against 50 digits over its whole domain, identities, and scenes at the edge; one line each.",
         _codes((ExitCode.HELD, "every bound held"), (ExitCode.BROKEN, "the reference broke one"), FAILED),
+    ),
+    Command(
+        "doctor",
+        (Terminal,),
+        "check Blender, libraries, processors and memory, and say what is missing",
+        epilog=_codes((ExitCode.DONE, "all is there"), (ExitCode.BAD_INPUT, "something is missing")),
+    ),
+    Command(
+        "completion",
+        (CompletionOptions, Terminal),
+        "print a script that lets a shell complete the words of etalon",
+        _COMPLETION,
     ),
 )

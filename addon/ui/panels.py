@@ -9,7 +9,7 @@ from typing import ClassVar
 import bpy
 
 from ...lib.blender_versions import describe_unchecked
-from ...lib.report.words import sentences
+from ...lib.report.summary import summarize
 from .operators import ICONS, CancelComparison, CompareWithCycles, OpenReport, session
 from .properties import SHOWN
 
@@ -40,7 +40,7 @@ class _Panel:
             layout.operator(CancelComparison.bl_idname)
         characters = max(20, int(context.region.width / context.preferences.system.ui_scale / _PIXELS_PER_CHARACTER))
         unchecked = describe_unchecked(bpy.app.version[:2])
-        if unchecked and session.comparison is None:  # a comparison says it among its sentences
+        if unchecked:
             _draw_text(layout, unchecked, characters, icon="INFO")
         for error in session.errors:
             _draw_text(layout.box(), error, characters, icon="ERROR")
@@ -48,12 +48,12 @@ class _Panel:
             self._draw_verdict(characters)
 
     def _draw_verdict(self, characters: int) -> None:
-        """The verdict, why, the images, and the way to the report."""
+        """The summary, the images, and the way to the report."""
         verdict = session.comparison.verdict
         box = self.layout.box()
-        box.label(text=verdict.outcome.value, icon=ICONS[verdict.outcome.value])
-        for sentence in sentences(session.comparison):
-            _draw_text(box, sentence, characters, icon="BLANK1")
+        icons = ICONS[verdict.outcome.value], "VIEWZOOM", "FORWARD"
+        for sentence, icon in zip(summarize(session.comparison), icons, strict=True):
+            _draw_text(box, sentence, characters, icon=icon)
         box.operator(OpenReport.bl_idname)
         _draw_text(box, str(session.folder), characters, icon="FILE_FOLDER")
         for title, picture in session.pictures.items():

@@ -18,6 +18,7 @@ from ..errors import Cancelled, EtalonError
 from ..film.regions import Regions, image_regions
 from ..film.rendering import Rendering
 from ..pages.formats import format_duration
+from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED, FIRST_CALLS
 from ..verdict.allocation import Cost, fit_cost
@@ -178,7 +179,7 @@ def _too_few(setting: Setting, samples: int, cost: Cost) -> Setting:
     """A setting that so few samples cannot measure, with what it would take."""
     enough = 1 << (setting.needs - 1).bit_length()
     time_ = format_duration(ROUNDS * cost.seconds(enough))
-    few = f"it takes {setting.needs} samples a pixel, and these were {samples}"
+    few = f"it takes {plural(setting.needs, 'sample')} per pixel, and these were {samples}"
     return replace(setting, missing=f"{few}; give --samples {enough} and --time for about {time_}")
 
 

@@ -17,6 +17,7 @@ from ..pages import render_page
 from ..report.write import averaged
 from .document import ORIGINS, SAME, WORDS, bias, document, map_name, ratio
 from .findings import Audit
+from .summary import summarize
 
 NEUTRAL = "neutral.png"
 # Maps are drawn up to this many tolerances.
@@ -37,6 +38,7 @@ def write_audit(audit: Audit, folder: Path, command: str = "") -> dict[str, Any]
         write_png(folder / name, pixels)
     values = {
         "figures": figures,
+        "summary": summarize(figures),
         "limit": limit,
         "words": {outcome.value: word for outcome, word in WORDS.items()},
         "origins": ORIGINS,

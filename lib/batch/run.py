@@ -7,20 +7,18 @@ import hashlib
 import json
 import re
 import subprocess
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from ..comparison.run import Stop
 from ..errors import EtalonError
 from ..exit_codes import ExitCode
 from ..files.atomic import clear_unfinished, replace_files
-from ..plain_text import one_line
+from ..plural import plural
+from ..progress import NO_PROGRESS, Progress
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
@@ -47,17 +45,18 @@ def _key(unit: Unit, options: tuple[str, ...], blender: str) -> str:
     return hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
 
 
-def run_plan(plan: BatchPlan, blender: str, tell: Tell) -> int:
+def run_plan(plan: BatchPlan, blender: str, tell: Tell, progress: Progress = NO_PROGRESS) -> int:
     """Run what the plan asks for and its journal lacks; return the exit code of the batch.
 
-    `blender` names the release and the build that the comparisons will run in. `tell` gets a line about each comparison, and one about all.
+    `blender` names the release and the build that the comparisons will run in. `tell` gets a line about each comparison, and one about all;
+    `progress` is told each comparison as it begins, and the share that is done.
     """
     keyed = {_key(unit, plan.options, blender): unit for unit in plan.units()}
     with replace_files(plan.out):  # says at once when the folder cannot be written
         pass
     with open_journal(plan.out) as journal:
         try:
-            _run_missing(plan, keyed, journal, tell)
+            _run_missing(plan, keyed, journal, tell, progress)
         finally:
             recorded = [journal.read(key) for key in keyed]
             _write_tables(plan, list(zip(keyed.values(), recorded, strict=True)))
@@ -70,15 +69,14 @@ def run_plan(plan: BatchPlan, blender: str, tell: Tell) -> int:
 def _summary(recorded: list[Entry | None]) -> str:
     """How many comparisons there are of each verdict, and how many have none."""
     counts = Counter("not run" if entry is None else _outcome(entry) for entry in recorded)
-    total = "1 comparison" if len(recorded) == 1 else f"{len(recorded)} comparisons"
-    return f"{total}: {', '.join(f'{count} {outcome}' for outcome, count in counts.most_common())}"
+    return f"{plural(len(recorded), 'comparison')}: {', '.join(f'{count} {outcome}' for outcome, count in counts.most_common())}"
 
 
 def _outcome(entry: Entry) -> str:
     return VERDICTS[entry.exit_code] if entry.status == "finished" else entry.status
 
 
-def _is_finished(out: Path, entry: Entry | None) -> bool:
+def _is_finished(out: Path, entry: Entry | None, tell: Tell) -> bool:
     """Whether the journal has a verdict, and the folder still has it too, as this version writes it; what has not is said."""
     if entry is None or entry.status != "finished":
         return False
@@ -88,33 +86,32 @@ def _is_finished(out: Path, entry: Entry | None) -> bool:
     try:
         read_verdict(path)
     except EtalonError as error:
-        tqdm.write(f"etalon: {one_line(str(error))}", file=sys.stderr)
+        tell(str(error))
         return False
     return True
 
 
-def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: Journal, tell: Tell) -> None:
+def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: Journal, tell: Tell, progress: Progress) -> None:
     """Run every unit that is not finished, journal each as it ends, and tell what it came to."""
-    missing = [key for key in keyed if not _is_finished(plan.out, journal.read(key))]
+    missing = [key for key in keyed if not _is_finished(plan.out, journal.read(key), tell)]
     done = len(keyed) - len(missing)
     if done:
-        tell(f"{done} of {len(keyed)} comparisons were finished before")
-    with tqdm(total=len(keyed), initial=done, unit="comparison", file=sys.stderr) as shown:
-        for number, key in enumerate(missing, done + 1):
-            unit = keyed[key]
-            shown.set_description(one_line(unit.label))
-            entry = _run_unit(plan, unit, key)
-            journal.write(entry)
-            reason = f": {entry.message}" if entry.message else ""
-            tell(f"[{number}/{len(keyed)}] {unit.label}: {_outcome(entry)}{reason} ({entry.seconds:.0f} s)")
-            shown.update()
+        tell(f"{done} of {plural(len(keyed), 'comparison')} {'was' if done == 1 else 'were'} finished before")
+    for number, key in enumerate(missing, done + 1):
+        unit = keyed[key]
+        progress.begin(unit.label)
+        progress.report((number - 1) / len(keyed))
+        entry = _run_unit(plan, unit, key)
+        journal.write(entry)
+        reason = f": {entry.message}" if entry.message else ""
+        tell(f"[{number}/{len(keyed)}] {unit.label}: {_outcome(entry)}{reason} ({entry.seconds:.0f} s)")
 
 
 def _run_unit(plan: BatchPlan, unit: Unit, key: str) -> Entry:
     """Run one comparison; return what it came to."""
     folder = _folder_name(unit, key)
     begin = time.perf_counter()
-    arguments = [*unit.arguments(), *plan.options, f"--out={plan.out / folder}"]
+    arguments = [*unit.arguments(), *plan.options, f"--out={plan.out / folder}", "--quiet"]
     code, words = _run_process(arguments, plan.out / folder)
     status, message = _judge(code, words, plan.out / folder / "verdict.json")
     assignments = json.dumps({v.name: value for v, value in unit.assignments})

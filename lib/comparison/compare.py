@@ -185,6 +185,7 @@ class _Loop:
     def _begin(self, layout: Layout) -> None:
         """Set up regions, both sides and the test, before anything that counts is rendered."""
         self._layout = layout
+        self._meter.progress.begin("first look" if self._is_first else "rendering")
         self._windows: Windows | None = None
         # The regions (K,) that are sampled on; None: all.
         self._wanted: np.ndarray | None = None
@@ -302,7 +303,9 @@ class _Loop:
             self._before += self._sides[1].replicates
             self._begin(layout)
             self._open = np.ones(len(self._regions), bool)
-        elif options.replicates is not None and self._sides[1].replicates >= options.replicates:
+        else:
+            self._meter.progress.begin("rendering")
+        if layout is None and options.replicates is not None and self._sides[1].replicates >= options.replicates:
             self.stopped = Stop.REPLICATES
 
     def narrow(self) -> None:
@@ -310,6 +313,8 @@ class _Loop:
         if not self._open.any():
             self.stopped = self.stopped or Stop.DECIDED
         elif self._windows is not None or self._focus(self._open) is not None:
+            if self._windows is None:
+                self._meter.progress.begin("rendering what is open")
             wanted = self._open if self._wanted is None else self._wanted & self._open
             self._wanted, self._windows = wanted, self._focus(wanted)
             self._meter.mark(self._sides[1].replicates)

@@ -11,10 +11,11 @@ from markupsafe import Markup
 
 from ..files.plain_data import write_json
 from ..pages import render_page
-from ..pages.formats import format_duration
 from .document import Extras, document, write_csv
 from .measure import Measurement
 from .plots import error_figure, save, stage_figure
+from .spans import ends, middle, took
+from .summary import summarize
 
 STAGES = "stages"
 STAGE_PICTURES = (f"{STAGES}.png", f"{STAGES}.svg")
@@ -24,12 +25,13 @@ STAGE_PICTURES = (f"{STAGES}.png", f"{STAGES}.svg")
 def write_cost(measurement: Measurement, extras: Extras, folder: Path) -> dict[str, Any]:
     """Write all files into `folder`, which must be there; returns what cost.json holds."""
     figures = document(measurement, extras)
+    summary = summarize(figures)
     write_json(folder / "cost.json", figures)
     write_csv(figures, folder / "cost.csv")
     pictures = {"error": save(error_figure(figures), folder, "cost")}
     if any(len(way.get("stages", ())) > 3 for way in figures["ways"]):
         pictures["stages"] = save(stage_figure(figures), folder, STAGES)
-    values = {"figures": figures, "pictures": {name: Markup(svg) for name, svg in pictures.items()}}
+    values = {"figures": figures, "summary": summary, "pictures": {name: Markup(svg) for name, svg in pictures.items()}}
     filters = {f.__name__: f for f in (digits, interval, middle, ends, took)}
     page = render_page(Path(__file__).with_name("cost.html"), values, filters)
     (folder / "cost.html").write_text(page, encoding="utf-8")
@@ -49,25 +51,6 @@ def interval(estimate: dict[str, float | None], scale: float = 1.0) -> str:
 
 def _short(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
-
-
-def middle(span: dict[str, float | None]) -> str:
-    """The median of a forecast span of seconds."""
-    return "not reached" if span["median"] is None else format_duration(span["median"])
-
-
-def ends(span: dict[str, float | None]) -> str:
-    """The ends of a forecast span; nothing where it is out of reach."""
-    if span["low"] is None:
-        return ""
-    if span["median"] is None:
-        return f"at best {format_duration(span['low'])}"
-    return f"{format_duration(span['low'])} to {'never' if span['high'] is None else format_duration(span['high'])}"
-
-
-def took(span: dict[str, float | None]) -> str:
-    """Median and ends of a forecast span in one phrase."""
-    return f"{middle(span)} ({ends(span)})" if ends(span) else middle(span)
 
 
 def table(figures: dict[str, Any]) -> str:

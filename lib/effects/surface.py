@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..plural import plural
 from ..scene.expressions import BeneathLayer, CoatTint, Expression, FresnelFactor, LayerWeight
 from ..scene.materials import Closure, Glass, Metallic, Specular
 from ..textures.fold import walk
@@ -81,5 +82,5 @@ def smooth_normals(facts: Facts) -> Answer:
     """Whether a face is shaded smooth."""
     mesh = facts.scene.mesh
     if mesh.corner_normals.shape[2] and mesh.smooth.any():
-        return True, f"{int(mesh.smooth.sum())} of {mesh.triangle_count} triangles are shaded smooth"
+        return True, f"{int(mesh.smooth.sum())} of {plural(mesh.triangle_count, 'triangle')} shaded smooth"
     return False, "every face is shaded flat"

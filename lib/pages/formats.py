@@ -48,3 +48,12 @@ def format_duration(seconds: float) -> str:
         if seconds < limit:
             return f"{seconds / size:.2g} {unit}" if seconds / size < 10 else f"{seconds / size:.0f} {unit}"
     return f"{seconds / 86400:.0f} days" if seconds < 1e8 else "years"
+
+
+def format_gigabytes(size: float) -> str:
+    """Bytes in GB of 10^9 bytes.
+
+    >>> format_gigabytes(16.4e9), format_gigabytes(64e6)
+    ('16.4 GB', '0.064 GB')
+    """
+    return f"{size / 1e9:.3g} GB"

@@ -9,6 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from ..plural import plural
 from .formats import format_duration, format_part, format_percent
 
 HERE = Path(__file__).parent
@@ -20,7 +21,7 @@ def render_page(
     """The page that `template` makes of `values`, as text.
 
     Names in a .blend are untrusted, so whatever is not marked as safe is escaped. A name that the template uses and
-    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent`, `part` and `duration`.
+    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent`, `part`, `duration` and `plural`.
     """
     environment = Environment(
         loader=FileSystemLoader([template.parent, HERE]),
@@ -30,6 +31,12 @@ def render_page(
         lstrip_blocks=True,
     )
     environment.filters.update(
-        {"percent": format_percent, "part": format_part, "duration": format_duration, **(filters or {})}
+        {
+            "percent": format_percent,
+            "part": format_part,
+            "duration": format_duration,
+            "plural": plural,
+            **(filters or {}),
+        }
     )
     return environment.get_template(template.name).render(values)

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..comparison.compare import Comparison
 from ..pages.formats import format_bound, format_percent
+from ..plural import plural
 from ..verdict.outcome import Outcome
-from .language import listed, place, plural
+from .language import listed, place
 
 # Above this shape of its tail the noise of a region's replicates has no variance to rely on (Vehtari et al. 2024: 0.7).
 HEAVY = 0.7
@@ -103,7 +104,7 @@ def setting_sentences(comparison: Comparison) -> list[str]:
     if comparison.divisor > 1:
         said.append(
             f"Compared at {width} x {height} pixels, {comparison.divisor} times narrower and lower than the scene asks for: the time is too "
-            "short for the whole size (--size full insists on it)."
+            "short for the whole size (an image size of 'full' insists on it)."
         )
     said += _caustics(comparison)
     dark = int((verdict.dark & ~np.isnan(verdict.bounds)).sum())

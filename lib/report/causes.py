@@ -10,10 +10,11 @@ import numpy as np
 from ..comparison.compare import Comparison
 from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_part, format_percent
+from ..plural import plural
 from ..verdict.causes import Explanation, Role, Shares, State
 from ..verdict.explain import clearest
 from ..verdict.outcome import Outcome
-from .language import listed, place, plural
+from .language import listed, place
 
 
 def unexplained(comparison: Comparison) -> list[int]:

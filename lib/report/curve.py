@@ -10,6 +10,7 @@ from markupsafe import Markup, escape
 
 from ..comparison.compare import BoundAt
 from ..pages.formats import format_bound, format_duration
+from ..plural import plural
 
 _WIDTH, _HEIGHT, _LEFT, _BOTTOM, _MARGIN = 640, 220, 64, 34, 28
 _STEPS = (1.0, 2.0, 5.0)
@@ -39,7 +40,9 @@ def draw_bound(history: tuple[BoundAt, ...], tolerance: float) -> Markup | None:
     points = " ".join(f"{x(one.seconds):.1f},{y(one.bound):.1f}" for one in main)
     parts.append(f'<polyline points="{points}"/>')
     for one in seen:
-        title = escape(f"{format_bound(one.bound)} after {format_duration(one.seconds)}, {one.replicates} replicates")
+        title = escape(
+            f"{format_bound(one.bound)} after {format_duration(one.seconds)}, {plural(one.replicates, 'replicate')}"
+        )
         kind = "first" if one.first else "look"
         parts.append(
             f'<circle class="{kind}" cx="{x(one.seconds):.1f}" cy="{y(one.bound):.1f}" r="3.5"><title>{title}</title></circle>'

@@ -16,6 +16,7 @@ from ..verdict.causes import Shares, State
 from ..verdict.outcome import Outcome
 from .bound import level_names
 from .causes import cause_sentences, headline, is_shown, proof_seconds, strongest, unexplained
+from .summary import summarize
 from .words import forecast_seconds, sentences, worst_channel
 
 FORMAT = "etalon-verdict"
@@ -34,6 +35,7 @@ CHANGES = {
     6: "Version 6: `bound` is the difference up to which all regions agree, level by level and look by look, and each region has its own; "
     "`floor` is one number for each channel; a region has `rare`, `blind_spot`, `largest_share`, `tail_shape`, `dark` and `caustics`; "
     "`withdrawn` lists claims that later data did not bear; `forecast` names the bound that it is for; `size` has a `divisor`; "
+    "`summary` is the verdict in three sentences; `scene` is the file's name; "
     "regions of the kind 'cell' are those of coarser grids, and claims on all regions are tested together.",
     7: "Version 7: `scene_check` lists what in the scene is likely not meant or was set aside; each region has a `reason`: every difference is "
     "put down to departures, to the scene, or is 'unexplained'; `attribution.state` may be 'explained by rounding'.",
@@ -52,6 +54,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "scene": comparison.scene,
             "verdict": verdict.outcome,
             "exit_code": verdict.outcome.exit_code,
+            "summary": summarize(comparison),
             "sentences": sentences(comparison),
             "reasons": verdict.reasons,
             "tolerance": verdict.tolerance,

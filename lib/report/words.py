@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verdict in plain words: the same sentences for the terminal, the panel and the report."""
+"""The details of a verdict in plain words: the same sentences for the terminal and the report; summary.py has what an artist needs."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
 from ..comparison.run import Stop
 from ..pages.formats import format_bound, format_duration, format_percent
+from ..plural import plural
 from ..verdict.forecast import MOST_GROWTH
 from ..verdict.outcome import Outcome
 from .bound import blind_sentence, both_names, bound_title, level_sentence, setting_sentences
 from .causes import cause_sentences, unexplained
-from .language import listed, place, plural
+from .language import listed, place
 
 FURTHEST = 5
 _ENDED = {
@@ -29,11 +30,11 @@ def title(comparison: Comparison) -> str:
     verdict = comparison.verdict
     names = both_names(comparison)
     limit = f"{format_percent(verdict.tolerance, sign=False)}"
-    total = verdict.outcomes.size - _gone(comparison)
+    total = region_total(comparison)
     count = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
     if verdict.outcome is Outcome.DIFFERENT:
         most = f"; nowhere by more than {format_bound(verdict.bound)}" if np.isfinite(verdict.bound) else ""
-        return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {total} regions{most}."
+        return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {plural(total, 'region')}{most}."
     if verdict.outcome is Outcome.EXPLAINED:
         causes = comparison.explanation.chosen
         known = "a known departure is" if len(causes) == 1 else "known departures are"
@@ -73,8 +74,8 @@ def _left_out(comparison: Comparison) -> str:
     count, total = int(comparison.left_out.sum()), comparison.left_out.size
     named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
     return (
-        f"{count} of {total} pixels ({format_percent(count / total, sign=False)}) are not compared: light reaches them from materials that "
-        f"are not simulated: {listed(tuple(named))}."
+        f"{count} of {plural(total, 'pixel')} ({format_percent(count / total, sign=False)}) are not compared: light reaches them from "
+        f"materials that are not simulated: {listed(tuple(named))}."
     )
 
 
@@ -83,14 +84,17 @@ def worst_channel(difference: np.ndarray) -> np.ndarray:
     return np.argmax(np.nan_to_num(np.abs(difference), nan=-1.0, posinf=np.inf), axis=1)
 
 
-def furthest(comparison: Comparison) -> list[int]:
-    """The DIFFERENT regions to name, or the EXPLAINED ones if there is none: what the user named first, the largest difference first."""
+def furthest(comparison: Comparison, count: int = FURTHEST) -> list[int]:
+    """The DIFFERENT regions to name, at most `count`, or the EXPLAINED ones if there is none.
+
+    What the user named comes first, then the largest difference.
+    """
     verdict = comparison.verdict
     size = np.take_along_axis(np.abs(verdict.difference), worst_channel(verdict.difference)[:, None], 1)[:, 0]
     different = unexplained(comparison)
     if not different:
         different = np.flatnonzero(verdict.outcomes == Outcome.EXPLAINED).tolist()
-    return sorted(different, key=lambda k: (comparison.regions.kinds[k] == "block", -size[k]))[:FURTHEST]
+    return sorted(different, key=lambda k: (comparison.regions.kinds[k] == "block", -size[k]))[:count]
 
 
 def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float] | None:
@@ -118,10 +122,15 @@ def _basis(comparison: Comparison) -> str:
         parts.append(f"{gone} without a pixel to compare")
     a, b = comparison.reference, comparison.candidate
     return (
-        f"Of {verdict.outcomes.size} regions: {', '.join(parts)}; confidence {format_percent(verdict.confidence, sign=False)} "
-        f"for all of them together, from {_drawn(a)} and {_drawn(b)} samples a pixel "
+        f"Of {plural(verdict.outcomes.size, 'region')}: {', '.join(parts)}; confidence {format_percent(verdict.confidence, sign=False)} "
+        f"for all of them together, from {_drawn(a)} and {_drawn(b)} samples per pixel "
         f"in {format_duration(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
     )
+
+
+def region_total(comparison: Comparison) -> int:
+    """How many regions have a pixel to compare."""
+    return comparison.verdict.outcomes.size - _gone(comparison)
 
 
 def _gone(comparison: Comparison) -> int:
@@ -165,5 +174,5 @@ def _forecast(comparison: Comparison) -> str:
     before = f"; for nine in ten of the {count} open regions after {format_duration(nearly)}" if count >= 10 else ""
     return (
         f"Forecast: {what} after about {format_duration(median)} ({format_duration(low)} to {format_duration(high)}), "
-        f"{float(f'{samples:.2g}'):,.0f} samples a pixel of {comparison.candidate.name}{before}."
+        f"{float(f'{samples:.2g}'):,.0f} samples per pixel of {comparison.candidate.name}{before}."
     )

@@ -19,7 +19,7 @@ class AuditOptions(CompareOptions, Run):
     confidence: float = again(
         CompareOptions, "confidence", help="confidence of all statements on bias together, for all settings and regions"
     )
-    time: float | None = again(CompareOptions, "time", help="time budget")
+    time: float | None = again(CompareOptions, "time", help="time budget, such as 90s or 2m")
     samples: int | tuple[int, int] | None = again(
         CompareOptions, "samples", help="samples per pixel in each render", absent="as many as the time allows"
     )

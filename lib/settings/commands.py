@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .declaration import Declared, option, required
-from .units import FilePath, Flag, Pair, Whole
+from .units import Choice, FilePath, Flag, Pair, Whole
+
+SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
 
 
 @dataclass(frozen=True)
 class PlanOutput(Declared):
-    """How `etalon plan` answers."""
+    """What `etalon plan` does besides listing."""
 
-    json: bool = option(False, Flag(), "print JSON")
     save: Path | None = option(None, FilePath("FILE.npz"), "save the exported scene, for `etalon render`")
     csv: Path | None = option(None, FilePath("FILE.csv"), "of a folder: save the table of its files")
 
@@ -39,6 +40,13 @@ class BatchOptions(Declared):
 class StabilityOptions(Declared):
     """How much of the atlas is measured, and where its report goes."""
 
-    points: int = option(200, Whole("N", 1), "number of points at which each equation is measured")
+    points: int = option(200, Whole("N", 1), "number of points at which each equation is measured", advanced=True)
     scenes: bool = option(True, Flag(), "render the scenes at the edge too, which needs Blender")
     out: Path = option(Path("etalon-out/stability"), FilePath("FOLDER"), "folder for stability.html and stability.json")
+
+
+@dataclass(frozen=True)
+class CompletionOptions(Declared):
+    """The shell that completes the words of `etalon`."""
+
+    shell: str = required(Choice("SHELL", "shell", SHELLS), f"one of {', '.join(SHELLS)}", positional=True)

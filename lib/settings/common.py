@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options that several commands share: which scene, which random numbers, how many threads."""
+"""Options that several commands share: which scene, which random numbers, how many threads, what the terminal shows."""
 
 from __future__ import annotations
 
@@ -8,7 +8,19 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from .declaration import Declared, option
-from .units import Texts, Unit, Whole
+from .units import Flag, Texts, Unit, Whole
+
+# The names of the reference scenes; each is a file in `reference_scenes/`.
+REFERENCE_SCENES = (
+    "glossy_spheres",
+    "sigma_sweep",
+    "furnace",
+    "grazing_plane",
+    "veach_plates",
+    "cornell_glossy",
+    "lambert_analytic",
+    "far_from_origin",
+)
 
 
 def count_processors() -> int:
@@ -22,7 +34,7 @@ class Seeded(Declared):
 
     TITLE: ClassVar[str] = "random numbers and threads"
 
-    seed: int = option(0, Whole("N"), "seed of the random numbers of the reference and of Cycles")
+    seed: int = option(0, Whole("N"), "seed of the random numbers of the reference and of Cycles", advanced=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +43,9 @@ class Run(Seeded):
 
     TITLE: ClassVar[str] = "random numbers and threads"
 
-    threads: int = option(2, Whole("N", 1), "number of threads", absent="all processors", compute=count_processors)
+    threads: int = option(
+        2, Whole("N", 1), "number of threads", absent="all processors", advanced=True, compute=count_processors
+    )
 
 
 @dataclass(frozen=True)
@@ -46,7 +60,7 @@ class Target(Declared):
         None,
         Unit("SCENE"),
         "name of a reference scene (see `etalon scenes`), or a .blend file",
-        absent="the file that is open in Blender",
+        absent="inside Blender, the file that is open",
         positional=True,
     )
     frame: int | None = option(None, Whole("N"), "frame to render", absent="the file's current frame")
@@ -56,9 +70,29 @@ class Target(Declared):
         Texts("PATH=VALUE"),
         "set a property by its data path before rendering; write the value as in JSON; may be repeated",
         flag="set",
+        advanced=True,
     )
 
     @property
     def is_archive(self) -> bool:
         """Whether the scene is one saved as .npz, which needs no Blender."""
         return self.scene is not None and self.scene.endswith(".npz")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terminal(Declared):
+    """What a command shows on the terminal: its result in words or as JSON, and whether it shows its progress."""
+
+    TITLE: ClassVar[str] = "the terminal"
+
+    json: bool = option(False, Flag(), "print the result as JSON")
+    quiet: bool = option(False, Flag(), "show no progress")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PageTerminal(Terminal):
+    """The same for a command that writes a page."""
+
+    TITLE: ClassVar[str] = "the terminal"
+
+    open: bool = option(False, Flag(), "open the report in the web browser when it is written")

@@ -31,27 +31,32 @@ class CompareOptions(Seeded):
     tolerance: float = option(
         0.01,
         Share(),
-        "largest relative difference that counts as agreement",
+        "largest relative difference that counts as agreement, such as 1%",
         panel=Panel("Tolerance", low=0.0001, high=0.5),
     )
     confidence: float = option(
         0.99,
         Share(low=0.5),
         "confidence of the whole verdict, all regions together",
+        advanced=True,
         panel=Panel("Confidence", low=0.5, high=0.9999),
     )
     time: float | None = option(
         120.0,
         Seconds(),
-        "time budget; a comparison ends sooner if every region is decided sooner",
+        "time budget, such as 90s or 2m; a comparison ends sooner if every region is decided sooner",
         nullable=True,
         panel=Panel("Time", low=5.0, soft_high=3600.0),
     )
     samples: int | tuple[int, int] | None = option(
-        None, WholeOrPair("N", 1), "samples per pixel in each replicate", absent="chosen by a pilot render"
+        None,
+        WholeOrPair("N", 1),
+        "samples per pixel in each replicate",
+        absent="chosen by a pilot render",
+        advanced=True,
     )
     replicates: int | None = option(
-        None, Whole("R", 1), "most replicates on each side", absent="as many as the time allows"
+        None, Whole("R", 1), "most replicates on each side", absent="as many as the time allows", advanced=True
     )
 
     def __post_init__(self) -> None:
@@ -84,6 +89,7 @@ class Settings(CompareOptions, Options):
         SIZES[0],
         Choice("SIZE", "size", SIZES),
         "auto: compare a smaller image of the same view where the whole one gives no useful answer in time; full: never",
+        advanced=True,
         panel=Panel("Image size"),
     )
     partial: bool = option(

@@ -21,7 +21,10 @@ class CostOptions(Run):
     """
 
     time: float | None = option(
-        None, Seconds(), "time budget", absent="5 minutes; 24 seconds of pilots where a target is given"
+        None,
+        Seconds(),
+        "time budget, such as 90s or 2m",
+        absent="5 minutes; 24 seconds of pilots where a target is given",
     )
     target: float | None = option(
         None, Share("ERROR"), "forecast how long each strategy takes to this relative RMSE, such as 1%"
@@ -30,7 +33,7 @@ class CostOptions(Run):
         False, Flag(), "then run the cheapest strategy and show the result beside the forecast; needs a target"
     )
     ways: tuple[str, ...] | None = option(
-        None, Keys(), "measure only these strategies; cost.json lists their keys", absent="all"
+        None, Keys(), "measure only these strategies; cost.json lists their keys", absent="all", advanced=True
     )
     out: Path | None = option(
         None, FilePath("FOLDER"), "folder for cost.html, .json, .csv and plots", absent="etalon-out/SCENE"

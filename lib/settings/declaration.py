@@ -43,7 +43,7 @@ class Option:
 
     `name` is the class's field; `flag` is the name on the command line and in a batch. `help` completes "this option is the ...".
     `absent` says what happens where no value is given, in place of a default. `nullable` options take None although their default
-    is something else. `positional` options have no flag.
+    is something else. `positional` options have no flag. `advanced` options stand in the long help only.
     """
 
     unit: Unit
@@ -56,6 +56,7 @@ class Option:
     nullable: bool = False
     panel: Panel | None = None
     positional: bool = False
+    advanced: bool = False
 
     @property
     def optional(self) -> bool:
@@ -91,11 +92,20 @@ def option(
     nullable: bool = False,
     panel: Panel | None = None,
     positional: bool = False,
+    advanced: bool = False,
     compute: Callable[[], T] | None = None,
 ) -> T:
     """Declare an option as the default of a dataclass field; `compute` finds a default that depends on the machine."""
     declared = Option(
-        unit, help, flag=flag, default=default, absent=absent, nullable=nullable, panel=panel, positional=positional
+        unit,
+        help,
+        flag=flag,
+        default=default,
+        absent=absent,
+        nullable=nullable,
+        panel=panel,
+        positional=positional,
+        advanced=advanced,
     )
     if compute is not None:
         return cast(T, field(default_factory=compute, metadata={_KEY: declared}))

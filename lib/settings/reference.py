@@ -44,18 +44,28 @@ class Options(Run):
     TITLE: ClassVar[str] = "the reference"
 
     strategy: str = option(
-        STRATEGIES[0], Choice("NAME", "strategy", STRATEGIES), f"sampling of glossy lobes: {', '.join(STRATEGIES)}"
+        STRATEGIES[0],
+        Choice("NAME", "strategy", STRATEGIES),
+        f"sampling of glossy lobes: {', '.join(STRATEGIES)}",
+        advanced=True,
     )
-    direct: str = option(DIRECT[0], Choice("NAME", "direct", DIRECT), f"sampling of direct light: {', '.join(DIRECT)}")
-    masking: str = option(MASKING[0], Choice("NAME", "masking", MASKING), f"masking-shadowing: {', '.join(MASKING)}")
-    sampler: str = option(SAMPLERS[0], Choice("NAME", "sampler", SAMPLERS), f"random numbers: {', '.join(SAMPLERS)}")
+    direct: str = option(
+        DIRECT[0], Choice("NAME", "direct", DIRECT), f"sampling of direct light: {', '.join(DIRECT)}", advanced=True
+    )
+    masking: str = option(
+        MASKING[0], Choice("NAME", "masking", MASKING), f"masking-shadowing: {', '.join(MASKING)}", advanced=True
+    )
+    sampler: str = option(
+        SAMPLERS[0], Choice("NAME", "sampler", SAMPLERS), f"random numbers: {', '.join(SAMPLERS)}", advanced=True
+    )
     departures: frozenset[str] = option(
         frozenset(),
         Names(what="departure", known=_switches),
         "make the reference reproduce a known departure of Cycles (reports give the names); may be repeated",
         flag="depart",
+        advanced=True,
     )
-    russian_roulette: bool = option(True, Flag(), "end faint paths early; the mean does not change")
+    russian_roulette: bool = option(True, Flag(), "end faint paths early; the mean does not change", advanced=True)
     tile_paths: int = 131072
 
 

@@ -126,8 +126,8 @@ class Seconds(Unit):
         return repr(int(value)) if value == int(value) else repr(float(value))
 
     def show(self, value: float) -> str:
-        """Seconds with their unit."""
-        return f"{value:g} s"
+        """The time as a person writes it, such as 90s or 2m."""
+        return f"{value / 60:g}m" if value >= 60 and value % 60 == 0 else f"{value:g}s"
 
     def _positive(self, value: float, shown: str) -> float:
         if not 0 < value < math.inf:

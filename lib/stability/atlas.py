@@ -58,11 +58,16 @@ def line(case: Case) -> str:
     return f"{verdict} {case.name}: {held} (at most {number(case.bound)}) {case.unit}; {forms}{case.where}"
 
 
-def write(cases: list[Case], folder: Path) -> None:
-    """stability.json and stability.html in `folder`, each complete or not there; EtalonError where it cannot be written."""
+def write(cases: list[Case], folder: Path) -> dict[str, Any]:
+    """stability.json and stability.html in `folder`, each complete or not there; returns what the former holds.
+
+    Raises EtalonError where the folder cannot be written.
+    """
+    figures = _figures(cases)
     with replace_files(folder) as beside:
-        write_json(beside / "stability.json", _figures(cases))
+        write_json(beside / "stability.json", figures)
         (beside / "stability.html").write_text(_page(cases), encoding="utf-8")
+    return figures
 
 
 def _figures(cases: list[Case]) -> dict[str, Any]:

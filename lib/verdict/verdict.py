@@ -9,6 +9,7 @@ import numpy as np
 
 from ..film.moments import Moments
 from ..film.regions import RegionMoments
+from ..plural import plural
 from .causes import Explanation
 from .claims import difference, interval
 from .forecast import Forecast, forecast
@@ -160,9 +161,9 @@ def _reasons(
     undecided = int((test.undecided & (reference.sizes > 0)).sum())  # of what has pixels left
     if different:
         differ = "differs" if different == 1 else "differ"
-        reasons.append(f"{different} of {test.outcomes.size} regions {differ} by more than the tolerance")
+        reasons.append(f"{different} of {plural(test.outcomes.size, 'region')} {differ} by more than the tolerance")
     if any(nonfinite.values()):
-        where = " and ".join(f"{count} pixels of {name}" for name, count in nonfinite.items() if count)
+        where = " and ".join(f"{plural(count, 'pixel')} of {name}" for name, count in nonfinite.items() if count)
         reasons.append(
             f"non-finite samples in {where}: these pixels are excluded, and an image that has any cannot be EQUIVALENT"
         )
@@ -172,7 +173,7 @@ def _reasons(
     rare = int((test.undecided & (test.bounds - test.rare <= test.tolerance) & ~test.within).sum())
     for count, why in ((undecided - rare, "still too noisy to decide"), (rare, RARE)):
         if count > 0:
-            reasons.append(f"{count} of {test.outcomes.size} regions {'is' if count == 1 else 'are'} {why}")
+            reasons.append(f"{count} of {plural(test.outcomes.size, 'region')} {'is' if count == 1 else 'are'} {why}")
     return reasons
 
 

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 from etalon.addon.command import cli
 from etalon.addon.command.console import interruptible
+from etalon.addon.command.table import COMMANDS
 from etalon.lib.scene import archive
+from etalon.lib.settings.common import REFERENCE_SCENES
+from etalon.lib.settings.units import Seconds, Share
 
 
 @pytest.fixture
@@ -30,15 +33,28 @@ def blend(tmp_path):
 
 
 def run(capfd, *words):
-    """Exit code, standard output and the lines on standard error, progress bar aside."""
+    """Exit code, standard output and the lines on standard error, without progress."""
     capfd.readouterr()
-    code = cli.main([str(word) for word in words])
+    code = cli.main([str(word) for word in (*words, "--quiet")])
     out, err = capfd.readouterr()
-    return code, out, [line for line in err.replace("\r", "\n").splitlines() if line.strip() and "%|" not in line]
+    return code, out, err.splitlines()
 
 
 @pytest.mark.parametrize(
-    "words", [[], ["compare"], ["render"], ["scenes"], ["plan"], ["batch"], ["audit"], ["cost"], ["stability"]]
+    "words",
+    [
+        [],
+        ["compare"],
+        ["render"],
+        ["scenes"],
+        ["plan"],
+        ["batch"],
+        ["audit"],
+        ["cost"],
+        ["stability"],
+        ["doctor"],
+        ["completion"],
+    ],
 )
 def test_help_needs_no_blender(words):
     script = (
@@ -58,7 +74,6 @@ def test_python_m_etalon_is_the_command():
 @pytest.mark.parametrize(
     "words",
     [
-        [],
         ["stare"],
         ["compare", "--tolerance=2"],
         ["compare", "--tolerance=nan"],
@@ -76,6 +91,66 @@ def test_wrong_arguments_are_one_line_and_code_2(capfd, words):
     code, out, lines = run(capfd, *words)
     assert (code, out, len(lines)) == (2, "", 1), lines
     assert "--help" in lines[0]
+
+
+def test_etalon_alone_prints_help(capfd):
+    assert cli.main([]) == 2
+    out, err = capfd.readouterr()
+    assert out.startswith("usage: etalon COMMAND")
+    assert "etalon compare glossy_spheres" in out
+    assert err == ""
+
+
+@pytest.mark.parametrize("command", ["compare", "plan", "cost", "audit"])
+def test_without_a_scene_a_command_says_which_there_are(capfd, command):
+    bpy.ops.wm.read_factory_settings()
+    code, out, lines = run(capfd, command)
+    assert (code, out, len(lines)) == (2, "", 1)
+    for name in ("FILE.blend", *REFERENCE_SCENES):
+        assert name in lines[0]
+
+
+def test_without_a_scene_the_file_that_is_open_is_taken(capfd, blend):
+    assert run(capfd, "plan")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["compare", "cube.blend", "--tolerence=1%"], "unknown option '--tolerence'; did you mean '--tolerance'?"),
+        (["compare", "cube.blend", "--tol", "1%"], "unknown option '--tol'; did you mean '--tolerance'?"),
+        (["audit", "cube.blend", "-time", "2m"], "unknown option '-time'; did you mean '--time'?"),
+        (["compare", "cube"], "did you mean the file 'cube.blend'?"),
+        (["compare", "cubes.blend"], "cubes.blend: no such file; did you mean 'cube.blend'?"),
+        (["compare", "cube.blend", "more.blend"], "unexpected 'more.blend'"),
+        (["rendre", "cube.blend"], "unknown command 'rendre'; did you mean 'render'?"),
+    ],
+)
+def test_what_is_misspelt_suggests_the_nearest(capfd, blend, monkeypatch, words, told):
+    monkeypatch.chdir(blend.parent)
+    code, out, lines = run(capfd, *words)
+    assert (code, out, len(lines)) == (2, "", 1)
+    assert told in lines[0]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_times_and_shares_are_read_as_a_person_writes_them(command):
+    for kind in command.settings:
+        for declared in kind.options():
+            if isinstance(declared.unit, Seconds):
+                assert declared.check("2m") == declared.check(120) == 120.0
+            if isinstance(declared.unit, Share):
+                assert declared.check("60%") == 0.6
+
+
+def test_the_short_help_leaves_out_what_few_people_need(capfd):
+    cli.main(["compare", "--help"])
+    short = capfd.readouterr().out
+    cli.main(["compare", "--help-all"])
+    long = capfd.readouterr().out
+    assert "--masking" in long
+    assert "--masking" not in short
+    assert "more options: etalon compare --help-all" in short
 
 
 def test_percent_and_share_mean_the_same():
@@ -212,7 +287,9 @@ def test_compare_ends_with_a_verdict_and_a_folder(capfd, blend, monkeypatch):
     assert lines == []
     assert code == verdict["exit_code"]
     assert verdict["size"] == {"width": 16, "height": 12, "divisor": 1}
-    assert verdict["verdict"] in out
+    assert out.splitlines()[:3] == verdict["summary"]
+    assert out.startswith(f"cube.blend: {verdict['verdict']}.")
+    assert "\x1b" not in out
     assert "--replicates=2" in verdict["command"]
     names = {f"{name}.{kind}" for name in ("reference", "cycles", "difference") for kind in ("exr", "png")}
     assert {p.name for p in folder.iterdir()} == {"verdict.json", "report.html", *names}

@@ -254,7 +254,7 @@ def test_pixels_that_are_not_finite_are_excluded_and_said(bad):
     assert found.excluded.sum() == 1
     assert found.excluded[2, 5]
     assert found.candidate.film.nonfinite[2, 5] == 1
-    assert "non-finite samples in 1 pixels of Cycles" in found.verdict.reasons[0]
+    assert "non-finite samples in 1 pixel of Cycles" in found.verdict.reasons[0]
     assert found.verdict.excluded[0] == 1
     assert np.isfinite(found.verdict.difference).all()
     # What is left is judged all the same.

@@ -54,7 +54,7 @@ def test_the_plan_is_in_both(tmp_path):
     assert [decision["needed"] for decision in plan] == [True, False]
     assert f"material {HOSTILE}" in page.shown
     assert "no material has it" in page.shown
-    assert "Simulated: 1 effects" in page.shown
+    assert "Simulated: 1 effect" in page.shown
 
 
 def test_the_page_holds_flip_and_says_what_it_is_for(tmp_path):

@@ -11,7 +11,7 @@ from etalon.addon.command import cli
 from etalon.addon.command.arguments import read_arguments
 from etalon.addon.command.table import COMMANDS
 from etalon.lib.errors import EtalonError
-from etalon.lib.settings.common import Target
+from etalon.lib.settings.common import PageTerminal, Target
 from etalon.lib.settings.comparison import CompareOptions, Settings
 from etalon.lib.settings.declaration import Declared, option
 from etalon.lib.settings.reference import Options
@@ -58,7 +58,7 @@ def test_texts_and_numbers_give_the_same_settings():
 
 
 def test_the_repeating_command_gives_the_same_settings_again():
-    assert read(repeating_command("compare", TARGET, FULL)) == (TARGET, FULL)
+    assert read(repeating_command("compare", TARGET, FULL)) == (TARGET, FULL, PageTerminal())
     assert repeating_command("compare", Target("a.blend"), Settings()) == "etalon compare a.blend"
 
 
@@ -97,7 +97,7 @@ def test_a_table_of_options_is_the_same_as_their_words():
         *("--tolerance=0.01", "--time=60", "--partial", "--no-russian-roulette"),
         *("--depart=narrow spread", "--set=a.b=1", "--camera=Cam 2"),
     )
-    target, settings = read(shlex.join(["etalon", "compare", "x.blend", *words]))
+    target, settings, _ = read(shlex.join(["etalon", "compare", "x.blend", *words]))
     assert (target.camera, target.assignments) == ("Cam 2", ("a.b=1",))
     assert (settings.tolerance, settings.time, settings.partial, settings.russian_roulette) == (0.01, 60.0, True, False)
     assert read_table((Settings,), {"partial": False}) == ()

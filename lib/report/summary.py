@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A comparison in three sentences for an artist, the same on the terminal, in the panel and in the report.
+
+The whole picture first, then what differs or is too noisy and where, then what to do next.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ..comparison.compare import Comparison
+from ..comparison.run import Stop
+from ..pages.formats import format_bound, format_duration, format_percent
+from ..plural import plural
+from ..verdict.outcome import Outcome
+from .bound import both_names
+from .causes import proof_seconds, unexplained
+from .language import listed, place
+from .words import forecast_seconds, furthest, region_total, worst_channel
+
+_CHANNELS = ("red", "green", "blue")
+# Regions with a name of the user's that are given, and cells of the picture.
+NAMED, CELLS = 2, 1
+
+
+def summarize(comparison: Comparison) -> tuple[str, str, str]:
+    """The whole picture; what differs or is too noisy, and where; what to do next."""
+    return whole_picture(comparison), open_places(comparison), next_step(comparison)
+
+
+def whole_picture(comparison: Comparison) -> str:
+    """The file's name, the verdict, and how far the whole picture is off at most."""
+    verdict, (candidate, reference) = comparison.verdict, both_names(comparison)
+    head = f"{comparison.scene}: {verdict.outcome.value}."
+    bound, outcome = float(verdict.bounds[0]), verdict.outcomes[0]
+    if verdict.outcome is Outcome.EQUIVALENT:
+        sure = f"with {format_percent(verdict.confidence, sign=False)} confidence"
+        return f"{head} {candidate} agrees with {reference} to within {format_bound(verdict.bound)} everywhere, {sure}."
+    if outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
+        channel = int(worst_channel(verdict.difference[:1])[0])
+        off = float(verdict.difference[0, channel])
+        brighter = "brighter" if off > 0 else "darker"
+        size = f"{format_percent(abs(off), sign=False)}" if abs(off) < 1e-3 else f"{100 * abs(off):.3g} %"
+        return f"{head} The whole picture is {size} {brighter} in {candidate} than in {reference}, most in {_CHANNELS[channel]}."
+    if not math.isfinite(bound):
+        return f"{head} There are too few samples to say anything about the whole picture."
+    if outcome is Outcome.EQUIVALENT:
+        return f"{head} As a whole, the picture agrees to within {format_bound(bound)}."
+    limit = format_percent(verdict.tolerance, sign=False)
+    return f"{head} As a whole, the picture agrees to within {format_bound(bound)}; {limit} is not reached yet."
+
+
+def open_places(comparison: Comparison) -> str:
+    """What differs or cannot be judged, and where; what was tested where nothing does."""
+    verdict, total = comparison.verdict, region_total(comparison)
+    limit, said = format_percent(verdict.tolerance, sign=False), []
+    off = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
+    if off:
+        differs = "differs" if off == 1 else "differ"
+        order = [k for k in furthest(comparison, len(comparison.regions)) if k]
+        where = _places(comparison, order, _signed)
+        said.append(f"{off} of {plural(total, 'region')} {differs} by more than {limit}{where}.")
+    still = np.flatnonzero((verdict.outcomes == Outcome.UNDECIDED) & ~np.isnan(verdict.bounds))
+    if still.size:
+        are = "is" if still.size == 1 else "are"
+        order = [k for k in still[np.argsort(-verdict.bounds[still], kind="stable")].tolist() if k]
+        where = "" if off else _places(comparison, order, _limited)
+        said.append(f"{still.size} of {plural(total, 'region')} {are} too noisy to judge{where}.")
+    if not said:
+        said.append(f"No part of the picture is off by more than {limit}: {plural(total, 'region')} tested.")
+    return " ".join([*said, *_masked(comparison)])
+
+
+def next_step(comparison: Comparison) -> str:
+    """What to do next."""
+    verdict = comparison.verdict
+    if comparison.stopped is Stop.CANCELLED:
+        return "Next: run it again and let it finish; it was cancelled."
+    if verdict.outcome is Outcome.EQUIVALENT:
+        return f"Next: nothing. {comparison.candidate.name} can be trusted with this scene."
+    if verdict.outcome is Outcome.EXPLAINED:
+        names = comparison.explanation.chosen
+        return (
+            f"Next: nothing is wrong in your scene. {comparison.candidate.name} is known to differ so ({listed(names)}); "
+            "the report says where and why."
+        )
+    if verdict.outcome is Outcome.DIFFERENT:
+        return _next_of_difference(comparison)
+    return _next_of_noise(comparison)
+
+
+def _next_of_difference(comparison: Comparison) -> str:
+    why = comparison.explanation
+    seconds = proof_seconds(comparison)
+    if why is not None and why.named and math.isfinite(seconds):
+        return f"Next: allow about {format_duration(seconds)} to prove the likely cause, {listed(why.named)}."
+    if why is not None and why.chosen:
+        left = plural(len(unexplained(comparison)), "region")
+        return f"Next: {listed(why.chosen)} explains a part; look at the other {left} in the report."
+    return "Next: look at these places in the report. No known cause explains them; unexplained.blend is the smallest scene that shows it."
+
+
+def _next_of_noise(comparison: Comparison) -> str:
+    ends, forecast = forecast_seconds(comparison), comparison.verdict.forecast
+    if ends is None or forecast is None:
+        return "Next: allow much more time, or accept a larger tolerance; so few samples tell no more."
+    low, median, high, _ = ends
+    goal = format_percent(forecast.bound, sign=False)
+    span = f"{format_duration(low)} to {format_duration(high)}"
+    return f"Next: allow about {format_duration(median)} ({span}) to know it to within {goal} everywhere."
+
+
+def _masked(comparison: Comparison) -> list[str]:
+    """The pixels that were not compared, and why."""
+    left_out, broken = int(comparison.left_out.sum()), int(comparison.excluded.sum())
+    said = []
+    if left_out:
+        said.append(f"{plural(left_out, 'pixel')} left out: unsupported materials can affect them.")
+    if broken:
+        said.append(f"{plural(broken, 'pixel')} left out: a renderer gave no finite number there.")
+    return said
+
+
+def _places(comparison: Comparison, order: list[int], describe: Callable[[Comparison, int], str]) -> str:
+    """The first regions of `order`: what the user gave a name, then a cell of the picture."""
+    kinds = comparison.regions.kinds
+    is_cell = {k: kinds[k] in ("block", "cell") for k in order}
+    named = [k for k in order if not is_cell[k]][:NAMED]
+    shown = [*named, *[k for k in order if is_cell[k]][:CELLS]]
+    return f", most of all {listed(tuple(describe(comparison, k) for k in shown))}" if shown else ""
+
+
+def _signed(comparison: Comparison, k: int) -> str:
+    channel = int(worst_channel(comparison.verdict.difference[k : k + 1])[0])
+    return f"{_where(comparison, k)} ({format_percent(comparison.verdict.difference[k, channel])})"
+
+
+def _limited(comparison: Comparison, k: int) -> str:
+    bound = float(comparison.verdict.bounds[k])
+    known = f"known to within {format_bound(bound)}" if math.isfinite(bound) else "nothing is known yet"
+    return f"{_where(comparison, k)} ({known})"
+
+
+def _where(comparison: Comparison, k: int) -> str:
+    """A region as an artist would point to it: by its name, or by its place in the picture."""
+    if comparison.regions.kinds[k] not in ("block", "cell"):
+        return place(comparison, k)
+    return f"the {describe_box(tuple(comparison.regions.boxes[k].tolist()), comparison.regions.shape)} of the picture"
+
+
+def describe_box(box: tuple[int, int, int, int], shape: tuple[int, int]) -> str:
+    """Where a box of pixels (first column, first row, last column, last row) lies in an image of that shape (height, width).
+
+    >>> describe_box((0, 0, 15, 15), (240, 320)), describe_box((150, 100, 165, 115), (240, 320))
+    ('top left', 'centre')
+    """
+    height, width = shape
+    row = ("top", "", "bottom")[min(3 * (box[1] + box[3] + 1) // (2 * height), 2)]
+    column = ("left", "", "right")[min(3 * (box[0] + box[2] + 1) // (2 * width), 2)]
+    return " ".join(filter(None, (row, column))) or "centre"

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The three sentences for an artist."""
+
+from dataclasses import replace
+
+import pytest
+from etalon.lib.report.document import document
+from etalon.lib.report.summary import describe_box, summarize
+from etalon.tests.lib.report.comparisons import CASES, PLAN, made
+
+
+def summary(case):
+    return summarize(replace(made(**CASES[case]), scene="kitchen.blend"))
+
+
+def test_a_picture_that_agrees_asks_for_nothing():
+    first, second, third = summary("equivalent")
+    assert first.startswith("kitchen.blend: EQUIVALENT. Cycles agrees with the reference to within 0.")
+    assert second.startswith("No part of the picture is off by more than 1 %: ")
+    assert third == "Next: nothing. Cycles can be trusted with this scene."
+
+
+def test_a_difference_is_placed_and_signed():
+    # The left half is 5 % brighter in Cycles, hence the whole 2.5 %; the material covers that half.
+    first, second, third = summary("different")
+    assert first.startswith("kitchen.blend: DIFFERENT. The whole picture is 2.")
+    assert "brighter in Cycles than in the reference" in first
+    assert "most of all material Test (+5" in second
+    assert "of the picture (+" in second
+    assert third.startswith("Next: look at these places in the report.")
+
+
+def test_an_explained_difference_names_its_cause():
+    *_, third = summary("explained")
+    assert third.startswith("Next: nothing is wrong in your scene.")
+    assert "(known)" in third
+
+
+def test_noise_is_placed_and_its_remedy_is_a_time():
+    first, second, third = summary("undecided")
+    assert first.startswith("kitchen.blend: UNDECIDED. As a whole, the picture agrees to within ")
+    assert "too noisy to judge, most of all " in second
+    assert third.startswith("Next: allow about ")
+
+
+def test_what_was_cancelled_is_to_be_run_again():
+    assert summary("cancelled")[2] == "Next: run it again and let it finish; it was cancelled."
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_summary_has_three_short_sentences_without_options_of_the_command_line(case):
+    said = summary(case)
+    assert len(said) == 3
+    for sentence in said:
+        assert "--" not in sentence
+        assert "1 regions" not in sentence
+        assert len(sentence) < 260
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_file_of_figures_has_the_same_summary(case):
+    found = made(**CASES[case])
+    assert tuple(document(found, PLAN, "")["summary"]) == summarize(found)
+
+
+def test_a_place_in_the_picture_is_named_as_a_person_points():
+    boxes = {
+        (0, 0, 9, 9): "top left",
+        (14, 14, 15, 15): "centre",
+        (28, 14, 29, 15): "right",
+        (14, 28, 15, 29): "bottom",
+    }
+    assert {box: describe_box(box, (30, 30)) for box in boxes} == boxes
