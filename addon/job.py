@@ -20,6 +20,7 @@ from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.atomic import replace_files
+from ..lib.film.view_transform import ViewTransform
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
@@ -36,6 +37,7 @@ from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
 from .export.render_depsgraph import with_render_depsgraph
+from .export.view_transform import export_view_transform
 from .host.blender_at_hand import require_readable_file
 
 # A part of the scene that may show a difference is judged in this share of the time, and in so many seconds at least.
@@ -60,11 +62,12 @@ def judge(
     repeat: str,
     progress: Progress,
     may_shrink: bool = True,
+    transform: ViewTransform | None = None,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
 
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
-    `may_shrink` allow it, a smaller one of the same view is compared.
+    `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene wants its images shown in the report.
     """
     with nullcontext() if folder is None else replace_files(folder) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
@@ -91,7 +94,7 @@ def judge(
         )
         comparison = replace(comparison, options=settings.part(CompareOptions))
         if beside is not None:
-            write_report(comparison, reference.plan, beside, repeat)
+            write_report(comparison, reference.plan, beside, repeat, transform)
     return comparison
 
 
@@ -108,10 +111,11 @@ def compare_here(
     shows it. `repeat` is the command that the report shows; `progress` is told the share that is done, and asked whether to end.
     Raises Refused or EtalonError.
     """
-    exported = export(scene, settings.partial)
+    exported, transform = export(scene, settings.partial), export_view_transform(scene)
     with neutral(scene, threads=settings.threads):
         candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
-        comparison = judge(exported, candidate, settings, folder, repeat, progress, not scene.render.use_border)
+        may_shrink = not scene.render.use_border
+        comparison = judge(exported, candidate, settings, folder, repeat, progress, may_shrink, transform)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
             show_unexplained(comparison, folder, partial(show, scene, settings))
         return comparison
@@ -168,6 +172,7 @@ class BackgroundJob:
         self.errors: tuple[str, ...] = ()
         self._settings = settings
         self._may_shrink = not scene.render.use_border
+        self._transform = export_view_transform(scene)
         self._cancel = threading.Event()
         self._temporary = tempfile.TemporaryDirectory(prefix="etalon-", ignore_cleanup_errors=True)
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
@@ -204,6 +209,7 @@ class BackgroundJob:
                 self._repeat,
                 Progress(self._report, self._cancel.is_set, self._tell),
                 self._may_shrink,
+                self._transform,
             )
             if self.comparison.stopped is not Stop.CANCELLED:
                 self.message = "Looking for the cause"
