@@ -20,6 +20,7 @@ from ..lib.comparison.size import choose_divisor
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
+from ..lib.film.view_transform import ViewTransform
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
@@ -37,6 +38,7 @@ from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
 from .export.render_depsgraph import with_render_depsgraph
+from .export.view_transform import export_view_transform
 from .host.blender_at_hand import require_readable_file
 
 # A part of the scene that may show a difference is judged in this share of the time, and in so many seconds at least.
@@ -62,13 +64,14 @@ def judge(
     progress: Progress,
     may_shrink: bool = True,
     name: str = "",
+    transform: ViewTransform | None = None,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
 
     The report is about a file called `name`, or has the scene's name where none is given.
 
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
-    `may_shrink` allow it, a smaller one of the same view is compared.
+    `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene wants its images shown in the report.
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
@@ -99,7 +102,7 @@ def judge(
         comparison = replace(comparison, **about, scene=name or comparison.scene)
         if beside is not None:
             progress.begin("writing the report")
-            write_report(comparison, reference.plan, beside, repeat)
+            write_report(comparison, reference.plan, beside, repeat, transform)
     return comparison
 
 
@@ -125,10 +128,11 @@ def compare_here(
     Raises Refused or EtalonError.
     """
     progress.begin("reading the scene")
-    exported, name = export(scene, settings.partial), name_of_file(scene)
+    exported, name, transform = export(scene, settings.partial), name_of_file(scene), export_view_transform(scene)
     with neutral(scene, threads=settings.threads):
         candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
-        comparison = judge(exported, candidate, settings, folder, repeat, progress, not scene.render.use_border, name)
+        may_shrink = not scene.render.use_border
+        comparison = judge(exported, candidate, settings, folder, repeat, progress, may_shrink, name, transform)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
             progress.begin("looking for the smallest scene that shows it")
             show_unexplained(comparison, folder, partial(show, scene, settings))
@@ -185,6 +189,7 @@ class BackgroundJob:
         self._settings = settings
         self._name = name_of_file(scene)
         self._may_shrink = not scene.render.use_border
+        self._transform = export_view_transform(scene)
         self._cancel = threading.Event()
         self._temporary = ExitStack()
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
@@ -221,6 +226,7 @@ class BackgroundJob:
                 Progress(self._report, self._cancel.is_set, self._tell, self._begin),
                 self._may_shrink,
                 self._name,
+                self._transform,
             )
             if self.comparison.stopped is not Stop.CANCELLED:
                 self._begin("looking for the smallest scene that shows it")

@@ -2,8 +2,9 @@
 """What a person reads: HTML, JSON, pictures.
 
 summary.py the verdict in three sentences, words.py its details, document.py and verdict.schema.json all its figures, read.py reads them
-back, flip.py a map for the eye, write.py the folder, report.html with report.js the page; batch.py and batch.html the table of many
-comparisons.
+back. write.py writes the folder, page.py fills the template report.html. The script of that page is in calculations.js (what needs no
+browser), pictures.js, viewer.js (the panes), regions.js (the table) and controls.js; flip.py makes a map for the eye. batch.py and
+batch.html are the table of many comparisons.
 """
 
 from .write import write_report

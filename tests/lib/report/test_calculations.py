@@ -10,8 +10,8 @@ import pytest
 from etalon.lib import report
 from etalon.lib.relative import relative_difference
 from etalon.lib.report.document import document
+from etalon.lib.report.page import shorten_region
 from etalon.lib.report.words import worst_channel
-from etalon.lib.report.write import shorten_region
 from etalon.lib.srgb import srgb_encode
 from etalon.tests.lib.report.comparisons import CASES, PLAN, made
 

@@ -6,7 +6,7 @@ import pytest
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
 from etalon.lib.report import write_report
-from etalon.lib.report.write import averaged
+from etalon.lib.report.page import averaged
 from etalon.tests.lib.report.comparisons import CASES, FILES, PLAN, made
 
 

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""report.html: one file with every pixel, every region and a script that shows them."""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from ..comparison.compare import Comparison, Side
+from ..errors import EtalonError
+from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
+from ..film.view_transform import ViewTransform
+from ..pages import render_page
+from ..pages.formats import format_bound
+from ..relative import relative_difference
+from .curve import draw_bound
+from .flip import flip
+from .words import worst_channel
+
+# The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
+MOST_PIXELS = 600_000
+# Differences are drawn up to this many tolerances, and significances up to this many standard errors.
+DIFFERENCE_LIMIT, SIGNIFICANCE_LIMIT = 5, 5
+# FLIP travels as bytes: 0 to 254, and one that stands for pixels that are not finite.
+FLIP_ONE, FLIP_NONE = 254, 255
+# Significances travel as signed bytes, in eighths of a standard error.
+SIGNIFICANCE_ONE, SIGNIFICANCE_MOST, SIGNIFICANCE_NONE = 8, 127, -128
+# Radiance travels with this many bits of the 24 that a float has: to 8 millionths, twice as fine as four digits need.
+MANTISSA = 16
+# Without JavaScript the page shows this many regions.
+MOST_STATIC_ROWS = 40
+_URGENCY = ("DIFFERENT", "UNDECIDED", "EXPLAINED", "EQUIVALENT")
+GRIDS = ("block", "cell")
+
+
+def shown_means(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
+    """Both sides' means (height, width, 3); NaN, as what is not finite, where pixels are not compared."""
+    means = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
+    if not comparison.unknown:
+        return means
+    reference, candidate = (np.where(comparison.left_out[..., None], np.nan, mean) for mean in means)
+    return reference, candidate
+
+
+def averaged(image: np.ndarray, step: int) -> np.ndarray:
+    """The means of `step` x `step` pixels (fewer at the right and lower edge) of an image (height, width, 3)."""
+    rows, columns = (np.arange(0, size, step) for size in image.shape[:2])
+    total = np.add.reduceat(np.add.reduceat(image, rows, axis=0), columns, axis=1)
+    return total / _pixels(image, step)
+
+
+def _pixels(image: np.ndarray, step: int) -> np.ndarray:
+    """How many pixels of an image each mean of `averaged` has, as (rows, columns, 1)."""
+    rows, columns = (np.diff(np.append(np.arange(0, size, step), size)) for size in image.shape[:2])
+    return (rows[:, None] * columns)[..., None]
+
+
+def significances(comparison: Comparison, step: int = 1) -> np.ndarray:
+    """(candidate - reference) / standard error of the means of `step` x `step` pixels, (rows, columns, 3).
+
+    The variance over replicates of each pixel is used, and pixels are taken as independent. 0 where both sides are equal; NaN where a side
+    has fewer than two replicates or a value that is not finite.
+    """
+    reference, candidate = (averaged(mean, step) for mean in shown_means(comparison))
+    square = _squared_error(comparison.reference, step) + _squared_error(comparison.candidate, step)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = (candidate - reference) / np.sqrt(square)
+    return np.where((candidate == reference) & np.isfinite(square), 0.0, found)
+
+
+def _squared_error(side: Side, step: int) -> np.ndarray:
+    moments = side.film.moments
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return averaged(moments.variance / moments.count, step) / _pixels(moments.mean, step)
+
+
+def label_maps(comparison: Comparison, step: int) -> tuple[list[str], np.ndarray]:
+    """The kinds of regions that the user named, and for each a map (kinds, rows, columns), uint16, of the regions of that kind.
+
+    A pixel holds one more than the place in the list of the region that covers most of it, and 0 where there is none.
+    """
+    regions = comparison.regions
+    kinds = list(dict.fromkeys(np.array(regions.kinds, object)[regions.families == 1]))
+    labels = np.zeros((len(kinds), regions.shape[0] * regions.shape[1]), np.uint16)
+    for found, kind in zip(labels, kinds, strict=True):
+        most = np.zeros(found.size)
+        for k in regions.indices(kind):
+            start, end = regions.weights.indptr[k : k + 2]
+            pixels, weights = regions.weights.indices[start:end], regions.weights.data[start:end]
+            larger = weights > most[pixels]
+            most[pixels[larger]] = weights[larger]
+            found[pixels[larger]] = k + 1
+    return kinds, labels.reshape(-1, *regions.shape)[:, ::step, ::step]
+
+
+def order_regions(regions: list[dict[str, Any]]) -> list[int]:
+    """The places of regions in the order in which the page opens, as compareUrgency in report/calculations.js.
+
+    What is not equivalent comes first, named regions before blocks, then the largest difference.
+    """
+
+    def urgency(k: int) -> tuple[int, bool, float, int]:
+        region = regions[k]
+        size = max((abs(v) for v in region["difference"] if v is not None), default=-1.0)
+        return _URGENCY.index(region["outcome"]), region["kind"] in GRIDS, -size, k
+
+    return sorted(range(len(regions)), key=urgency)
+
+
+def _worst(region: dict[str, Any]) -> int:
+    """The channel in which a region is furthest off, as worstChannel in report/calculations.js."""
+    return int(worst_channel(np.array([region["difference"]], float))[0])
+
+
+def shorten_region(region: dict[str, Any]) -> dict[str, Any]:
+    """A region of verdict.json as the page's script reads it: the same names, six significant digits."""
+
+    def short(values: list[float | None]) -> list[float | None]:
+        return [None if v is None else float(f"{v:.6g}") for v in values]
+
+    kept = {key: region[key] for key in ("kind", "name", "outcome", "box", "decided_at")}
+    kept["bound"] = None if region["bound"] is None else float(f"{region['bound']:.6g}")
+    sizes = {key: round(region[key], 2) for key in ("pixels", "excluded_pixels")}
+    return {
+        **kept,
+        **sizes,
+        **{key: short(region[key]) for key in ("reference", "candidate", "difference", "low", "high")},
+    }
+
+
+def render_report(comparison: Comparison, figures: dict[str, Any], transform: ViewTransform | None) -> str:
+    """The page as text; `figures` are those of verdict.json, `transform` is the view transform of the user's scene."""
+    height, width = comparison.regions.shape
+    step = 1
+    while -(-height // step) * -(-width // step) > MOST_PIXELS:
+        step += 1
+    images = [averaged(mean, step) for mean in shown_means(comparison)]
+    exposure = round(2 * middle_exposure(images[0])) / 2
+    seen = flip(images[0], images[1], exposure)
+    kinds, labels = label_maps(comparison, step)
+    shots, told = _shots(images, exposure, transform)
+    regions = [shorten_region(region) for region in figures["regions"]]
+    order = order_regions(regions)
+    shot = _difference_shot(comparison, images)
+    hatch = np.isnan(images[0]).any(axis=2) | np.isnan(images[1]).any(axis=2)
+    view = {
+        "width": images[0].shape[1],
+        "height": images[0].shape[0],
+        "step": step,
+        "floor": comparison.verdict.floor.tolist(),
+        "tolerance": comparison.verdict.tolerance,
+        "limit": DIFFERENCE_LIMIT,
+        "exposure": exposure,
+        "flip": {
+            "one": FLIP_ONE,
+            "none": FLIP_NONE,
+            "mean": float(np.nanmean(seen)) if np.isfinite(seen).any() else None,
+        },
+        "significance": {"one": SIGNIFICANCE_ONE, "none": SIGNIFICANCE_NONE, "limit": SIGNIFICANCE_LIMIT},
+        "transform": transform.name if transform is not None and not told else None,
+        "names": [comparison.reference.name, comparison.candidate.name],
+        "kinds": kinds,
+        "regions": regions,
+    }
+    values = {
+        "figures": figures,
+        "view": view,
+        "counts": {name: sum(region["outcome"] == name for region in regions) for name in _URGENCY},
+        "rows": [(k, {**regions[k], "worst": _worst(regions[k])}) for k in order[:MOST_STATIC_ROWS]],
+        "transform_note": told,
+        "omitted": transform.omitted if transform is not None and not told else (),
+        "curve": draw_bound(comparison.history, comparison.verdict.tolerance),
+        "shots": [_png(hatched(image, hatch)) for image in (*shots, shot)],
+        "floats": [_packed_floats(image) for image in images],
+        "flip": _packed(np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)),
+        "significance": _packed(_coded(significances(comparison, step))),
+        "labels": _packed(labels.astype("<u2")),
+    }
+    return render_page(Path(__file__).with_name("report.html"), values, {"bound": format_bound})
+
+
+def _shots(images: list[np.ndarray], exposure: float, transform: ViewTransform | None) -> tuple[list[np.ndarray], str]:
+    """Both images as the scene wants them shown, and why they are not, if they are not."""
+    plain = [srgb8(image, exposure) for image in images]
+    if transform is None:
+        return plain, ""
+    try:
+        shots = [transform.apply(image) for image in images]
+    except EtalonError as error:
+        return plain, str(error)
+    return shots, ""
+
+
+def _difference_shot(comparison: Comparison, images: list[np.ndarray]) -> np.ndarray:
+    verdict, (reference, candidate) = comparison.verdict, images
+    limit = DIFFERENCE_LIMIT * verdict.tolerance
+    difference = relative_difference(candidate - reference, reference, verdict.floor)
+    return signed8(np.clip(difference, -limit, limit).mean(axis=2), limit)
+
+
+def _coded(significance: np.ndarray) -> np.ndarray:
+    """Significances as signed bytes; those beyond the largest code have that code."""
+    most = SIGNIFICANCE_MOST / SIGNIFICANCE_ONE
+    codes = np.rint(SIGNIFICANCE_ONE * np.clip(np.nan_to_num(significance), -most, most))
+    return np.where(np.isnan(significance), SIGNIFICANCE_NONE, codes).astype(np.int8)
+
+
+def _packed_floats(values: np.ndarray) -> Markup:
+    """Floats, rounded to MANTISSA bits, as text: first bytes first, then all second ones, which compresses better."""
+    floats = np.ascontiguousarray(values, "<f4")
+    dropped = 24 - MANTISSA
+    bits = floats.view("<u4").astype(np.uint64) + (1 << dropped - 1) >> dropped << dropped
+    rounded = np.where(np.isfinite(floats), bits, floats.view("<u4")).astype("<u4")
+    return _packed(rounded.reshape(-1, 1).view(np.uint8).T)
+
+
+def _packed(values: np.ndarray) -> Markup:
+    """An array's bytes, compressed, as text for a script element, which they cannot end."""
+    return Markup(base64.b64encode(zlib.compress(np.ascontiguousarray(values).tobytes(), 9)).decode())
+
+
+def _png(pixels: np.ndarray) -> str:
+    """Pixels (height, width, 3), uint8, as the address of an image that the page itself holds."""
+    with tempfile.TemporaryDirectory(prefix="etalon-") as folder:
+        path = Path(folder) / "shot.png"
+        write_png(path, pixels)
+        return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
