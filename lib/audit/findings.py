@@ -15,7 +15,7 @@ from ..film.moments import Moments, merge
 from ..film.regions import Regions
 from ..film.rendering import Rendering
 from ..relative import relative_difference
-from ..report.write import averaged
+from ..report.page import averaged
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import holm
 from .paired import CHANNELS, interval, p_values

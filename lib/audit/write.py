@@ -14,7 +14,7 @@ import numpy as np
 from ..files.plain_data import write_json
 from ..film.pictures import middle_exposure, signed8, srgb8, write_png
 from ..pages import render_page
-from ..report.write import averaged
+from ..report.page import averaged
 from .document import ORIGINS, SAME, WORDS, bias, document, map_name, ratio
 from .findings import Audit
 from .summary import summarize
