@@ -11,7 +11,7 @@ from ..comparison.compare import Comparison
 from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_part, format_percent
 from ..plural import plural
-from ..verdict.causes import Explanation, Role, Shares, State
+from ..verdict.causes import BAND, Explanation, Role, Shares, State
 from ..verdict.explain import clearest
 from ..verdict.outcome import Outcome
 from .language import listed, place
@@ -120,6 +120,7 @@ def _partial(comparison: Comparison, why: Explanation) -> list[str]:
     return [
         f"{head} {'It accounts' if one else 'They account'} for {_of_named(comparison, why, True)}; {over}.{does}",
         f"Unexplained: {_differ(left)} for reasons that are not known in full.",
+        *_contradictions(comparison, why),
     ]
 
 
@@ -170,8 +171,24 @@ def _no_reason(comparison: Comparison, why: Explanation) -> list[str]:
 def _ruled_out(comparison: Comparison, why: Explanation) -> list[str]:
     left = _differ(len(unexplained(comparison)))
     return [
-        f"Unexplained: {left}, and no set of the departures that apply fits what was measured. {_estimates(comparison, why)}"
+        f"Unexplained: {left}, and no set of the departures that apply fits what was measured. {_estimates(comparison, why)}",
+        *_contradictions(comparison, why),
     ]
+
+
+def _contradictions(comparison: Comparison, why: Explanation) -> list[str]:
+    """Why a departure whose share is near 1 somewhere is not the whole cause: where its share is shown to be another."""
+    said = []
+    for k, (departure, shares) in enumerate(zip(why.departures, why.shares, strict=True)):
+        if shares is None or not BAND[0] <= shares.value[fits := strongest(comparison, k)] <= BAND[1]:
+            continue
+        off = shares.off & _differs(comparison)
+        if off.any():
+            worst = int(np.argmax(np.where(off, np.abs(np.nan_to_num(shares.value) - 1.0), -1.0)))
+            part = f"{format_part(shares.value[worst])} of the difference in {place(comparison, worst)}"
+            fit = f"it fits {place(comparison, fits)}"
+            said.append(f"{departure.name} is not the whole cause: {fit}, but accounts for {part}.")
+    return said
 
 
 def _open(comparison: Comparison, why: Explanation) -> list[str]:

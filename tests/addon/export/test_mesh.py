@@ -12,8 +12,6 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.scene.mesh import Object
 from etalon.lib.scene.placements import Placements
 from etalon.lib.scene_check.check import check_scene
-from etalon.lib.settings.reference import Options
-from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Euler, Matrix
 
 MIRROR = Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0))
@@ -370,26 +368,3 @@ def test_reading_and_joining_a_mesh_takes_little_beyond_its_arrays(studio):
     arrays = [joined.vertices, joined.triangles, joined.corner_normals, joined.uvs[""]]
     beyond = (peak - sum(array.nbytes for array in arrays)) / joined.triangle_count
     assert 0 < beyond < 160
-
-
-def test_cycles_has_coincident_faces_shadow_each_other(studio):
-    """What the warning says: a sheet under a sun, and the same with a copy in its place; the reference sees one sheet."""
-    studio.plain = bpy.data.materials.new("diffuse")
-    if bpy.app.version < (5, 0, 0):
-        studio.plain.use_nodes = True
-    tree = studio.plain.node_tree
-    tree.nodes.clear()
-    diffuse, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
-    sun = bpy.data.lights.new("sun", "SUN")
-    sun.energy, sun.angle = np.pi, 0.0
-    studio.add("sun", sun)
-    tilted = Euler((0.3, 0.03, 0.06)).to_matrix().to_4x4()
-    exact = 0.8 * tilted[2][2]
-    studio.look_down(0.5)
-    for copies in (1, 2):
-        studio.quad(f"sheet {copies}").matrix_world = tilted
-        found = ReferenceRenderer(studio.export(), Options()).render(0, 1).radiance
-        np.testing.assert_allclose(found, exact, rtol=1e-5)
-        shown = studio.cycles(4).mean()
-        assert shown == pytest.approx(exact, rel=1e-5) if copies == 1 else shown < 0.8 * exact

@@ -63,8 +63,12 @@ def made(
     settings=None,
     effects=None,
     stop=False,
+    by_rounding=False,
 ):
-    """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference."""
+    """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference.
+
+    `by_rounding`: rounding decides how much of them acts.
+    """
     truth = grey() if truth is None else truth
     height, width, _ = truth.shape
     reference = Painter("the reference", truth, sigma)
@@ -83,7 +87,8 @@ def made(
 
     among = effects
     if effects is not None:
-        among = Alternatives(tuple(Departure(one, f"{one} it is.", "a.h") for one in effects), departed)
+        known = (Departure(one, f"{one} it is.", "a.h", by_rounding=by_rounding) for one in effects)
+        among = Alternatives(tuple(known), departed)
     return compare(
         blank(width, height, name),
         reference,

@@ -2,14 +2,17 @@
 """What is known of causes, in sentences and figures."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from etalon.lib.report.document import document
+from etalon.lib.report.scene_check import scene_check_lines
 from etalon.lib.report.words import sentences
+from etalon.lib.scene.findings import Finding
 from etalon.lib.verdict.causes import State
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import grey
-from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, Page, made, written_page
+from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, HOSTILE, PLAN, Page, made, written_page
 
 SAID = {
     "explained": (
@@ -98,3 +101,54 @@ def test_what_explains_some_regions_is_named_beside_those_that_differ_for_no_kno
         re.search(r"^Partial cause: known\..* It explains \d of the \d regions that differ\.", s) for s in said
     ), said
     assert any(re.search(r"^Unexplained: \d regions? differs? ", s) for s in said), said
+
+
+@pytest.mark.parametrize(("upper", "lower", "state"), [(1.1, 1.0, State.PARTIAL), (1.12, 0.97, State.RULED_OUT)])
+def test_a_departure_that_fits_the_whole_but_not_its_parts_is_said_not_to_be_the_whole_cause(upper, lower, state):
+    """The left differs by one part above and another below; the departure adds 5 % to all of it, about as much as both together."""
+    other = grey()
+    other[:10, :12] *= upper
+    other[10:, :12] *= lower
+    found = made(other=other, effects={"known": 0.05}, sigma=0.01)
+    assert found.explanation.state is state
+    said = " ".join(sentences(found))
+    pattern = (
+        r"known is not the whole cause: it fits .*, but accounts for -?[\d.]+ % of the difference in block x 0 to 15"
+    )
+    assert re.search(pattern, said), said
+
+
+@pytest.mark.parametrize(
+    ("case", "reasons"),
+    [("equivalent", {None}), ("explained", {"departures", None}), ("no reason", {"unexplained", None})],
+)
+def test_every_difference_has_a_reason_in_the_figures(case, reasons):
+    figures = document(made(**CASES[case]), PLAN, "")
+    assert {region["reason"] for region in figures["regions"]} == reasons
+    for region in figures["regions"]:
+        assert (region["reason"] is None) == (region["outcome"] in ("EQUIVALENT", "UNDECIDED"))
+
+
+def test_what_rounding_decides_is_put_down_to_the_scene():
+    """A difference of 5 % where a departure of which rounding decides how much acts would do 12 %."""
+    found = made(other=BRIGHTER, effects={"known": 0.12}, sigma=0.01, by_rounding=True)
+    assert found.verdict.outcome is Outcome.EXPLAINED
+    figures = document(found, PLAN, "")
+    assert figures["attribution"]["state"] == "explained by rounding"
+    assert {region["reason"] for region in figures["regions"]} == {"scene", None}
+    assert figures["unexplained"] == 0
+    assert any(s.startswith("Explained by the scene: known. Rounding") for s in sentences(found))
+    without = made(other=BRIGHTER, effects={"known": 0.12}, sigma=0.01)
+    assert without.verdict.outcome is Outcome.DIFFERENT
+
+
+def test_findings_of_the_scene_check_stand_in_the_figures_and_on_the_page(tmp_path):
+    finding = Finding("overlapping faces", f"'{HOSTILE}' and 'Floor' (4 m²).", "They hide light.", "Move one.")
+    found = replace(made(**CASES["equivalent"]), findings=(finding,))
+    assert document(found, PLAN, "")["scene_check"] == [vars(finding)]
+    shown = Page(written_page(found, tmp_path, "")).shown
+    for text in vars(finding).values():
+        assert text in shown
+    lines = scene_check_lines(found.findings)
+    assert lines == ["scene check", f"  overlapping faces: {finding.what}", "    They hide light. Move one."]
+    assert scene_check_lines(()) == []

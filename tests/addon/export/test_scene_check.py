@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the export tells the scene check, and what Cycles shows where faces overlap in one plane."""
+
+import bpy
+import numpy as np
+import pytest
+from etalon.lib.scene_check.check import check_scene
+from etalon.lib.settings.reference import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
+from mathutils import Euler
+
+HIDING = frozenset({"faces in one plane"})
+
+
+def findings(studio):
+    return {finding.check: finding.what for finding in check_scene(studio.export())}
+
+
+@pytest.fixture
+def lit(studio):
+    """A diffuse material for all, and a sun that stands upright."""
+    if bpy.app.version < (5, 0, 0):
+        studio.plain.use_nodes = True
+    tree = studio.plain.node_tree
+    tree.nodes.clear()
+    diffuse, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
+    sun = bpy.data.lights.new("sun", "SUN")
+    sun.energy, sun.angle = np.pi, 0.0
+    studio.add("sun", sun)
+    studio.look_down(2.0)
+    return studio
+
+
+def reference(studio, departures=frozenset()):
+    return ReferenceRenderer(studio.export(), Options(departures=departures)).render(0, 4).radiance
+
+
+@pytest.mark.compares_with_cycles
+def test_where_a_rug_lies_in_the_floors_plane_cycles_is_black_as_the_departure_says(lit):
+    lit.quad("floor", 1.5)
+    lit.quad("rug", 0.5)
+    lit.camera.location.x += 0.013  # off the diagonals, on which rays meet either triangle
+    shown = lit.cycles(4)
+    middle = (slice(9, 23), slice(9, 23))
+    departed = reference(lit, HIDING)
+    assert reference(lit) == pytest.approx(np.full((32, 32, 3), 0.8), rel=1e-6)
+    assert departed[middle].max() == 0.0
+    assert shown[middle].mean() < 0.01
+    shown[7:25, 7:25] = departed[7:25, 7:25] = 0.0
+    assert shown == pytest.approx(departed, rel=1e-5)
+
+
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize("lean", [(0.3, 0.03, 0.06), (0.5, 0.2, 0.1)])
+def test_in_a_tilted_plane_cycles_lies_between_none_and_all_of_the_departure(lit, lean):
+    """Rounding decides which rays meet the other face."""
+    for name in ("sheet", "copy"):
+        lit.quad(name, 3.0).matrix_world = Euler(lean).to_matrix().to_4x4()
+    plain, departed, shown = reference(lit).mean(), reference(lit, HIDING).mean(), lit.cycles(16).mean()
+    assert departed == 0.0
+    assert 0.1 * plain < shown < 0.9 * plain
+
+
+def test_settings_that_are_set_aside_are_named(studio):
+    smooth, flat = studio.quad("smooth"), studio.quad("flat", z=1.0)
+    smooth.data.shade_smooth()
+    studio.add("Bulb", bpy.data.lights.new("Bulb", "POINT")).data.shadow_soft_size = 0.1
+    studio.add("Pin", bpy.data.lights.new("Pin", "POINT")).data.shadow_soft_size = 0.0
+    found = findings(studio)
+    assert "1 smooth object is off on both sides: 'smooth'." in found["shadow terminator offset"]
+    assert found["soft falloff"] == "Soft falloff of 1 light is off on both sides: 'Bulb'."
+    for thing in (smooth, flat):
+        for owner in (thing, thing.cycles):
+            for name in ("shadow_terminator_geometry_offset", "shadow_terminator_offset"):
+                if hasattr(owner, name):
+                    setattr(owner, name, 0.0)
+    bpy.data.lights["Bulb"].use_soft_falloff = False
+    assert findings(studio) == {}
+
+
+def test_a_mirrored_object_is_named(studio):
+    studio.quad("shoe").scale.x = -1.0
+    assert findings(studio) == {"negative scale": "1 object is mirrored by a negative scale: 'shoe'."}
