@@ -4,12 +4,17 @@
 The tree is copied to `build/extension`, the wheels that Blender lacks are fetched beside it by pip, their list is
 written into the copy's manifest, and Blender's own packager (it comes with the `bpy` wheel) validates the copy and
 writes one archive per platform to `dist`. NumPy and OpenImageIO ship inside Blender and are never bundled.
+
+Each wheel has its version and its SHA-256 in `pinned_wheels/`, and pip takes no other. `--update` writes these files anew: the newest
+versions that pyproject.toml and Blender's NumPy allow.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib.util
+import itertools
+import json
 import shutil
 import subprocess
 import sys
@@ -18,6 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 STAGE = ROOT / "build" / "extension"
+PINNED = ROOT / "pinned_wheels"
 PACKAGED = ("addon", "lib", "reference_scenes")
 FILES = ("__init__.py", "api.py", "public_name.py", "py.typed", "LICENSE", "blender_manifest.toml")
 
@@ -41,15 +47,45 @@ def requirements() -> list[str]:
     return [d for d in dependencies if not d.lower().startswith(NOT_BUNDLED)]
 
 
-def gather(platform: str, python: str, folder: Path) -> None:
-    """Fetch the wheels of one platform and Python version into `folder`."""
+def pins(platform: str, python: str) -> Path:
+    """The file with version and hash of every wheel for one platform and Python version, as pip reads it."""
+    return PINNED / f"{platform}-{python}.txt"
+
+
+def pip(platform: str, python: str, *words: str) -> str:
+    """Run a command of pip for another platform, wheels only; returns what it prints."""
     tags = [argument for tag in PLATFORMS[platform] for argument in ("--platform", tag)]
-    command = [sys.executable, "-m", "pip", "download", "--quiet", "--only-binary=:all:", "--dest", str(folder)]
-    command += ["--python-version", python, *tags, *requirements(), f"numpy=={NUMPY[python]}"]
-    subprocess.run(command, check=True)
-    for name in NOT_BUNDLED:
-        for wheel in folder.glob(f"{name}-*.whl"):
-            wheel.unlink()
+    command = [sys.executable, "-m", "pip", *words, "--quiet", "--only-binary=:all:", "--python-version", python, *tags]
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def update(platform: str, python: str) -> None:
+    """Write `pins` anew, from what the package index says of each wheel."""
+    asked = ["--dry-run", "--ignore-installed", "--target", str(STAGE), "--report", "-"]
+    report = json.loads(pip(platform, python, "install", *asked, *requirements(), f"numpy=={NUMPY[python]}"))
+    lines = [
+        f"{wheel['metadata']['name']}=={wheel['metadata']['version']} "
+        f"--hash=sha256:{wheel['download_info']['archive_info']['hashes']['sha256']}\n"
+        for wheel in report["install"]
+        if wheel["metadata"]["name"].lower() not in NOT_BUNDLED
+    ]
+    PINNED.mkdir(exist_ok=True)
+    pins(platform, python).write_text("".join(sorted(lines, key=str.lower)), encoding="utf-8")
+
+
+def gather(platform: str, python: str, folder: Path) -> None:
+    """Fetch the wheels of one platform and Python version into `folder`; pip ends with an error where a hash is another."""
+    pip(
+        platform,
+        python,
+        "download",
+        "--no-deps",
+        "--require-hashes",
+        "--dest",
+        str(folder),
+        "-r",
+        str(pins(platform, python)),
+    )
 
 
 def stage(platforms: list[str], pythons: list[str]) -> None:
@@ -87,8 +123,17 @@ def main() -> None:
     parser.add_argument("--platform", action="append", choices=PLATFORMS, help="Blender's name of a platform; all four")
     parser.add_argument("--python", action="append", choices=NUMPY, help="a Python that Blender brings; both")
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder for the archives (dist)")
+    parser.add_argument(
+        "--update", action="store_true", help="write version and hash of every wheel anew, and build nothing"
+    )
     arguments = parser.parse_args()
-    stage(arguments.platform or list(PLATFORMS), arguments.python or list(NUMPY))
+    platforms, pythons = arguments.platform or list(PLATFORMS), arguments.python or list(NUMPY)
+    if arguments.update:
+        for platform, python in itertools.product(platforms, pythons):
+            print(f"versions and hashes for {platform}, Python {python}", flush=True)
+            update(platform, python)
+        return
+    stage(platforms, pythons)
     arguments.out.mkdir(parents=True, exist_ok=True)
     tool = [sys.executable, str(packager())]
     subprocess.run([*tool, "validate", str(STAGE)], check=True)

@@ -7,7 +7,6 @@ open in Blender, and `EXPECTATIONS`.
 
 from __future__ import annotations
 
-import os
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +14,7 @@ from types import ModuleType
 import bpy
 
 from ..lib.errors import EtalonError
+from ..lib.files.atomic import replace_file
 from ..lib.settings.common import REFERENCE_SCENES
 
 SCENES: dict[str, ModuleType] = {name: import_module(f".{name}", __name__) for name in REFERENCE_SCENES}
@@ -36,12 +36,9 @@ def save(name: str, path: Path) -> None:
     for image in bpy.data.images:
         if image.has_data or image.source == "FILE":
             image.pack()
-    beside = path.with_name(f".unfinished-{os.getpid()}-{path.stem}.blend")
-    try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(beside.resolve()), copy=True, compress=True, check_existing=False)
-        os.replace(beside, path)
-    except (RuntimeError, OSError) as error:
-        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
-        raise EtalonError(f"{path}: cannot be written ({reason}); make room or name another folder") from error
-    finally:
-        beside.unlink(missing_ok=True)
+    with replace_file(path) as beside:
+        try:
+            bpy.ops.wm.save_as_mainfile(filepath=str(beside.resolve()), copy=True, compress=True, check_existing=False)
+        except RuntimeError as error:
+            reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+            raise EtalonError(f"{path}: cannot be written ({reason}); make room or name another folder") from error

@@ -82,7 +82,9 @@ def _main(words: list[str]) -> int:
     except EtalonError as error:
         return _fail(str(error))
     except OSError as error:
-        return _fail(f"{error.filename or 'file'}: {error.strerror}; check the path, its permissions and the disk")
+        return _fail(
+            f"{error.filename or 'file'}: {error.strerror or error}; check the path, its permissions and the disk"
+        )
     except MemoryError:
         return _fail("out of memory; lower the resolution or simplify the scene")
     except KeyboardInterrupt:

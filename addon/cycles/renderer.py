@@ -193,7 +193,12 @@ class CyclesRenderer:
 
 def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray) -> None:
     """Add the image that Cycles wrote to `radiance` (height, width, 3), times `weight`, and count what is not finite."""
-    channels = read_exr(path)
+    try:
+        channels = read_exr(path)
+    except EtalonError as error:
+        raise EtalonError(
+            f"Cycles' image cannot be read back from {path.parent}; make room there, or set TMPDIR to another folder"
+        ) from error
     path.unlink()
     finite = True
     for k, name in enumerate("RGB"):

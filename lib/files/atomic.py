@@ -71,7 +71,7 @@ def _make_folder(folder: Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         _finish(folder)
     except OSError as error:
-        raise EtalonError(f"{folder} cannot be written ({error.strerror}); name another folder") from error
+        raise EtalonError(f"{folder} cannot be written ({_reason(error)}); name another folder") from error
     return missing
 
 
@@ -99,6 +99,11 @@ def _known_places(folder: Path, new: Path) -> Iterator[None]:
         if type(error) is not EtalonError or str(new) not in str(error):
             raise
         raise EtalonError(str(error).replace(str(new), str(folder))) from error
+
+
+def _reason(error: OSError) -> str:
+    """The error in one line; Blender's own have no number."""
+    return error.strerror or " ".join(str(error).split())
 
 
 def _place(folder: Path, name: str) -> str:
