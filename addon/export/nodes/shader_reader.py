@@ -11,7 +11,18 @@ import bpy
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import Folder
-from .tree import Scope, TreeReader, remedy_for_unread, valid_link
+from .tree import Scope, Source, TreeReader, remedy_for_unread, valid_link
+
+Key = tuple
+"""Identifies an output of a node in its scope."""
+
+
+@dataclass(frozen=True)
+class _Shader:
+    """A shader node's output, and what it takes of others: theirs by key, each with its factor; None for what it does itself."""
+
+    source: Source
+    parts: tuple[tuple[Key, ex.Expression], ...] | None
 
 
 @dataclass
@@ -19,20 +30,67 @@ class ShaderReader:
     """Reads shader sockets into lobes.
 
     Values are read by `values` and folded by one `folder`, so that what is shared stays shared. `readers` has the function for each type of
-    shader node, by Blender's identifier; a type that is not in it is refused.
+    shader node, by Blender's identifier, and `combiners` those that pass others on; a type that is in neither is refused.
     """
 
     values: TreeReader
     folder: Folder
     readers: Mapping[str, ReadShader]
+    combiners: Mapping[str, ReadParts]
 
-    def lobes(self, socket: bpy.types.NodeSocket, scope: Scope, weight: ex.Expression = ex.ONE) -> list[mt.Lobe]:
-        """The lobes that reach the shader input `socket`, each weighed by `weight`; no weight, no lobes."""
-        if weight == ex.ZERO:
+    def lobes(self, socket: bpy.types.NodeSocket, scope: Scope) -> list[mt.Lobe]:
+        """The lobes that reach the shader input `socket`.
+
+        A shader that is in use several times is read once, with the sum of its weights, as in Cycles: the time is linear in the number
+        of nodes.
+        """
+        root = self.values.trace(socket, scope)
+        if not root.linked:
             return []
-        source = self.values.trace(socket, scope)
-        if not source.linked:
-            return []
+        shaders, finished = self._collect(root)
+        weights: dict[Key, ex.Expression] = dict.fromkeys(shaders, ex.ZERO)
+        weights[_key(root)] = ex.ONE
+        for key in reversed(finished):  # a shader comes before all that it takes from
+            for part, factor in shaders[key].parts or ():
+                share = self.folder(ex.Math("MULTIPLY", weights[key], factor, ex.ZERO))
+                weights[part] = self.folder(ex.Math("ADD", weights[part], share, ex.ZERO))
+        own = ((shader.source, weights[key]) for key, shader in shaders.items() if shader.parts is None)
+        return [lobe for source, weight in own for lobe in self._own_lobes(source, weight)]
+
+    def _collect(self, root: Source) -> tuple[dict[Key, _Shader], list[Key]]:
+        """All shaders that `root` is made of, in the order in which they are met, and their keys, each after all that it takes from."""
+        shaders: dict[Key, _Shader] = {}
+        finished: list[Key] = []
+        pending: list[tuple[Source, bool]] = [(root, False)]
+        while pending:
+            source, done = pending.pop()
+            key = _key(source)
+            if done:
+                finished.append(key)
+            elif key not in shaders:
+                sources, factors = self._parts(source)
+                parts = None if sources is None else tuple(zip(map(_key, sources), factors, strict=True))
+                shaders[key] = _Shader(source, parts)
+                pending.append((source, True))
+                pending.extend((part, False) for part in reversed(sources or ()))
+        return shaders, finished
+
+    def _parts(self, source: Source) -> tuple[list[Source] | None, list[ex.Expression]]:
+        """The shaders that a Mix or Add takes anything of, and their factors; None for a shader that does something itself."""
+        combine = self.combiners.get(source.socket.node.bl_idname)
+        if combine is None:
+            return None, []
+        self.values.check(source.socket.node, source.scope)
+        sources, factors = [], []
+        for socket, factor in combine(self, source.socket.node, source.scope):
+            part = self.values.trace(socket, source.scope) if factor != ex.ZERO else None
+            if part is not None and part.linked:
+                sources.append(part)
+                factors.append(factor)
+        return sources, factors
+
+    def _own_lobes(self, source: Source, weight: ex.Expression) -> list[mt.Lobe]:
+        """The lobes of one shader, each weighed by `weight`."""
         node = source.socket.node
         if source.socket.type != "SHADER":
             return [self.lobe(_glow(self.values, source), weight)]
@@ -78,6 +136,14 @@ ReadShader = Callable[[ShaderReader, bpy.types.Node, Scope, ex.Expression], list
 """Reads one type of shader node into lobes, each weighed by the last argument."""
 
 
-def _glow(values: TreeReader, source: object) -> mt.Emission:
+ReadParts = Callable[[ShaderReader, bpy.types.Node, Scope], list[tuple[bpy.types.NodeSocket, ex.Expression]]]
+"""The shader inputs of a node that passes others on, each with its folded factor."""
+
+
+def _key(source: Source) -> Key:
+    return (*source.scope.path, source.socket.node.as_pointer(), source.socket.identifier)
+
+
+def _glow(values: TreeReader, source: Source) -> mt.Emission:
     """A colour linked to a shader socket shines, as in Cycles."""
     return mt.Emission(values.content(source, "RGBA"), ex.ONE)

@@ -12,7 +12,7 @@ from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.textures.fold import Folder, is_constant
 from .principled import read_principled
-from .shader_reader import ReadShader, ShaderReader
+from .shader_reader import ReadParts, ReadShader, ShaderReader
 from .tree import Scope, TreeReader
 
 # Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
@@ -108,26 +108,21 @@ def _is_smooth(roughness: ex.Expression) -> bool:
     return is_constant(roughness) and roughness.value <= _SMOOTH_ROUGHNESS
 
 
-def _mix(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _mix(reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> list[tuple[bpy.types.NodeSocket, ex.Expression]]:
     factor_socket, first, second = node.inputs
     factor = ex.Math("ADD", reader.values.read(factor_socket, scope), ex.ZERO, ex.ZERO, clamp=True)
     rest = ex.Math("SUBTRACT", ex.ONE, factor, ex.ZERO)
-    return [
-        *reader.lobes(first, scope, reader.folder(ex.Math("MULTIPLY", weight, rest, ex.ZERO))),
-        *reader.lobes(second, scope, reader.folder(ex.Math("MULTIPLY", weight, factor, ex.ZERO))),
-    ]
+    return [(first, reader.folder(rest)), (second, reader.folder(factor))]
 
 
-def _add(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
-    first, second = node.inputs
-    return [*reader.lobes(first, scope, weight), *reader.lobes(second, scope, weight)]
+def _add(_: ShaderReader, node: bpy.types.Node, __: Scope) -> list[tuple[bpy.types.NodeSocket, ex.Expression]]:
+    return [(socket, ex.ONE) for socket in node.inputs]
 
 
+_COMBINERS: Mapping[str, ReadParts] = {"ShaderNodeMixShader": _mix, "ShaderNodeAddShader": _add}
 _WORLD_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBackground": _emission,
     "ShaderNodeEmission": _emission,
-    "ShaderNodeMixShader": _mix,
-    "ShaderNodeAddShader": _add,
 }
 _SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBsdfDiffuse": _diffuse,
@@ -140,11 +135,9 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBsdfRefraction": _refraction,
     "ShaderNodeBsdfMetallic": _metallic,
     "ShaderNodeBsdfPrincipled": read_principled,
-    "ShaderNodeMixShader": _mix,
-    "ShaderNodeAddShader": _add,
 }
 
 
 def make_shader_reader(values: TreeReader) -> ShaderReader:
     """The reader of the shaders that Cycles knows on what `values` reads: a surface or a world."""
-    return ShaderReader(values, Folder(), _WORLD_SHADERS if values.is_world else _SURFACE_SHADERS)
+    return ShaderReader(values, Folder(), _WORLD_SHADERS if values.is_world else _SURFACE_SHADERS, _COMBINERS)

@@ -19,6 +19,8 @@ _COLORS = ("RGBA", "VECTOR")
 # Before Blender 5.0 sockets of groups and of muted nodes convert what passes them; since then they convert plain values only, and
 # what a node gives is converted by the socket that uses it.
 _CONVERTS_ALL = bpy.app.version < (5, 0, 0)
+# Nodes that may feed one another: readers and evaluators call each other that deep, and Python's limit is 1000 calls.
+_DEEPEST = 100
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ class TreeReader:
     alpha_read: set[tuple] = field(default_factory=set)
     _known: dict[tuple, ex.Expression] = field(default_factory=dict)
     _checked: set[tuple] = field(default_factory=set)
+    _depth: int = 0
 
     def refuse(self, node: bpy.types.Node, scope: Scope, what: str, remedy: str) -> None:
         """Record that `what` of `node` is not simulated."""
@@ -181,8 +184,14 @@ class TreeReader:
                     remedy_for_unread(node, "replace it by a supported node or bake it to an image"),
                 )
                 return _stand_in(socket.type)
+            if self._depth == _DEEPEST:
+                what = f", behind a chain of {_DEEPEST} nodes,"
+                self.refuse(node, source.scope, what, "shorten the chain, or bake it to an image")
+                return _stand_in(socket.type)
             self.check(node, source.scope)
+            self._depth += 1
             self._known[key] = reader(self, node, socket.identifier, source.scope)
+            self._depth -= 1
         return self._known[key]
 
     def _default(self, source: Source) -> ex.Expression:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials as lobes: how trees flatten, which output counts, and every refusal by name."""
 
+import re
+
 import bpy
 import numpy as np
 import pytest
@@ -8,8 +10,10 @@ from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene import materials as mt
+from etalon.lib.textures.evaluate import evaluate
+from etalon.lib.textures.images import ImageSet
 from etalon.lib.textures.requirements import requirements
-from etalon.tests.addon.export.nodes.node_cells import glowing, node
+from etalon.tests.addon.export.nodes.node_cells import Points, glowing, node
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -417,3 +421,60 @@ def test_images_are_collected_once():
         read_material(glowing("Gold", textured(image=image)), table, [])
     assert [image.name for image in table.images] == [first.name, second.name]
     assert table.images[0].pixels.shape == (2, 2, 4)
+
+
+def shared_shaders(tree, factor):
+    """40 Mix Shaders, each of which takes the one before twice: 2^40 ways to the closures."""
+    last = node(tree, "AddShader", {"Shader": node(tree, "BsdfDiffuse"), "Shader_001": node(tree, "Emission")})
+    for _ in range(40):
+        last = node(tree, "MixShader", {"Fac": factor(tree), "Shader": last, "Shader_001": last})
+    return last
+
+
+def layer_facing(tree):
+    return node(tree, "LayerWeight", output="Facing")
+
+
+@pytest.mark.parametrize("factor", [lambda tree: 0.3, layer_facing])
+def test_a_shader_in_use_many_times_is_read_once_with_the_sum_of_its_weights(factor):
+    read, glow = lobes(lambda tree: shared_shaders(tree, factor))
+    assert isinstance(read.closure, mt.Diffuse)
+    assert isinstance(glow.closure, mt.Emission)
+    assert glow.weight is read.weight or glow.weight.value == read.weight.value
+    points = Points({"UV": np.zeros((3, 4))}, (1.0, False))
+    assert evaluate(read.weight, points, ImageSet(())) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_weights_of_a_shared_shader_add_up():
+    def build(tree):
+        once, other = node(tree, "BsdfDiffuse"), node(tree, "Emission")
+        inner = node(tree, "MixShader", {"Fac": 0.25, "Shader": once, "Shader_001": other})
+        return node(tree, "MixShader", {"Fac": 0.5, "Shader": inner, "Shader_001": once})
+
+    read, glow = lobes(build)
+    assert read.weight == ex.Constant(0.875)
+    assert glow.weight == ex.Constant(0.125)
+
+
+def chain(kind, length, **properties):
+    def build(tree):
+        last = node(tree, "TexCoord", output="UV")
+        for _ in range(length):
+            last = node(tree, kind, {"Vector": last}, **properties)
+        return node(tree, "Emission", {"Color": last})
+
+    return build
+
+
+def test_a_chain_of_nodes_may_be_long():
+    """Each Vector Rotate of Euler angles is three nodes of an expression."""
+    (read,) = lobes(chain("VectorRotate", 99, rotation_type="EULER_XYZ"))
+    points = Points({"UV": np.full((3, 4), 0.25)})
+    assert evaluate(read.closure.color, points, ImageSet(())) == pytest.approx(0.25, abs=1e-6)
+
+
+def test_a_chain_that_is_too_long_is_refused_in_one_line():
+    (refusal,) = refused(chain("VectorRotate", 150, rotation_type="X_AXIS"))
+    assert re.fullmatch(
+        r"material '.*': node 'Vector Rotate.*' \(Vector Rotate\), behind a chain of 100 nodes, .*", refusal
+    )
