@@ -123,7 +123,8 @@ def test_a_verdict_of_an_older_version_is_told_and_compared_again(folder):
     old = json.loads(verdict.read_text()) | {"version": 1}
     verdict.write_text(json.dumps(old))
     (folder / "stand_in.py").write_text(STAND_IN.replace("out.mkdir(parents=True)", ""))
-    assert run(path) == 0
+    told = []
+    assert run(path, told=told) == 0
     assert len(calls(folder)) == 2
     assert "is of version 1" in told[0]
     assert "Version 2: " in told[0]
