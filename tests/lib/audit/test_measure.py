@@ -189,7 +189,7 @@ def test_what_so_few_samples_cannot_show_is_not_measured(clock, seed):
     candidates = [(setting("late", needs=81), Painter(clock, seed)), (setting("now"), Painter(clock, seed))]
     found = audit("Test", Painter(clock, seed), candidates, CompareOptions(time=30.0, samples=16), 4096)
     assert [f.setting.key for f in found.findings] == ["now"]
-    assert found.missing[0].missing.startswith("it takes 81 samples a pixel, and these were 16; give --samples 128")
+    assert found.missing[0].missing.startswith("it takes 81 samples per pixel, and these were 16; give --samples 128")
 
 
 def test_cancelled_keeps_complete_rounds(clock, seed):
