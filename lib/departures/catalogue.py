@@ -12,6 +12,7 @@ from ..blender_versions import Versions, format_release
 from ..errors import EtalonError
 from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
+from ..scene.findings import OVERLAPPING_FACES
 from ..scene.lights import AreaLight
 from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
 from ..scene.scene import Scene
@@ -29,6 +30,7 @@ class Departure:
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
     `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
+    `finding` is the check of the scene check that says what in the scene calls for it, where that is a fault of the scene.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Departure:
     relevant: Callable[[Scene], bool] = lambda scene: False
     neutralised: str = ""
     by_rounding: bool = False
+    finding: str = ""
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
@@ -277,6 +280,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/bvh/util.h",
         relevant=_faces_in_one_plane,
         by_rounding=True,
+        finding=OVERLAPPING_FACES,
     ),
     Departure(
         "other of two faces",
@@ -285,6 +289,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/bvh/bvh.h",
         relevant=_two_materials_in_one_plane,
         by_rounding=True,
+        finding=OVERLAPPING_FACES,
     ),
     Departure(
         "corrected glossy normal",

@@ -15,6 +15,7 @@ from ..comparison.compare import Comparison
 from ..comparison.run import Stop
 from ..pages.formats import format_bound, format_duration, format_percent
 from ..plural import plural
+from ..scene.findings import Finding
 from ..verdict.outcome import Outcome
 from .bound import both_names
 from .causes import proof_seconds, unexplained
@@ -83,6 +84,9 @@ def next_step(comparison: Comparison) -> str:
         return f"Next: nothing. {comparison.candidate.name} can be trusted with this scene."
     if verdict.outcome is Outcome.EXPLAINED:
         names = comparison.explanation.chosen
+        faults = scene_faults(comparison)
+        if faults:
+            return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
         return (
             f"Next: nothing is wrong in your scene. {comparison.candidate.name} is known to differ so ({listed(names)}); "
             "the report says where and why."
@@ -90,6 +94,13 @@ def next_step(comparison: Comparison) -> str:
     if verdict.outcome is Outcome.DIFFERENT:
         return _next_of_difference(comparison)
     return _next_of_noise(comparison)
+
+
+def scene_faults(comparison: Comparison) -> list[Finding]:
+    """The findings about the scene that departures which explain a difference come from."""
+    chosen = comparison.explanation.chosen
+    checks = {departure.finding for departure in comparison.explanation.departures if departure.name in chosen}
+    return [finding for finding in comparison.findings if finding.check in checks]
 
 
 def _next_of_difference(comparison: Comparison) -> str:

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+OVERLAPPING_FACES = "overlapping faces"
+"""The check that departures and the scene check name."""
+
 _MOST_NAMES = 3
 
 

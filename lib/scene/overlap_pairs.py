@@ -7,18 +7,19 @@ import numpy as np
 
 
 def overlap_in_plane(first: np.ndarray, second: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Indices of the pairs of triangles (3 corners, 2, n) that no edge separates, each overlapping by more than `depth` (n,).
+    """Indices of the pairs of triangles (3 corners, 2, n), counter-clockwise, that overlap by more than `depth` (n,).
 
     Two convex shapes are apart if and only if the line through an edge of one of them separates them.
     """
-    left = np.arange(first.shape[2])
-    for one, other in ((_turned(first), second), (_turned(second), first)):
+    overlap = np.ones(first.shape[2], bool)
+    for one, other in ((first, second), (second, first)):
         for k in range(3):
-            start, edge = one[k][:, left], one[(k + 1) % 3][:, left] - one[k][:, left]
-            length = np.hypot(edge[0], edge[1])
-            heights = [_cross(edge, corner[:, left] - start) for corner in other]
-            left = left[np.max(heights, axis=0) > depth[left] * length]
-    return left
+            start, edge = one[k], one[(k + 1) % 3] - one[k]
+            inner = _cross(edge, other[0] - start)
+            for corner in other[1:]:
+                np.maximum(inner, _cross(edge, corner - start), out=inner)
+            overlap &= inner > depth * np.hypot(edge[0], edge[1])
+    return np.flatnonzero(overlap)
 
 
 def overlap_area(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 _SMALL = 24
-_PAIRS_AT_ONCE = 1 << 20
+_PAIRS_AT_ONCE = 1 << 18
 # Levels of the grid for each power of two of the boxes' size.
 _LEVELS = 2
 

@@ -65,9 +65,17 @@ def find_overlaps(vertices: np.ndarray, triangles: np.ndarray) -> Overlaps:
     radius = max(0.5 * float(np.linalg.norm(np.ptp(vertices, axis=1))), 1e-300)
     item, group = _hashed(planes, radius)
     axis = _dropped_axis(planes, item, group)
+    flat = _projected(corners, item, axis)
     found = []
-    for first, second in near_pairs(_boxes(corners, planes, item, group, axis)):
-        found.append(_exact(corners, planes, item[first], item[second], axis[first]))
+    for first, second in near_pairs(_boxes(flat, group, planes.tolerance[item])):
+        allowed = np.maximum(planes.tolerance[item[first]], planes.tolerance[item[second]])
+        kept = overlap_in_plane(_of(flat, first), _of(flat, second), allowed)
+        first, second = first[kept], second[kept]
+        kept = _share_a_plane(corners, planes, item[first], item[second])
+        first, second = first[kept], second[kept]
+        cosine = np.abs(planes.normal[axis[first], item[first]])
+        area = overlap_area(_of(flat, first), _of(flat, second)) / cosine
+        found.append((np.sort([item[first], item[second]], axis=0), area))
     pairs = np.concatenate([pairs for pairs, _ in found], axis=1) if found else np.empty((2, 0), np.intp)
     area = np.concatenate([area for _, area in found]) if found else np.empty(0)
     _, once = np.unique(pairs[0] * triangles.shape[1] + pairs[1], return_index=True)
@@ -134,43 +142,43 @@ def _dropped_axis(planes: _Planes, item: np.ndarray, group: np.ndarray) -> np.nd
     return np.repeat(np.argmax(np.abs(planes.normal[:, item[first]]), axis=0), np.diff(np.append(first, item.size)))
 
 
-def _boxes(corners: np.ndarray, planes: _Planes, item: np.ndarray, group: np.ndarray, axis: np.ndarray) -> Boxes:
-    """The boxes of the triangles in their planes, less what single precision does not resolve."""
-    sides = np.empty((4, item.size))
+def _projected(corners: np.ndarray, item: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """The corners of the triangles (m, 3 corners * 2) in their planes, counter-clockwise; a row for each, for pairs pick rows."""
+    flat = np.empty((item.size, 3, 2))
     for dropped in range(3):
         here = np.flatnonzero(axis == dropped)
-        for row, kept in enumerate(((dropped + 1) % 3, (dropped + 2) % 3)):
-            flat = np.take(corners[:, kept], item[here], axis=1)
-            sides[row, here] = np.minimum(np.minimum(flat[0], flat[1]), flat[2])
-            sides[row + 2, here] = np.maximum(np.maximum(flat[0], flat[1]), flat[2])
-    sides[:2] += 0.5 * planes.tolerance[item]
-    sides[2:] -= 0.5 * planes.tolerance[item]
-    return Boxes(group, *sides)
+        for column, kept in enumerate(((dropped + 1) % 3, (dropped + 2) % 3)):
+            flat[here, :, column] = np.take(corners[:, kept], item[here], axis=1).T
+    along, across = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
+    clockwise = along[:, 0] * across[:, 1] < along[:, 1] * across[:, 0]
+    flat[clockwise] = flat[clockwise][:, [0, 2, 1]]
+    return flat.reshape(-1, 6)
 
 
-def _exact(
-    corners: np.ndarray, planes: _Planes, first: np.ndarray, second: np.ndarray, axis: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Those of the candidates that share a plane and an area, (2, k), and that area (k,)."""
+def _of(flat: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """The triangles (3 corners, 2, n) in rows `index` (n,)."""
+    return np.ascontiguousarray(flat[index].T).reshape(3, 2, -1)
+
+
+def _boxes(flat: np.ndarray, group: np.ndarray, tolerance: np.ndarray) -> Boxes:
+    """The boxes of the triangles in their planes, less what single precision does not resolve."""
+    columns = np.ascontiguousarray(flat.T).reshape(3, 2, -1)
+    low, high = (find(find(columns[0], columns[1]), columns[2]) for find in (np.minimum, np.maximum))
+    low += 0.5 * tolerance
+    high -= 0.5 * tolerance
+    return Boxes(group, *low, *high)
+
+
+def _share_a_plane(corners: np.ndarray, planes: _Planes, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which pairs (n,) lie in one plane, bool."""
     # The plane of the one that tells it better, and the corners of the other.
     better = planes.normal_error[first] <= planes.normal_error[second]
     plane, other = np.where(better, first, second), np.where(better, second, first)
     normal, base, turned = planes.normal[:, plane], corners[0][:, plane], planes.normal_error[plane]
     allowed = np.maximum(planes.tolerance[first], planes.tolerance[second])
-    flat = np.ones(first.size, bool)
+    shared = np.ones(first.size, bool)
     for corner in corners:
         away = corner[:, other] - base
         turn = turned * np.sqrt(np.einsum("kn,kn->n", away, away))
-        flat &= np.abs(np.einsum("kn,kn->n", normal, away)) <= allowed + turn
-    index = np.flatnonzero(flat)
-    first, second, axis, allowed = first[index], second[index], axis[index], allowed[index]
-    cosine = np.abs(np.take_along_axis(planes.normal[:, plane[index]], axis[None], axis=0))[0]
-    across = np.stack([(axis + 1) % 3, (axis + 2) % 3])
-
-    def project(triangle: np.ndarray) -> np.ndarray:
-        return corners[:, across, triangle]
-
-    kept = overlap_in_plane(project(first), project(second), allowed)
-    first, second, across, cosine = first[kept], second[kept], across[:, kept], cosine[kept]
-    area = overlap_area(project(first), project(second)) / cosine
-    return np.stack([np.minimum(first, second), np.maximum(first, second)]), area
+        shared &= np.abs(np.einsum("kn,kn->n", normal, away)) <= allowed + turn
+    return shared

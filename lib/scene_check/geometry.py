@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene.findings import Finding, list_names
+from ..scene.findings import OVERLAPPING_FACES, Finding, list_names
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..vectors import cross, dot
@@ -28,7 +28,7 @@ def find_overlapping_faces(scene: Scene) -> Finding | None:
     shown = "; ".join(f"{_of(names)} ({area:.3g} m²)" for names, area in largest[:_MOST_PAIRS])
     more = f"; and {len(largest) - _MOST_PAIRS} more pairs of objects" if len(largest) > _MOST_PAIRS else ""
     return Finding(
-        "overlapping faces",
+        OVERLAPPING_FACES,
         f"Faces share a plane and an area of it: {shown}{more}.",
         "Cycles has such faces hide all light from each other; the reference treats them as one surface.",
         "Move one of each pair by a millimetre, or delete it.",

@@ -306,10 +306,10 @@ def test_half_covered_texels_reflect_half_the_light(interpolates_codes):
 
 
 def test_bytes_are_cut_off_after_alpha_is_multiplied_in():
-    """127 at alpha 3/255 is 1.49 codes; a byte holds 1, so that 85 comes back where alpha is divided out. The model keeps 127."""
-    texel = np.array([127, 127, 127, 3], np.float32).reshape(1, 1, 4) / 255.0
+    """150 at alpha 3/255 is 1.76 codes; a byte keeps 1, so that 85 comes back where alpha is divided out. The model keeps 150."""
+    texel = np.array([150, 150, 150, 3], np.float32).reshape(1, 1, 4) / 255.0
     there = np.zeros(1), np.zeros(1)
-    for in_codes, code in ((False, 127), (True, 85)):
+    for in_codes, code in ((False, 150), (True, 85)):
         images = ImageSet([Image("texel", texel, "SRGB")], alpha_in_codes=in_codes)
         exact = srgb_decode(np.array([code / 255.0]))[0]
         assert images.sample(0, *there, association="WEIGHTED")[0] == pytest.approx(exact, rel=1e-5)

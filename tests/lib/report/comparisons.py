@@ -64,10 +64,11 @@ def made(
     effects=None,
     stop=False,
     by_rounding=False,
+    finding="",
 ):
     """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference.
 
-    `by_rounding`: rounding decides how much of them acts.
+    `by_rounding`: rounding decides how much of them acts. `finding` is the check of the scene check that they come from.
     """
     truth = grey() if truth is None else truth
     height, width, _ = truth.shape
@@ -87,7 +88,7 @@ def made(
 
     among = effects
     if effects is not None:
-        known = (Departure(one, f"{one} it is.", "a.h", by_rounding=by_rounding) for one in effects)
+        known = (Departure(one, f"{one} it is.", "a.h", by_rounding=by_rounding, finding=finding) for one in effects)
         among = Alternatives(tuple(known), departed)
     return compare(
         blank(width, height, name),

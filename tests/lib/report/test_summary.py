@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import pytest
 from etalon.lib.report.document import document
-from etalon.lib.report.summary import describe_box, summarize
-from etalon.tests.lib.report.comparisons import CASES, PLAN, made
+from etalon.lib.report.summary import describe_box, next_step, summarize
+from etalon.lib.scene.findings import OVERLAPPING_FACES, Finding
+from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, made
 
 
 def summary(case):
@@ -71,3 +72,18 @@ def test_a_place_in_the_picture_is_named_as_a_person_points():
         (14, 28, 15, 29): "bottom",
     }
     assert {box: describe_box(box, (30, 30)) for box in boxes} == boxes
+
+
+def test_a_fault_of_the_scene_is_named_with_its_remedy():
+    """Not that nothing is wrong in the scene, where overlapping faces are the cause."""
+    finding = Finding(
+        OVERLAPPING_FACES, "Faces share a plane: 'Rug' and 'Floor' (4 m²).", "They hide light.", "Move one."
+    )
+    found = made(other=BRIGHTER, effects={"known": 0.05}, finding=OVERLAPPING_FACES)
+    assert "nothing is wrong in your scene" in next_step(found)
+    told = next_step(replace(found, findings=(finding,)))
+    assert (
+        told == "Next: repair the scene, then compare again. Faces share a plane: 'Rug' and 'Floor' (4 m²). Move one."
+    )
+    other = made(other=BRIGHTER, effects={"known": 0.05})
+    assert "nothing is wrong in your scene" in next_step(replace(other, findings=(finding,)))
