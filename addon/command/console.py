@@ -20,6 +20,7 @@ from tqdm import tqdm
 from ...lib.files.plain_data import make_plain
 from ...lib.plain_text import one_line
 from ...lib.settings.common import Terminal
+from ..host.own_process import leave
 
 _BAR = "{desc} {percentage:3.0f} %|{bar}| {elapsed} spent, {remaining} left"
 _STAGE = "{desc} ..."
@@ -135,8 +136,8 @@ def open_page(path: Path) -> None:
 
 @contextmanager
 def ended_by_interrupt() -> Iterator[None]:
-    """Let Ctrl-C end the process at once and without a word, where an exception would leave Blender half initialised."""
-    with _handled((signal.SIGINT, *_orders()), signal.SIG_DFL):
+    """Let Ctrl-C, or an order to end, end the process at once and without a word, where an exception would leave Blender half initialised."""
+    with _handled((signal.SIGINT, *_orders()), lambda number, frame: leave()):
         yield
 
 

@@ -14,6 +14,8 @@ from ...lib.batch.process import LEASH
 from ...lib.exit_codes import ExitCode
 from ...lib.files.ownership import temporary_folder
 
+_temporary = ExitStack()
+
 
 def watch_leash() -> None:
     """End this process at once when the one that started it has ended, however that happened.
@@ -38,8 +40,13 @@ def gather_temporary_files() -> None:
     """
     if "bpy" in sys.modules:  # which has chosen its folder
         return
-    stack = ExitStack()
-    folder = str(stack.enter_context(temporary_folder()))
+    folder = str(_temporary.enter_context(temporary_folder()))
     os.environ |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), folder)
     tempfile.tempdir = None
-    atexit.register(stack.close)
+    atexit.register(_temporary.close)
+
+
+def leave() -> None:
+    """End this process at once, less its temporary files; for a moment at which Blender may be half initialised."""
+    _temporary.close()
+    os._exit(ExitCode.INTERRUPTED)

@@ -25,7 +25,7 @@ PLAN = f"""
 out = "sweep"
 scenes = ["lambert_analytic"]
 [options]
-time = "2s"
+time = "4s"
 threads = 1
 set = ["{SMALL}"]
 [[vary]]
@@ -33,13 +33,13 @@ path = "scene.cycles.seed"
 values = [1, 2, 3]
 """
 COMMANDS = {
-    "compare": ["compare", "lambert_analytic", "--time=3s", "--threads=1", f"--set={SMALL}", "--out=compare"],
-    "audit": ["audit", "lambert_analytic", "--time=3s", "--threads=1", f"--set={SMALL}", "--out=audit", "--all"],
-    "cost": ["cost", "lambert_analytic", "--time=3s", "--threads=1", f"--set={SMALL}", "--out=cost", "--ways=mis"],
+    "compare": ["compare", "lambert_analytic", "--time=8s", "--threads=1", f"--set={SMALL}", "--out=compare"],
+    "audit": ["audit", "lambert_analytic", "--time=8s", "--threads=1", f"--set={SMALL}", "--out=audit", "--all"],
+    "cost": ["cost", "lambert_analytic", "--time=8s", "--threads=1", f"--set={SMALL}", "--out=cost", "--ways=mis"],
     "batch": ["batch", "plan.toml"],
 }
 # Every way in which a command ends that finished, or was told to end: a verdict, 2 where a batch has less than all, interrupted,
-# and the signal itself while Blender is being loaded.
+# and the signal itself before the command has begun.
 ENDS = {0, 1, 2, 3, 4, 130, -signal.SIGTERM}
 PATIENCE = 60.0
 
@@ -120,7 +120,7 @@ def test_fifty_kills_lose_nothing_and_leave_nothing(tmp_path, rng):
         how = (signal.SIGTERM, signal.SIGKILL)[number // len(COMMANDS) % 2]
         if name == "batch" and len(place.finished()) == 3:  # begin again, with other settings
             (place.work / "plan.toml").write_text(PLAN.replace("[1, 2, 3]", f"[{number}, {number + 1}, {number + 2}]"))
-        before, finished = place.results(name), place.finished()
+        before, finished, left = place.results(name), place.finished(), place.left()
         process = place.start(name)
         try:
             process.wait(rng.uniform(0.0, 1.1 * seconds[name]))
@@ -136,8 +136,8 @@ def test_fifty_kills_lose_nothing_and_leave_nothing(tmp_path, rng):
             assert not same or after == before, (name, how)
         assert finished <= place.finished()
         counted[f"{name} {how.name} ended with {process.returncode}"] += 1
-        if how == signal.SIGTERM and process.returncode != -signal.SIGTERM:
-            assert [path for path in place.left() if name in path or "sweep" in path] == []
+        if how == signal.SIGTERM:
+            assert set(place.left()) <= set(left)
     (place.work / "plan.toml").write_text(PLAN)
     for name in COMMANDS:
         place.finish(name)
