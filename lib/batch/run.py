@@ -182,7 +182,7 @@ def _write_tables(plan: BatchPlan, recorded: list[tuple[Unit, Entry | None]]) ->
     results = [_result(plan.out, unit, entry) for unit, entry in recorded]
     with replace_files(plan.out) as beside:
         write_csv(names, results, beside / "batch.csv")
-        write_grid(names, results, beside / "batch.html")
+        write_grid(names, results, beside / "batch.html", plan.out, [v.path for v in plan.variations])
 
 
 def _result(out: Path, unit: Unit, entry: Entry | None) -> Row:
@@ -194,10 +194,24 @@ def _result(out: Path, unit: Unit, entry: Entry | None) -> Row:
     if entry.status != "finished":
         return Row(unit.scene, values, **facts)
     try:
-        image = read_verdict(out / entry.folder / "verdict.json")["image"]
+        figures = read_verdict(out / entry.folder / "verdict.json")
     except EtalonError as error:
         facts |= {"status": "not run", "message": str(error)}
         return Row(unit.scene, values, **facts)
+    image, blender = figures["image"], figures["blender"]
     low, high = image["interval"]
-    verdict = VERDICTS[entry.exit_code]
-    return Row(unit.scene, values, **facts, verdict=verdict, difference=image["difference"], low=low, high=high)
+    programs = [f"{name} {version}" for name, version in figures["versions"].items()]
+    return Row(
+        unit.scene,
+        values,
+        **facts,
+        verdict=VERDICTS[entry.exit_code],
+        difference=image["difference"],
+        low=low,
+        high=high,
+        bound=figures["bound"]["value"],
+        counts=Counter(region["outcome"] for region in figures["regions"]),
+        tolerance=figures["tolerance"],
+        confidence=figures["confidence"],
+        versions=(*([f"Blender {blender['version']}"] if blender["version"] else []), *programs),
+    )

@@ -45,10 +45,14 @@ class ViewTransform:
         source = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, height, 3, "float"))
         scaled = np.where(finite, radiance, 0.0) * 2.0**self.exposure
         source.set_pixels(OpenImageIO.ROI(), scaled.astype(np.float32))
+        config = str(self.config)
+        if self.look:  # by itself, since OpenImageIO 3.0 ignores the look of a display
+            source = OpenImageIO.ImageBufAlgo.ociolook(source, self.look, LINEAR, LINEAR, False, False, "", "", config)
         shown = OpenImageIO.ImageBufAlgo.ociodisplay(
-            source, DISPLAY, self.view, LINEAR, self.look, False, False, "", "", str(self.config)
+            source, DISPLAY, self.view, LINEAR, "", False, False, "", "", config
         )
-        if shown.has_error:
-            raise EtalonError(f"view transform '{self.name}' cannot be applied ({shown.geterror().strip()})")
+        for step in (source, shown):
+            if step.has_error:
+                raise EtalonError(f"view transform '{self.name}' cannot be applied ({step.geterror().strip()})")
         codes = np.clip(shown.get_pixels(OpenImageIO.FLOAT), 0.0, 1.0) ** (1.0 / self.gamma)
         return np.rint(255 * codes).astype(np.uint8)

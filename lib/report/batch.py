@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..pages import render_page
+from ..pages.formats import format_bound
 from ..plain_text import spreadsheet_cell
+from .page import DIFFERENCE_LIMIT, URGENCY
 
 COLUMNS = ("status", "verdict", "relative_difference", "low", "high", "seconds", "folder", "message")
 
@@ -20,7 +24,8 @@ class Row:
 
     `values` those of the varied properties, in the order of their names; `status` 'finished', 'refused', 'failed' or 'not run'; `verdict`
     empty unless finished; `difference`, `low`, `high` the whole image's relative difference and its interval, None if unknown;
-    `folder` with its report, relative to the table's.
+    `folder` with its report, relative to the table's. `bound` is that of all regions, None without one; `counts` has the number of regions of
+    each outcome; `tolerance` and `confidence` are those of the comparison; `versions` names the programs.
     """
 
     scene: str
@@ -33,6 +38,11 @@ class Row:
     seconds: float = 0.0
     folder: str = ""
     message: str = ""
+    bound: float | None = None
+    counts: Mapping[str, int] = field(default_factory=dict)
+    tolerance: float | None = None
+    confidence: float | None = None
+    versions: tuple[str, ...] = ()
 
 
 def write_csv(names: list[str], rows: list[Row], path: Path) -> None:
@@ -46,11 +56,35 @@ def write_csv(names: list[str], rows: list[Row], path: Path) -> None:
             writer.writerow([spreadsheet_cell(cell) for cell in cells])
 
 
-def write_grid(names: list[str], rows: list[Row], path: Path) -> None:
-    """Write the grid: the last varied property across, scenes and the other properties down."""
+def write_grid(names: list[str], rows: list[Row], path: Path, source: Path, properties: list[str]) -> None:
+    """Write the grid: the last varied property across, scenes and the other properties down.
+
+    `source` is the plan's folder of results, and `properties` are the data paths of the varied properties; both are shown.
+    """
     across = list(dict.fromkeys(r.values[-1] for r in rows)) if names else [None]
     lines: dict[tuple[Any, ...], dict[Any, Row]] = {}
     for r in rows:
         lines.setdefault((r.scene, *r.values[:-1]), {})[r.values[-1] if names else None] = r
-    text = render_page(Path(__file__).with_name("batch.html"), {"names": names, "across": across, "lines": lines})
+    found = Counter(r.verdict or r.status for r in rows)
+    values = {
+        "names": names,
+        "across": across,
+        "lines": lines,
+        "total": len(rows),
+        "counts": {one: found[one] for one in sorted(found, key=_severity)},
+        "first": {one: next(r for r in rows if (r.verdict or r.status) == one) for one in found},
+        "tolerances": sorted({r.tolerance for r in rows if r.tolerance is not None}),
+        "confidences": sorted({r.confidence for r in rows if r.confidence is not None}),
+        "versions": sorted({version for r in rows for version in r.versions}),
+        "limit": DIFFERENCE_LIMIT,
+        "source": source,
+        "varied": dict(zip(names, properties, strict=True)),
+        "seconds": sum(r.seconds for r in rows),
+    }
+    text = render_page(Path(__file__).with_name("batch.html"), values, {"bound": format_bound})
     path.write_text(text, encoding="utf-8")
+
+
+def _severity(outcome: str) -> int:
+    """The place of a verdict in the order of urgency; what is not finished comes first."""
+    return URGENCY.index(outcome) if outcome in URGENCY else -1

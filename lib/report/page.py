@@ -35,7 +35,8 @@ SIGNIFICANCE_ONE, SIGNIFICANCE_MOST, SIGNIFICANCE_NONE = 8, 127, -128
 MANTISSA = 16
 # Without JavaScript the page shows this many regions.
 MOST_STATIC_ROWS = 40
-_URGENCY = ("DIFFERENT", "UNDECIDED", "EXPLAINED", "EQUIVALENT")
+# The outcomes, the most urgent first.
+URGENCY = ("DIFFERENT", "UNDECIDED", "EXPLAINED", "EQUIVALENT")
 GRIDS = ("block", "cell")
 
 
@@ -108,7 +109,7 @@ def order_regions(regions: list[dict[str, Any]]) -> list[int]:
     def urgency(k: int) -> tuple[int, bool, float, int]:
         region = regions[k]
         size = max((abs(v) for v in region["difference"] if v is not None), default=-1.0)
-        return _URGENCY.index(region["outcome"]), region["kind"] in GRIDS, -size, k
+        return URGENCY.index(region["outcome"]), region["kind"] in GRIDS, -size, k
 
     return sorted(range(len(regions)), key=urgency)
 
@@ -171,7 +172,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
     values = {
         "figures": figures,
         "view": view,
-        "counts": {name: sum(region["outcome"] == name for region in regions) for name in _URGENCY},
+        "counts": {name: sum(region["outcome"] == name for region in regions) for name in URGENCY},
         "rows": [(k, {**regions[k], "worst": _worst(regions[k])}) for k in order[:MOST_STATIC_ROWS]],
         "transform_note": told,
         "omitted": transform.omitted if transform is not None and not told else (),

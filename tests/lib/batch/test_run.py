@@ -49,7 +49,17 @@ def folder(tmp_path, monkeypatch, verdict_json):
 def verdict_json():
     """What a comparison leaves behind, as far as the tables read it."""
     return json.dumps(
-        {"format": FORMAT, "version": VERSION, "image": {"difference": 0.0012, "interval": [-0.001, 0.003]}}
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "image": {"difference": 0.0012, "interval": [-0.001, 0.003]},
+            "bound": {"value": 0.0042},
+            "regions": [{"outcome": "EQUIVALENT"}] * 3 + [{"outcome": "DIFFERENT"}],
+            "tolerance": 0.01,
+            "confidence": 0.99,
+            "versions": {"etalon": "0.1.0"},
+            "blender": {"version": "5.3.0"},
+        }
     )
 
 
@@ -148,6 +158,16 @@ def test_ctrl_c_keeps_what_is_finished_and_the_tables(folder, monkeypatch):
     monkeypatch.setattr(batch, "_run_process", run_process)
     assert run(path) == 1
     assert len(calls(folder)) == 3
+
+
+def test_the_grid_says_what_its_verdicts_rest_on(folder):
+    run(write_plan(folder, [0, 3, "refuse"]))
+    page = (folder / "out" / "batch.html").read_text(encoding="utf-8")
+    for said in ("3 comparisons of Cycles", "bound 0.42 %", "3 EQUIVALENT, 1 DIFFERENT of 4 regions", "<dd>1 %</dd>"):
+        assert said in page
+    for said in ("Blender 5.3.0, etalon 0.1.0", str(folder / "out"), "refused", 'href="#first-EQUIVALENT"'):
+        assert said in page
+    assert page.count('id="first-EQUIVALENT"') == 1
 
 
 def test_names_are_escaped_in_the_grid(folder):
