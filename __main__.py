@@ -3,7 +3,7 @@
 
 import sys
 
-from .addon.command.cli import main
+from .addon.command.supervised import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -15,6 +15,7 @@ import bpy
 from ..lib.comparison.caustics import scout
 from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
+from ..lib.comparison.memory import require_memory
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
 from ..lib.errors import EtalonError, Refused
@@ -82,6 +83,7 @@ def judge(
         if divisor > 1:
             size = scene.camera.width // divisor, scene.camera.height // divisor
             reference, candidate = reference.at_size(*size), candidate.at_size(*size)
+        require_memory(reference.scene.camera.width, reference.scene.camera.height)
         progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
         # What choosing the size and scouting took is part of the time.

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from pathlib import Path
 
+from ...lib.comparison.memory import describe_memory, needed_memory
 from ...lib.effects.plan import Plan, make_plan
 from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
@@ -43,7 +44,8 @@ def run(target: Target, settings: PlanOutput, terminal: Terminal) -> int:
     if terminal.json:
         counts = {"triangles": scene.mesh.triangle_count, "lights": len(scene.lights)}
         findings = [asdict(finding) for finding in check_scene(scene)]
-        print_json({"scene": scene.name, **counts, **asdict(plan), "scene_check": findings})
+        memory = {"bytes_at_full_size": needed_memory(scene.camera.width, scene.camera.height)}
+        print_json({"scene": scene.name, **counts, **memory, **asdict(plan), "scene_check": findings})
     else:
         print(plan_text(scene, plan))
     return 0
@@ -65,6 +67,7 @@ def plan_text(scene: Scene, plan: Plan) -> str:
     """The plan as two lists for a terminal."""
     width = max(len(decision.effect) for decision in plan.decisions)
     lines = [f"{scene.name}: {plural(scene.mesh.triangle_count, 'triangle')}, {plural(len(scene.lights), 'light')}"]
+    lines.append(describe_memory(scene.camera.width, scene.camera.height))
     for heading, needed in (("needed", True), ("not needed", False)):
         lines += ["", heading]
         lines += [f"  {d.effect:{width}}  {d.fact}" for d in plan.decisions if d.needed is needed]

@@ -10,7 +10,7 @@ from etalon.addon.export.nodes import tree as tree_module
 from etalon.addon.export.nodes.declarations import DECLARATIONS
 from etalon.addon.export.nodes.declared import own_properties, remember_defaults, unknown_properties
 from etalon.addon.export.nodes.images import ImageTable
-from etalon.addon.export.nodes.shaders import _SURFACE_SHADERS, _WORLD_SHADERS
+from etalon.addon.export.nodes.shaders import _COMBINERS, _SURFACE_SHADERS, _WORLD_SHADERS
 from etalon.addon.export.nodes.values import VALUES
 from etalon.tests.addon.export.nodes.node_cells import glowing, node
 
@@ -91,7 +91,8 @@ def changed(socket):
 
 
 def test_every_reader_has_a_row_and_every_row_a_reader():
-    assert set(DECLARATIONS) == set(VALUES) | set(_SURFACE_SHADERS) | set(_WORLD_SHADERS) | BESIDE
+    shaders = set(_SURFACE_SHADERS) | set(_WORLD_SHADERS) | set(_COMBINERS)
+    assert set(DECLARATIONS) == set(VALUES) | shaders | BESIDE
 
 
 @pytest.mark.parametrize("kind", sorted(DECLARATIONS))

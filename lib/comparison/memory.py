@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The memory that a comparison needs for its pixels, said before anything is allocated."""
+
+from __future__ import annotations
+
+from ..errors import EtalonError
+from ..memory import usable_memory
+
+# Of a comparison at full size with its report, beyond what an image of 64 x 64 pixels needs: measured from 512 x 512 to 1024 x 1024.
+BYTES_PER_PIXEL = 370
+FEWER = "compare fewer pixels: a lower resolution, or --size auto with --time"
+
+
+def needed_memory(width: int, height: int) -> int:
+    """Bytes that comparing images of so many pixels takes."""
+    return BYTES_PER_PIXEL * width * height
+
+
+def describe_memory(width: int, height: int) -> str:
+    """The need in words, and whether the machine has it.
+
+    >>> describe_memory(1920, 1080)
+    '1920 x 1080 pixels: about 0.8 GB to compare at full size'
+    """
+    told = f"{width} x {height} pixels: about {needed_memory(width, height) / 1e9:.1f} GB to compare at full size"
+    lacks = _lacking(width, height)
+    return f"{told}; {lacks}" if lacks else told
+
+
+def require_memory(width: int, height: int) -> None:
+    """Raise EtalonError where the machine does not have the memory for so many pixels."""
+    if _lacking(width, height):
+        raise EtalonError(describe_memory(width, height))
+
+
+def _lacking(width: int, height: int) -> str:
+    usable = usable_memory()
+    if usable is None or needed_memory(width, height) <= usable:
+        return ""
+    return f"this machine has {usable / 1e9:.1f} GB; {FEWER}"
