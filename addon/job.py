@@ -136,7 +136,8 @@ def compare_here(
         may_shrink = not scene.render.use_border
         comparison = judge(exported, candidate, settings, folder, repeat, progress, may_shrink, name, transform)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
-            progress.begin("looking for the smallest scene that shows it")
+            if unexplained(comparison):
+                progress.begin("looking for the smallest scene that shows it")
             show_unexplained(comparison, folder, partial(show, scene, settings))
         return comparison
 

@@ -131,7 +131,7 @@ def check_words(top: argparse.ArgumentParser, words: list[str]) -> None:
         return
     if name not in names:
         top.error(unknown("command", name, names))
-    parser = _parsers(top)[name]
+    parser = command_parsers(top)[name]
     for word in words[words.index(name) + 1 :]:
         flag = word.partition("=")[0]
         if word == "--":
@@ -146,11 +146,12 @@ def read_words(top: argparse.ArgumentParser, words: list[str]) -> argparse.Names
     if arguments.command is None:
         top.error("name a command")
     if left:
-        _parsers(top)[arguments.command].error(f"unexpected '{left[0]}'; quote a name that has spaces")
+        command_parsers(top)[arguments.command].error(f"unexpected '{left[0]}'; quote a name that has spaces")
     return arguments
 
 
-def _parsers(top: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+def command_parsers(top: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """The parser of each command, by its name."""
     (commands,) = (action for action in top._actions if isinstance(action, argparse._SubParsersAction))
     return commands.choices
 

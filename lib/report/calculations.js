@@ -119,6 +119,11 @@ function compareUrgency(a, b) {
     GRIDS.includes(a.kind) - GRIDS.includes(b.kind) || b.size - a.size || a.index - b.index;
 }
 
+/* A count with its noun, as plural of lib/plural.py. */
+function plural(count, noun) {
+  return `${count.toLocaleString("en-US")} ${noun}${count === 1 ? "" : "s"}`;
+}
+
 /* The number of regions of each outcome. */
 function countOutcomes(regions) {
   const counts = Object.fromEntries(OUTCOMES.map((outcome) => [outcome, 0]));

@@ -59,7 +59,7 @@ function fill() {
   body.replaceChildren();
   for (const region of rows.slice(0, MOST_ROWS)) addRow(body, region);
   const cut = rows.length > MOST_ROWS ? `, the first ${MOST_ROWS} shown` : "";
-  element("shown").textContent = `${rows.length} of ${regions.length} regions${cut}`;
+  element("shown").textContent = `${rows.length} of ${plural(regions.length, "region")}${cut}`;
   for (const th of document.querySelectorAll("th[data-key]")) {
     if (th.dataset.key === table.key) th.setAttribute("aria-sort", table.descending ? "descending" : "ascending");
     else th.removeAttribute("aria-sort");
@@ -88,7 +88,7 @@ function follow() {
   state.chosen = asked.chosen;
   element("chosen").textContent = asked.chosen.length === 1
     ? `Shown: ${asked.chosen[0].kind} ${asked.chosen[0].name}, ${asked.chosen[0].outcome}`
-    : `Shown: ${asked.chosen.length} regions, ${asked.outcome}`;
+    : `Shown: ${plural(asked.chosen.length, "region")}, ${asked.outcome}`;
   markChosen();
   zoomTo(asked.chosen);
   element("images").scrollIntoView({ block: "start" });

@@ -87,6 +87,10 @@ def next_step(comparison: Comparison) -> str:
         faults = scene_faults(comparison)
         if faults:
             return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
+        if comparison.explanation.rounded.any():
+            return (
+                f"Next: change the scene where the scene check says so; it explains the difference ({listed(names)})."
+            )
         return (
             f"Next: nothing is wrong in your scene. {comparison.candidate.name} is known to differ so ({listed(names)}); "
             "the report says where and why."
@@ -111,6 +115,9 @@ def _next_of_difference(comparison: Comparison) -> str:
     if why is not None and why.chosen:
         left = plural(len(unexplained(comparison)), "region")
         return f"Next: {listed(why.chosen)} explains a part; look at the other {left} in the report."
+    if comparison.findings:
+        checks = listed(tuple(dict.fromkeys(finding.check for finding in comparison.findings)))
+        return f"Next: look at the scene check first ({checks}), then at these places in the report."
     return "Next: look at these places in the report. No known cause explains them; unexplained.blend is the smallest scene that shows it."
 
 
@@ -139,8 +146,9 @@ def _places(comparison: Comparison, order: list[int], describe: Callable[[Compar
     """The first regions of `order`: what the user gave a name, then a cell of the picture."""
     kinds = comparison.regions.kinds
     is_cell = {k: kinds[k] in ("block", "cell") for k in order}
-    named = [k for k in order if not is_cell[k]][:NAMED]
-    shown = [*named, *[k for k in order if is_cell[k]][:CELLS]]
+    named = [k for k in order if not is_cell[k]]
+    named = [k for k in named if kinds[k] != "facing"] or named
+    shown = [*named[:NAMED], *[k for k in order if is_cell[k]][:CELLS]]
     return f", most of all {listed(tuple(describe(comparison, k) for k in shown))}" if shown else ""
 
 

@@ -31,7 +31,7 @@ class CompareOptions(Seeded):
     tolerance: float = option(
         0.01,
         Share(),
-        "largest relative difference that counts as agreement, such as 1%",
+        "largest relative difference that counts as agreement",
         panel=Panel("Tolerance", low=0.0001, high=0.5),
     )
     confidence: float = option(
@@ -44,7 +44,7 @@ class CompareOptions(Seeded):
     time: float | None = option(
         120.0,
         Seconds(),
-        "time budget, such as 90s or 2m; a comparison ends sooner if every region is decided sooner",
+        "time budget; a comparison ends sooner if every region is decided sooner",
         nullable=True,
         panel=Panel("Time", low=5.0, soft_high=3600.0),
     )

@@ -306,7 +306,7 @@ def test_whole_command(capfd, tmp_path):
     assert (code, err) == (0, [])
     assert re.match("gallery: (The setting that costs most is |No setting )", out)
     assert "Clamp Indirect" in out
-    assert "Noise Threshold on, 0.01: not measured, it takes 81 samples a pixel, and these were 1" in out
+    assert "Noise Threshold on, 0.01: not measured, it takes 81 samples per pixel, and these were 1" in out
     assert "as neutral: Clamp Direct, " in out
     figures = json.loads((tmp_path / "out" / "audit.json").read_text(encoding="utf-8"))
     assert figures["stopped"] == "replicates"

@@ -43,12 +43,21 @@ def test_a_completion_script_has_every_command(shell, capsys):
         assert word in script
 
 
-def test_bash_completes_options_and_values(capsys):
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        ("compare --stra", ["--strategy"]),
+        ("compare --strategy vis", ["visible"]),
+        ("compare glossy", ["glossy_spheres"]),
+        ("comp", ["compare", "completion"]),
+    ],
+)
+def test_bash_completes_commands_options_values_and_scenes(words, offered, capsys, tmp_path):
     bash = shutil.which("bash")
     if bash is None:
         pytest.skip("this system has no bash")
     cli.main(["completion", "bash"])
     script = capsys.readouterr().out
-    ask = 'COMP_WORDS=(etalon compare --stra); COMP_CWORD=2; _shtab_etalon; echo "${COMPREPLY[@]}"'
-    done = subprocess.run([bash, "-c", f"{script}\n{ask}"], capture_output=True, text=True, timeout=60)
-    assert done.stdout.split() == ["--strategy"], done.stderr
+    ask = f'COMP_WORDS=(etalon {words}); COMP_CWORD={len(words.split())}; _shtab_etalon; echo "${{COMPREPLY[@]}}"'
+    done = subprocess.run([bash, "-c", f"{script}\n{ask}"], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert sorted(done.stdout.split()) == offered, done.stderr

@@ -14,10 +14,12 @@ from etalon.lib import audit as package
 from etalon.lib.audit.document import table
 from etalon.lib.audit.measure import audit
 from etalon.lib.audit.setting import FACTORY, Setting
+from etalon.lib.audit.summary import summarize
 from etalon.lib.audit.write import write_audit
 from etalon.lib.comparison.compare import CompareOptions
 from etalon.lib.film.rendering import Rendering
 from jsonschema import Draft202012Validator
+from markupsafe import escape
 
 SCHEMA = json.loads((Path(package.__file__).parent / "audit.schema.json").read_text(encoding="utf-8"))
 HOSTILE = "</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}\u2028\u202e../../etc"
@@ -102,6 +104,23 @@ def test_figures_are_what_the_schema_says(found, tmp_path):
     assert {p.name for p in tmp_path.iterdir()} == {"audit.json", "audit.html"} | maps | (
         {"neutral.png"} if maps else set()
     )
+
+
+def test_the_page_opens_with_the_setting_that_costs_most(tmp_path):
+    figures = write_audit(made(), tmp_path)
+    worst = next(entry for entry in figures["settings"] if not entry["together"])
+    assert worst["outcome"] == "DIFFERENT"
+    said = summarize(figures)
+    assert said.startswith(f"The setting that costs most is {worst['label']}, {worst['value']} (")
+    assert f"<h1>{escape(said)}</h1>" in (tmp_path / "audit.html").read_text(encoding="utf-8")
+
+
+def test_an_audit_that_finds_no_bias_says_so(tmp_path):
+    figures = write_audit(made(), tmp_path)
+    for entry in figures["settings"]:
+        entry["outcome"] = "EQUIVALENT"
+    assert summarize(figures) == "No setting costs accuracy: none is off by more than 1 % anywhere."
+    assert summarize(figures | {"settings": [], "missing": []}) == "Every setting is at its neutral value."
 
 
 def test_the_table_says_it_in_order(tmp_path):

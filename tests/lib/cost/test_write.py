@@ -6,17 +6,20 @@ import json
 
 import numpy as np
 import pytest
-from etalon.lib.cost.document import Extras
+from etalon.lib.cost.document import Extras, document
 from etalon.lib.cost.estimates import Estimate
 from etalon.lib.cost.measure import measure
 from etalon.lib.cost.models import Form, measure_forms
+from etalon.lib.cost.spans import took
+from etalon.lib.cost.summary import summarize
 from etalon.lib.cost.verify import cheapest, verify
 from etalon.lib.cost.ways import Bias, Way, reference_ways
-from etalon.lib.cost.write import digits, interval, table, took, write_cost
+from etalon.lib.cost.write import digits, interval, table, write_cost
 from etalon.lib.sampling.streams import VERIFICATION
 from etalon.lib.scene.lights import SphereLight
 from etalon.tests.lib.cost.synthetic import RELATIVE, Synthetic, way
 from etalon.tests.scenes import floor, glossy, orthographic, scene
+from markupsafe import escape
 
 LIGHT = SphereLight("light", (1.0, 0.5, 2.0), 0.5, (10.0, 9.0, 8.0))
 NAME = "<script>alert(1)</script> & $x_"
@@ -80,6 +83,24 @@ def test_the_table_has_the_cheapest_first(measurement, tmp_path):
     # Both are biased by 20 %.
     assert all("not reached" in line for line in lines[3:])
     assert len(lines) == 5
+
+
+def test_the_page_opens_with_the_cheapest_unbiased_way(measurement, tmp_path):
+    figures = write_cost(measurement, Extras(), tmp_path)
+    (k,) = [k for k, target in enumerate(figures["targets"]) if target == 0.01]
+    unbiased = [way for way in figures["ways"] if way["points"] and way["bias_kind"] == "none"]
+    best = min(unbiased, key=lambda way: way["to_error"][k]["seconds"]["median"] or np.inf)
+    said = summarize(figures)
+    assert said.startswith(f"The cheapest unbiased way to 1 % is {best['label']}: ")
+    assert f"<h1>{escape(said)}</h1>" in (tmp_path / "cost.html").read_text(encoding="utf-8")
+
+
+def test_an_error_that_no_unbiased_way_reaches_is_said(measurement):
+    figures = document(measurement, Extras())
+    for one in figures["ways"]:
+        for told in one.get("to_error", ()):
+            told["reached"] = False
+    assert summarize(figures).startswith("No unbiased way that was measured is likely to reach 1 %")
 
 
 def test_words():

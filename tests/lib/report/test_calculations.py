@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from etalon.lib import report
 from etalon.lib.film.pictures import signed8
+from etalon.lib.plural import plural
 from etalon.lib.relative import relative_difference
 from etalon.lib.report.document import document
 from etalon.lib.report.page import order_regions, shorten_region
@@ -35,6 +36,11 @@ def region(name="Block 1,2", kind="block", outcome="DIFFERENT", **figures):
     """A region as the page's script reads it."""
     known = {key: [0.1, -0.3, 0.2] for key in ("reference", "candidate", "difference", "low", "high")}
     return {"kind": kind, "name": name, "outcome": outcome, "box": [0, 0, 3, 3], "pixels": 16, **known, **figures}
+
+
+def test_both_plurals_are_the_same():
+    for count in (0, 1, 2, 12345):
+        assert evaluate("plural(count, 'region')", count=count) == plural(count, "region")
 
 
 def test_both_srgb_curves_are_the_same():
