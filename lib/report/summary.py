@@ -80,13 +80,13 @@ def next_step(comparison: Comparison) -> str:
     verdict = comparison.verdict
     if comparison.stopped is Stop.CANCELLED:
         return "Next: run it again and let it finish; it was cancelled."
+    faults = scene_faults(comparison)
+    if faults:
+        return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
     if verdict.outcome is Outcome.EQUIVALENT:
         return f"Next: nothing. {comparison.candidate.name} can be trusted with this scene."
     if verdict.outcome is Outcome.EXPLAINED:
         names = comparison.explanation.chosen
-        faults = scene_faults(comparison)
-        if faults:
-            return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
         if comparison.explanation.rounded.any():
             return (
                 f"Next: change the scene where the scene check says so; it explains the difference ({listed(names)})."
@@ -102,8 +102,10 @@ def next_step(comparison: Comparison) -> str:
 
 def scene_faults(comparison: Comparison) -> list[Finding]:
     """The findings about the scene that departures which explain a difference come from."""
-    chosen = comparison.explanation.chosen
-    checks = {departure.finding for departure in comparison.explanation.departures if departure.name in chosen}
+    why = comparison.explanation
+    if why is None:
+        return []
+    checks = {departure.finding for departure in why.departures if departure.name in why.chosen}
     return [finding for finding in comparison.findings if finding.check in checks]
 
 
