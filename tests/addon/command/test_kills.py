@@ -14,12 +14,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes are found in Linux's /proc"),
-]
-
-KILLS = 50
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes are found in Linux's /proc")
 SMALL = "scene.render.resolution_percentage=10"
 PLAN = f"""
 out = "sweep"
@@ -109,13 +104,16 @@ class Place:
         return sorted(str(path) for path in found)
 
 
-def test_fifty_kills_lose_nothing_and_leave_nothing(tmp_path, rng):
+@pytest.mark.parametrize(
+    "kills", [pytest.param(8, marks=pytest.mark.slow), pytest.param(50, marks=pytest.mark.benchmark)]
+)
+def test_kills_lose_nothing_and_leave_nothing(tmp_path, rng, kills):
     place = Place(tmp_path)
     seconds = {name: place.finish(name) for name in COMMANDS}
     assert place.left() == []
     names = {name: set(place.results(name)) for name in COMMANDS}
     counted = Counter()
-    for number in range(KILLS):
+    for number in range(kills):
         name = list(COMMANDS)[number % len(COMMANDS)]
         how = (signal.SIGTERM, signal.SIGKILL)[number // len(COMMANDS) % 2]
         if name == "batch" and len(place.finished()) == 3:  # begin again, with other settings
@@ -145,4 +143,4 @@ def test_fifty_kills_lose_nothing_and_leave_nothing(tmp_path, rng):
     assert place.processes() == []
     assert place.left() == []
     lines = [f"{count} x {what}" for what, count in sorted(counted.items())]
-    sys.stdout.write("\n".join([f"{KILLS} kills", *lines, ""]))
+    sys.stdout.write("\n".join([f"{kills} kills", *lines, ""]))
