@@ -37,9 +37,11 @@ def whole_picture(comparison: Comparison) -> str:
     verdict, (candidate, reference) = comparison.verdict, both_names(comparison)
     head = f"{comparison.scene}: {verdict.outcome.value}."
     bound, outcome = float(verdict.bounds[0]), verdict.outcomes[0]
-    if verdict.outcome is Outcome.EQUIVALENT:
+    limit = format_percent(verdict.tolerance, sign=False)
+    if verdict.outcome in (Outcome.EQUIVALENT, Outcome.UNDECIDED) and math.isfinite(verdict.bound):
         sure = f"with {format_percent(verdict.confidence, sign=False)} confidence"
-        return f"{head} {candidate} agrees with {reference} to within {format_bound(verdict.bound)} everywhere, {sure}."
+        rest = "" if verdict.outcome is Outcome.EQUIVALENT else f"; whether to within {limit} is not known yet"
+        return f"{head} {candidate} agrees with {reference} to within {format_bound(verdict.bound)} everywhere, {sure}{rest}."
     if outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         channel = int(worst_channel(verdict.difference[:1])[0])
         off = float(verdict.difference[0, channel])
@@ -50,7 +52,6 @@ def whole_picture(comparison: Comparison) -> str:
         return f"{head} There are too few samples to say anything about the whole picture."
     if outcome is Outcome.EQUIVALENT:
         return f"{head} As a whole, the picture agrees to within {format_bound(bound)}."
-    limit = format_percent(verdict.tolerance, sign=False)
     return f"{head} As a whole, the picture agrees to within {format_bound(bound)}; {limit} is not reached yet."
 
 
@@ -84,7 +85,7 @@ def next_step(comparison: Comparison) -> str:
     if faults:
         return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
     if verdict.outcome is Outcome.EQUIVALENT:
-        return f"Next: nothing. {comparison.candidate.name} can be trusted with this scene."
+        return "Next: nothing is left to do."
     if verdict.outcome is Outcome.EXPLAINED:
         names = comparison.explanation.chosen
         if comparison.explanation.rounded.any():

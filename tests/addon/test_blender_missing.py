@@ -36,8 +36,8 @@ COMMANDS = (
     ("render", "furnace", "--out=x.exr"),
     ("plan", "a.blend"),
     ("scenes",),
-    ("cost",),
-    ("audit",),
+    ("cost", "furnace"),
+    ("audit", "furnace"),
 )
 
 

@@ -11,6 +11,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
 from etalon.lib.report import write_report
 from etalon.lib.report.read import read_verdict
+from etalon.lib.report.summary import summarize
 from etalon.lib.report.words import sentences
 from etalon.lib.scene.materials import Material
 from etalon.lib.settings.reference import Options
@@ -57,8 +58,8 @@ def test_what_the_unknown_does_not_reach_is_equivalent(seed, tmp_path):
     far = found.candidate.film.moments.mean > 2.0 * found.reference.film.moments.mean
     assert far.any()  # what was left out would have differed
     assert not far[~found.left_out].any()
-    said = " ".join(sentences(found))
-    assert f"{found.left_out.sum()} of {48 * 32} pixels" in said
+    said = " ".join([*summarize(found), *sentences(found)])
+    assert f"{found.left_out.sum()} of 1,536 pixels" in said
     assert "'glow' (node 'Hair BSDF')" in said
     write_report(found, Plan(()), tmp_path)
     figures = read_verdict(tmp_path / "verdict.json")

@@ -18,7 +18,7 @@ def test_a_picture_that_agrees_asks_for_nothing():
     first, second, third = summary("equivalent")
     assert first.startswith("kitchen.blend: EQUIVALENT. Cycles agrees with the reference to within 0.")
     assert second.startswith("No part of the picture is off by more than 1 %: ")
-    assert third == "Next: nothing. Cycles can be trusted with this scene."
+    assert third == "Next: nothing is left to do."
 
 
 def test_a_difference_is_placed_and_signed():
@@ -39,7 +39,8 @@ def test_an_explained_difference_names_its_cause():
 
 def test_noise_is_placed_and_its_remedy_is_a_time():
     first, second, third = summary("undecided")
-    assert first.startswith("kitchen.blend: UNDECIDED. As a whole, the picture agrees to within ")
+    assert first.startswith("kitchen.blend: UNDECIDED. Cycles agrees with the reference to within ")
+    assert first.endswith(" everywhere, with 99 % confidence; whether to within 1 % is not known yet.")
     assert "too noisy to judge, most of all " in second
     assert third.startswith("Next: allow about ")
 
