@@ -18,7 +18,7 @@ from etalon.tests.lib.verdict.simulated import HEAVY, decided_on_heavy_tails, de
 from scipy import stats
 
 RUNS = [8, pytest.param(125, marks=pytest.mark.slow)]
-FEW = [2, pytest.param(125, marks=pytest.mark.slow)]
+FEW = [2, pytest.param(40, marks=pytest.mark.slow)]
 
 
 def test_one_bright_sample_is_a_jump_of_its_worth(rng):
