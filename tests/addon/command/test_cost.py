@@ -43,7 +43,7 @@ def test_whole_command(capfd, tmp_path):
     """Forecast and check on a real scene: the table, the sentence, the folder, and the scene's settings as they were."""
     open_target("sigma_sweep")
     before = traded(bpy.context.scene)
-    words = ("sigma_sweep", *SMALL, "--target", "20%", "--verify", "--time", "3", "--ways", "mis,cycles")
+    words = ("sigma_sweep", *SMALL, "--target", "20%", "--verify", "--time", "1", "--ways", "mis,cycles")
     code, out, err = run(capfd, *words, "--out", tmp_path)
     assert (code, err) == (0, [])
     assert out.startswith("sigma_sweep: The cheapest unbiased way to 20 % is ")

@@ -73,7 +73,7 @@ def shell(command, folder, **environment):
         ("etalon batch nowhere.toml 2>&-", 2),
         ("etalon batch nowhere.toml >&-", 2),
         ("etalon frobnicate 2>&-", 2),
-        ("etalon stability --points=2 --no-scenes >&- 2>&-", 0),
+        pytest.param("etalon stability --points=2 --no-scenes >&- 2>&-", 0, marks=pytest.mark.slow),
         ("etalon stability --points=2 --no-scenes | head -1", 0),
         ("etalon batch nowhere.toml 2>&1 >&- | true", 0),
     ],
