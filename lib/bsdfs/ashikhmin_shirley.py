@@ -10,6 +10,7 @@ from ..sampling.tables import LARGEST_UNIFORM
 from ..sampling.warps import circle
 from ..vectors import dot
 from .fresnels import part_of
+from .lobe import Lobe, to_rgb
 
 _LEAST_ALPHA = 1e-4
 
@@ -35,14 +36,12 @@ def sample_half_vector(nx: np.ndarray, ny: np.ndarray, u1: np.ndarray, u2: np.nd
     return np.stack([c * sine, s * sine, np.exp(log_cos)])
 
 
-class AshikhminShirley:
+class AshikhminShirley(Lobe):
     """f = sqrt((nx + 1)(ny + 1)) / (8 pi) (h.n)^e / (h.o max(i.n, o.n)), e = (nx hx^2 + ny hy^2) / (1 - hz^2).
 
     Ashikhmin and Shirley 2000, eq. 4, with n = 2 / alpha^2 - 2 (Blender), alpha_x and alpha_y, () or (n,), in [1e-4, 1].
     Sampled by its half vectors, eq. 6 to 9.
     """
-
-    delta = False
 
     def __init__(self, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray) -> None:
         self._wo, self._alpha = wo, (alpha_x, alpha_y)
@@ -67,14 +66,15 @@ class AshikhminShirley:
         return pdf * np.maximum(wi[2], 0.0) / np.maximum(np.maximum(wi[2], wo[2]), FLOOR), pdf
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value f |cos| and density, (n,).
+        """Value f |cos|, (3, n), and density, (n,).
 
         h.o is half the length of wi + wo: as a scalar product it keeps no digits where the two are all but opposite.
         """
         m = wi + self._wo
         length = np.sqrt(dot(m, m))
         m /= np.where(length > 0.0, length, 1.0)
-        return self._lobe(wi, m, 0.5 * length)
+        value, pdf = self._lobe(wi, m, 0.5 * length)
+        return to_rgb(value), pdf
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Direction, weight, density."""
@@ -83,7 +83,8 @@ class AshikhminShirley:
         wi = m * (2.0 * cos_om) - self._wo
         value, pdf = self._lobe(wi, m, cos_om)
         good = cos_om > 0.0
-        return wi, np.where(good & (pdf > 0.0), value / np.where(pdf > 0.0, pdf, 1.0), 0.0), np.where(good, pdf, 0.0)
+        weight = np.where(good & (pdf > 0.0), value / np.where(pdf > 0.0, pdf, 1.0), 0.0)
+        return wi, to_rgb(weight), np.where(good, pdf, 0.0)
 
     def part(self, index: np.ndarray) -> AshikhminShirley:
         """The same lobe at fewer points."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..microfacets.albedo import average_albedo, directional_albedo
 from ..microfacets.cycles_tables import Tables
-from .mixture import Lobe
+from .lobe import Lobe, Wrapper
 
 Albedos = tuple[Callable[..., np.ndarray], Callable[..., np.ndarray]]
 EXACT: Albedos = (directional_albedo, average_albedo)
@@ -40,17 +40,12 @@ def albedos_of(tables: Tables | None) -> Albedos:
     return EXACT if tables is None else (tables.directional_albedo, tables.average_albedo)
 
 
-class Compensated:
+class Compensated(Wrapper):
     """`lobe` with its value and weight multiplied by `factor`, (3, n); its directions and their density stay as they are."""
 
     def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
-        self._lobe, self._factor = lobe, factor
-        self.delta = lobe.delta
-
-    @property
-    def estimate(self) -> np.ndarray | float:
-        """The lobe's own."""
-        return getattr(self._lobe, "estimate", 1.0)
+        super().__init__(lobe)
+        self._factor = factor
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value (3, n) and density (n,)."""

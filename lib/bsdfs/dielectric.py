@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import ModuleType
 
 import numpy as np
 
 from ..microfacets import masking
 from ..microfacets.directions import FLOOR
+from ..microfacets.distribution import Distribution
 from ..microfacets.fresnel import dielectric
 from ..vectors import dot
 from .fresnels import Dielectric, Fresnel, part_of
+from .lobe import DeltaLobe, Lobe
 from .specular import refract, refracted_widening
 
 _SPLIT = 2.0**16
@@ -52,7 +53,7 @@ class Interface:
         return Interface(fresnel, part_of(self.reflection, index), part_of(self.transmission, index))
 
 
-class RoughDielectric:
+class RoughDielectric(Lobe):
     """Microfacets of `alpha_x` and `alpha_y`, () or (n,), between media of relative index `eta`, () or (n,), far side over near, not 1.
 
     Reflection F D G / (4 |o.n|), refraction (1 - F) D G |i.m| |o.m| eta^2 / (|eta i + o|^2 |o.n|), the factor |i.n| included
@@ -62,15 +63,13 @@ class RoughDielectric:
     through facets that a direction sees from behind, which no sample takes: a departure.
     """
 
-    delta = False
-
     def __init__(
         self,
         wo: np.ndarray,
         alpha_x: np.ndarray,
         alpha_y: np.ndarray,
         eta: np.ndarray,
-        distribution: ModuleType,
+        distribution: Distribution,
         interface: Interface,
         masking_form: str = "correlated",
         backs_refract: bool = False,
@@ -157,18 +156,11 @@ class RoughDielectric:
         )
 
 
-class SmoothInterface:
+class SmoothInterface(DeltaLobe):
     """A smooth interface that tints: the mirror's direction or Snell's, by the shares of `interface`."""
-
-    delta = True
 
     def __init__(self, wo: np.ndarray, eta: np.ndarray, interface: Interface) -> None:
         self._wo, self._eta, self._interface = wo, eta, interface
-
-    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Nothing: both directions are deltas."""
-        zero = np.zeros(wi.shape[1])
-        return zero, zero
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """One of the two directions, coloured weight (3, n)."""

@@ -7,56 +7,59 @@ Fresnel is not part of it: Blender's Glossy BSDF has none, and a coloured factor
 from __future__ import annotations
 
 from copy import copy
-from types import ModuleType
 
 import numpy as np
 
-from ..microfacets import ggx, masking
+from ..microfacets import masking
 from ..microfacets.directions import FLOOR
+from ..microfacets.distribution import BoundedDistribution, Distribution
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
 from ..vectors import dot
 from .fresnels import part_of
+from .lobe import Lobe, to_rgb
 
 
-class MicrofacetReflection:
-    """One glossy lobe; `distribution` is a module of lib.microfacets, alpha_x and alpha_y () or (n,).
+class MicrofacetReflection(Lobe):
+    """One glossy lobe; alpha_x and alpha_y () or (n,).
 
-    `strategy`: 'visible', 'bounded' (GGX; Beckmann, which has no such bound, then takes 'visible'), 'd_cos', 'cosine', 'uniform';
+    `strategy`: 'visible', 'bounded' (distributions that have no bound then take 'visible'), 'd_cos', 'cosine', 'uniform';
     `masking_form`: 'correlated', 'separable', 'torrance_sparrow'.
     """
-
-    delta = False
 
     def __init__(
         self,
         wo: np.ndarray,
         alpha_x: np.ndarray,
         alpha_y: np.ndarray,
-        distribution: ModuleType,
+        distribution: Distribution,
         masking_form: str,
         strategy: str,
     ) -> None:
         self._wo, self._alpha = wo, (alpha_x, alpha_y)
-        if strategy == "bounded" and distribution is not ggx:
-            strategy = "visible"
         self._distribution, self._masking, self._strategy = distribution, masking_form, strategy
+        self._bound: np.ndarray | None = None
+        self._sample_normals = distribution.sample_visible
+        if strategy == "bounded" and isinstance(distribution, BoundedDistribution):
+            self._bound = distribution.bound(wo, alpha_x, alpha_y)
+            self._sample_normals = distribution.sample_bounded
+        elif strategy == "bounded":
+            self._strategy = "visible"
         self._lambda_o = distribution.smith_lambda(wo, alpha_x, alpha_y)
         self._above = wo[2] > 0.0
         self._cos_o = np.maximum(wo[2], FLOOR)
-        self._bound = ggx.bound(wo, alpha_x, alpha_y) if strategy == "bounded" else None
         self._pdf_of_d = self._reflected_visible()
         self._asks_unit_normals = masking_form == "torrance_sparrow" or strategy == "d_cos"
 
     def _reflected_visible(self) -> np.ndarray | None:
         """By what D is multiplied to give the density of wi, where that depends on wo alone, (n,)."""
-        if self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
-            normal = 1.0 + self._lambda_o
-            normal *= 4.0
-        elif self._strategy == "bounded":  # Eto and Tokuyoshi 2023, eq. 7
+        if self._bound is not None:  # Eto and Tokuyoshi 2023, eq. 7
             normal = 2.0 * self._lambda_o
             normal += self._bound
             normal += 1.0
             normal *= 2.0
+        elif self._strategy == "visible":  # D G1 (wo.m) / cos_o, times 1 / (4 wo.m); Heitz 2014, eq. 2 and 17
+            normal = 1.0 + self._lambda_o
+            normal *= 4.0
         else:
             return None
         normal *= self._cos_o
@@ -81,7 +84,7 @@ class MicrofacetReflection:
         return np.full(wi.shape[1], 0.5 / np.pi)
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F |cos| and density, (n,); zero below the surface."""
+        """Value f |cos|, (3, n), and density, (n,); zero below the surface."""
         m = wi + self._wo
         np.clip(m[2], FLOOR, np.inf, out=m[2])  # lit directions have it positive
         length2 = dot(m, m)
@@ -101,21 +104,19 @@ class MicrofacetReflection:
         d *= self._shadowing(wi, m)
         d /= self._cos_o
         d *= 0.25
-        return d, pdf
+        return to_rgb(d), pdf
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Direction, weight f |cos| / pdf, density."""
+        """Direction, weight f |cos| / pdf, (3, n), density."""
         if self._strategy in ("cosine", "uniform"):
             wi = (cosine_hemisphere if self._strategy == "cosine" else uniform_hemisphere)(u1, u2)
             value, pdf = self.evaluate(wi)
             return wi, value / np.maximum(pdf, 1e-300), pdf
         wo, alpha = self._wo, self._alpha
-        if self._strategy == "visible":
-            m = self._distribution.sample_visible(wo, *alpha, u1, u2, self._lambda_o)
-        elif self._strategy == "bounded":
-            m = ggx.sample_bounded(wo, *alpha, u1, u2, self._lambda_o)
-        else:
+        if self._strategy == "d_cos":
             m = self._distribution.sample_d_cos(*alpha, u1, u2)
+        else:
+            m = self._sample_normals(wo, *alpha, u1, u2, self._lambda_o)
         cos_om = dot(wo, m)
         twice = 2.0 * cos_om
         wi = m * twice
@@ -123,17 +124,17 @@ class MicrofacetReflection:
         lit = wi[2] > 0.0
         lit &= self._above
         weight = self._shadowing(wi, m)
-        if self._strategy == "visible":  # D cancels: G2 / G1(wo)
-            weight *= 1.0 + self._lambda_o
-        elif self._strategy == "bounded":
-            weight *= 0.5 * (self._bound + 1.0) + self._lambda_o
-        else:
+        if self._strategy == "d_cos":
             lit &= cos_om > 0.0
             weight *= cos_om / (self._cos_o * m[2])
+        elif self._bound is not None:
+            weight *= 0.5 * (self._bound + 1.0) + self._lambda_o
+        else:  # D cancels: G2 / G1(wo)
+            weight *= 1.0 + self._lambda_o
         weight *= lit
         pdf = self._pdf(wi, m, self._distribution.density(m, *alpha))
         pdf *= lit
-        return wi, weight, pdf
+        return wi, to_rgb(weight), pdf
 
     def part(self, index: np.ndarray) -> MicrofacetReflection:
         """The same lobe at fewer points."""

@@ -3,32 +3,10 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from ..vectors import put
-
-
-class Lobe(Protocol):
-    """What every closure offers; see the folder's docstring.
-
-    A lobe may have an `estimate`, () or (n,): roughly its albedo before its colour, by which it is picked (1 where there is none).
-    """
-
-    delta: bool
-
-    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value f |cos| and density."""
-        ...
-
-    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Direction, weight, density."""
-        ...
-
-    def part(self, index: np.ndarray) -> Lobe:
-        """The same lobe at fewer points."""
-        ...
+from .lobe import Lobe
 
 
 class Mixture:
@@ -38,7 +16,7 @@ class Mixture:
         self.lobes, self.colors, self._size = lobes, colors, size
         self.all_delta = all(lobe.delta for lobe in lobes)
         if len(lobes) > 1:
-            guesses = [np.abs(c).mean(axis=0) * getattr(b, "estimate", 1.0) for b, c in zip(lobes, colors, strict=True)]
+            guesses = [np.abs(c).mean(axis=0) * lobe.estimate for lobe, c in zip(lobes, colors, strict=True)]
             weight = np.stack([np.broadcast_to(guess, (size,)) for guess in guesses])
             total = weight.sum(axis=0)
             self._share = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..sampling.warps import cosine_hemisphere
+from .lobe import Lobe
 
 # E of light from the horizon less E of light along the normal, over B: pi/2 - 2/3; and 1 - Eavg over B, from eq. 15.
 _RANGE = np.pi / 2.0 - 2.0 / 3.0
@@ -25,15 +26,13 @@ def lost_share(cos: np.ndarray) -> np.ndarray:
     return _RANGE * c * c / (1.0 + s) + s * (t + c * (s - (2.0 / 3.0) * (1.0 + s + s * s) / (1.0 + s)))
 
 
-class OrenNayar:
+class OrenNayar(Lobe):
     """Fujii's "qualitative" Oren-Nayar with its multiple scattering, coloured by `color` (3, n) or (3, 1).
 
     Fujii 2012; Portsmouth, Kutz and Hill 2024, "EON". `roughness` in [0, 1]; sampled by the cosine. Light that is scattered
     k times carries color^k, so the multiple scattering begins with color^`first`, first = 2. Cycles departs from it: 3 multiplies by
     color once more, None leaves the multiple scattering out.
     """
-
-    delta = False
 
     def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int | None = 2) -> None:
         self._wo, self._roughness, self._color, self._first = wo, np.asarray(roughness, np.float64), color, first

@@ -7,15 +7,15 @@ import numpy as np
 
 from ..vectors import dot
 from .fresnels import Fresnel
-from .mixture import Lobe
+from .lobe import Lobe, Wrapper
 
 
-class Reflected:
+class Reflected(Wrapper):
     """`lobe`, which reflects everything, times the reflectance at the half vector of wi and `wo`, (3, n)."""
 
     def __init__(self, lobe: Lobe, wo: np.ndarray, reflectance: Fresnel) -> None:
-        self._lobe, self._wo, self._reflectance = lobe, wo, reflectance
-        self.delta = lobe.delta
+        super().__init__(lobe)
+        self._wo, self._reflectance = wo, reflectance
 
     @property
     def estimate(self) -> np.ndarray:
@@ -32,18 +32,14 @@ class Reflected:
         return self._reflectance(np.minimum(0.5 * np.sqrt(dot(twice, twice)), 1.0))
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value (n,) or (3, n) and density (n,)."""
+        """Value (3, n) and density (n,)."""
         value, pdf = self._lobe.evaluate(wi)
         return value * self._factor(wi), pdf
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Direction, weight (n,) or (3, n), density."""
+        """Direction, weight (3, n), density."""
         wi, weight, pdf = self._lobe.sample(u1, u2)
         return wi, weight * self._factor(wi), pdf
-
-    def widening(self, wi: np.ndarray) -> np.ndarray:
-        """The lobe's own, (n,)."""
-        return self._lobe.widening(wi)
 
     def part(self, index: np.ndarray) -> Reflected:
         """The same lobe at fewer points."""

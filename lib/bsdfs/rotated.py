@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .mixture import Lobe
+from .lobe import Lobe, Wrapper
 
 
 def rotate_in(v: np.ndarray, cos: np.ndarray, sin: np.ndarray) -> np.ndarray:
@@ -13,12 +13,12 @@ def rotate_in(v: np.ndarray, cos: np.ndarray, sin: np.ndarray) -> np.ndarray:
     return np.stack([v[0] * cos + v[1] * sin, v[1] * cos - v[0] * sin, v[2]])
 
 
-class Rotated:
+class Rotated(Wrapper):
     """`lobe`, made in the frame whose x axis is (cos, sin, 0) of the common local frame."""
 
     def __init__(self, lobe: Lobe, cos: np.ndarray, sin: np.ndarray) -> None:
-        self._lobe, self._cos, self._sin = lobe, cos, sin
-        self.delta = lobe.delta
+        super().__init__(lobe)
+        self._cos, self._sin = cos, sin
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The lobe's value and density."""
@@ -28,6 +28,10 @@ class Rotated:
         """The lobe's direction, turned back, its weight and density."""
         wi, weight, pdf = self._lobe.sample(u1, u2)
         return rotate_in(wi, self._cos, -self._sin), weight, pdf
+
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """The lobe's own, (n,)."""
+        return self._lobe.widening(rotate_in(wi, self._cos, self._sin))
 
     def part(self, index: np.ndarray) -> Rotated:
         """The same lobe at fewer points."""

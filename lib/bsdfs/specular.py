@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..microfacets import fresnel
+from .lobe import DeltaLobe, to_rgb
 
 
 def refract(wo: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -29,42 +30,29 @@ def refracted_widening(wo: np.ndarray, wi: np.ndarray, eta: np.ndarray) -> np.nd
     return np.where(wi[2] < 0.0, beyond, 1.0)
 
 
-class Mirror:
+class Mirror(DeltaLobe):
     """Perfect reflection about the normal."""
-
-    delta = True
 
     def __init__(self, wo: np.ndarray) -> None:
         self._wo = wo
-
-    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Nothing: no given direction is the mirror direction."""
-        zero = np.zeros(wi.shape[1])
-        return zero, zero
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The mirror direction with weight 1."""
         wo = self._wo
         above = np.where(wo[2] > 0.0, 1.0, 0.0)
-        return np.stack([-wo[0], -wo[1], wo[2]]), above, np.full(wo.shape[1], np.inf)
-
-    def widening(self, wi: np.ndarray) -> np.ndarray:
-        """Solid angle about `wi` per solid angle about wo, (n,): 1."""
-        return np.ones(wi.shape[1])
+        return np.stack([-wo[0], -wo[1], wo[2]]), to_rgb(above), np.full(wo.shape[1], np.inf)
 
     def part(self, index: np.ndarray) -> Mirror:
         """The same lobe at fewer points."""
         return Mirror(np.take(self._wo, index, axis=1))
 
 
-class SmoothDielectric:
+class SmoothDielectric(DeltaLobe):
     """A smooth interface of relative index `eta` (far side over near side), (n,).
 
     With `fresnel_reflection` glass: reflection with the exact Fresnel probability, else refraction. Without it refraction
     alone, which is nothing under total internal reflection. Radiance is not scaled by 1 / eta^2, as in Cycles.
     """
-
-    delta = True
 
     def __init__(self, wo: np.ndarray, eta: np.ndarray, fresnel_reflection: bool) -> None:
         self._wo, self._eta, self._reflects = (
@@ -73,11 +61,6 @@ class SmoothDielectric:
             fresnel_reflection,
         )
 
-    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Nothing: both directions are deltas."""
-        zero = np.zeros(wi.shape[1])
-        return zero, zero
-
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """One of the two directions, weight 1 (0 where there is none)."""
         wo = self._wo
@@ -85,10 +68,10 @@ class SmoothDielectric:
         weight = np.where(wo[2] > 0.0, 1.0, 0.0)
         if not self._reflects:
             weight[total] = 0.0
-            return refracted, weight, np.full(wo.shape[1], np.inf)
+            return refracted, to_rgb(weight), np.full(wo.shape[1], np.inf)
         reflectance = fresnel.dielectric(np.clip(wo[2], 0.0, 1.0), self._eta)
         mirrored = np.stack([-wo[0], -wo[1], wo[2]])
-        return np.where(u1 < reflectance, mirrored, refracted), weight, np.full(wo.shape[1], np.inf)
+        return np.where(u1 < reflectance, mirrored, refracted), to_rgb(weight), np.full(wo.shape[1], np.inf)
 
     def widening(self, wi: np.ndarray) -> np.ndarray:
         """Solid angle about `wi` per solid angle about wo, (n,)."""

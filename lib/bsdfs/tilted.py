@@ -5,23 +5,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from .mixture import Lobe
+from .lobe import Lobe, Wrapper
 
 
-class Tilted:
+class Tilted(Wrapper):
     """`lobe`, made in a frame of its own whose axes are the `rows` (3, 3, n) in the common local frame.
 
     Light counts only where both normals see it on the same side, whatever strategy finds it.
     """
 
     def __init__(self, lobe: Lobe, rows: np.ndarray) -> None:
-        self._lobe, self._rows = lobe, rows
-        self.delta = lobe.delta
-
-    @property
-    def estimate(self) -> np.ndarray | float:
-        """The lobe's own."""
-        return getattr(self._lobe, "estimate", 1.0)
+        super().__init__(lobe)
+        self._rows = rows
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The lobe's value and density."""

@@ -14,7 +14,9 @@ from time import perf_counter
 
 import numpy as np
 
-from ..microfacets import beckmann, fresnel, ggx, masking
+from ..microfacets import fresnel, masking
+from ..microfacets.beckmann import Beckmann, smith_lambda_rational
+from ..microfacets.ggx import GGX
 from ..sampling.warps import cosine_hemisphere
 from ..vectors import dot
 
@@ -89,8 +91,8 @@ def _fresnel(rng: np.random.Generator) -> list[Form]:
 def _rational(rng: np.random.Generator) -> list[Form]:
     wo = cosine_hemisphere(*rng.random((2, TILE)))
     names = ("G1 of Beckmann", "rational Lambda", "exact Lambda")
-    rational = partial(_g1, beckmann.smith_lambda_rational, wo, ALPHA, ALPHA)
-    return [_form(names, rational, partial(_g1, beckmann.smith_lambda, wo, ALPHA, ALPHA), TILE)]
+    rational = partial(_g1, smith_lambda_rational, wo, ALPHA, ALPHA)
+    return [_form(names, rational, partial(_g1, Beckmann().smith_lambda, wo, ALPHA, ALPHA), TILE)]
 
 
 def _g1(smith_lambda: Callable[..., np.ndarray], *arguments: np.ndarray | float) -> np.ndarray:
@@ -101,13 +103,13 @@ def _masking(rng: np.random.Generator) -> list[Form]:
     """Albedos of GGX seen under STRATA angles, by visible normals, the same for all forms."""
     cos = np.repeat(np.sqrt((np.arange(STRATA) + 0.5) / STRATA), TILE // STRATA)
     wo = np.stack([np.sqrt(1.0 - cos * cos), np.zeros(TILE), cos])
-    m = ggx.sample_visible(wo, ALPHA, ALPHA, *rng.random((2, TILE)))
+    m = GGX().sample_visible(wo, ALPHA, ALPHA, *rng.random((2, TILE)))
     wi = 2.0 * dot(wo, m) * m - wo
     lit = wi[2] > 0.0
-    weight = np.where(lit, 1.0 + ggx.smith_lambda(wo, ALPHA, ALPHA), 0.0)
+    weight = np.where(lit, 1.0 + GGX().smith_lambda(wo, ALPHA, ALPHA), 0.0)
 
     def smith(form: Callable[..., np.ndarray]) -> np.ndarray:
-        return weight * form(ggx.smith_lambda(wi, ALPHA, ALPHA), ggx.smith_lambda(wo, ALPHA, ALPHA))
+        return weight * form(GGX().smith_lambda(wi, ALPHA, ALPHA), GGX().smith_lambda(wo, ALPHA, ALPHA))
 
     def cavities() -> np.ndarray:
         return weight * masking.torrance_sparrow(wi, wo, m)
@@ -122,9 +124,9 @@ def _masking(rng: np.random.Generator) -> list[Form]:
 def _single(rng: np.random.Generator) -> list[Form]:
     """The kernels themselves, given float32."""
     wo = cosine_hemisphere(*rng.random((2, TILE)))
-    m = ggx.sample_d_cos(ALPHA, ALPHA, *rng.random((2, TILE)))
+    m = GGX().sample_d_cos(ALPHA, ALPHA, *rng.random((2, TILE)))
     forms = []
-    for name, distribution in (("GGX", ggx), ("Beckmann", beckmann)):
+    for name, distribution in (("GGX", GGX()), ("Beckmann", Beckmann())):
         for what, kernel, w in (("D", distribution.density, m), ("G1", partial(_g1, distribution.smith_lambda), wo)):
             half = partial(kernel, w.astype(np.float32), np.float32(ALPHA), np.float32(ALPHA))
             forms.append(

@@ -4,32 +4,45 @@
 from __future__ import annotations
 
 from collections.abc import Set
-from types import ModuleType, SimpleNamespace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley, sample_half_vector
 from ..bsdfs.fresnels import part_of
-from ..bsdfs.mixture import Lobe
-from ..microfacets import beckmann
+from ..bsdfs.lobe import Lobe, Wrapper, to_rgb
+from ..microfacets.beckmann import Beckmann, smith_lambda_rational
+from ..microfacets.distribution import Alpha, Distribution
 from ..vectors import dot
 
-RATIONAL = SimpleNamespace(
-    density=beckmann.density,
-    smith_lambda=beckmann.smith_lambda_rational,
-    # Samples follow the exact Lambda, whatever the lobe's.
-    sample_visible=lambda wo, alpha_x, alpha_y, u1, u2, _: beckmann.sample_visible(wo, alpha_x, alpha_y, u1, u2),
-    sample_d_cos=beckmann.sample_d_cos,
-)
-"""Beckmann's distribution with the rational Lambda in place of the exact one, both in masking and in the density."""
+
+@dataclass(frozen=True)
+class RationalBeckmann(Beckmann):
+    """Beckmann's distribution with the rational Lambda in place of the exact one, both in masking and in the density."""
+
+    def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
+        """Return the fit to Lambda, (n,)."""
+        return smith_lambda_rational(w, alpha_x, alpha_y)
+
+    def sample_visible(
+        self,
+        wo: np.ndarray,
+        alpha_x: Alpha,
+        alpha_y: Alpha,
+        u1: np.ndarray,
+        u2: np.ndarray,
+        lambda_o: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Sample by the exact Lambda, whatever the lobe's `lambda_o`, (3, n)."""
+        return super().sample_visible(wo, alpha_x, alpha_y, u1, u2, super().smith_lambda(wo, alpha_x, alpha_y))
 
 
-class Misstated:
+class Misstated(Wrapper):
     """`lobe`, stating 1 / `factor` (n,) of its density: its samples, drawn as before, weigh `factor` times as much."""
 
     def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
-        self._lobe, self._factor = lobe, factor
-        self.delta = lobe.delta
+        super().__init__(lobe)
+        self._factor = factor
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The lobe's value, and the density it states."""
@@ -60,7 +73,8 @@ class StrayAshikhminShirley(AshikhminShirley):
         cos_om = np.abs(dot(self._wo, m))
         wi = m * (2.0 * cos_om) - self._wo
         value, pdf = self._lobe(wi, m, cos_om)
-        return wi / np.sqrt(dot(wi, wi)), np.where(pdf > 0.0, value / np.where(pdf > 0.0, pdf, 1.0), 0.0), pdf
+        weight = np.where(pdf > 0.0, value / np.where(pdf > 0.0, pdf, 1.0), 0.0)
+        return wi / np.sqrt(dot(wi, wi)), to_rgb(weight), pdf
 
 
 def ashikhmin_shirley_form(departures: Set[str]) -> type[AshikhminShirley]:
@@ -68,9 +82,10 @@ def ashikhmin_shirley_form(departures: Set[str]) -> type[AshikhminShirley]:
     return StrayAshikhminShirley if "Ashikhmin-Shirley sampling" in departures else AshikhminShirley
 
 
-def beckmann_form(departures: frozenset[str]) -> ModuleType | SimpleNamespace:
-    """Beckmann's distribution with the Lambda by which it masks."""
-    return RATIONAL if "rational Beckmann Lambda" in departures else beckmann
+def distribution_form(distribution: Distribution, departures: Set[str]) -> Distribution:
+    """The distribution with the Lambda by which it masks: Beckmann's may be the rational one."""
+    rational = isinstance(distribution, Beckmann) and "rational Beckmann Lambda" in departures
+    return RationalBeckmann() if rational else distribution
 
 
 def oren_nayar_form(departures: Set[str]) -> int | None:
@@ -81,16 +96,22 @@ def oren_nayar_form(departures: Set[str]) -> int | None:
 
 
 def with_stated_density(
-    lobe: Lobe, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray, departures: frozenset[str]
+    lobe: Lobe,
+    distribution: Distribution,
+    wo: np.ndarray,
+    alpha_x: np.ndarray,
+    alpha_y: np.ndarray,
+    departures: Set[str],
 ) -> Lobe:
-    """A Beckmann lobe of visible normals, made by `beckmann_form`, that states its density by the Lambda asked for.
+    """A lobe of visible normals of `distribution`, from `distribution_form`, that states its density by the Lambda asked for.
 
-    A lobe states D (wo.m) / (wo.n (1 + Lambda)) with the Lambda by which it masks; samples have the exact one in any case.
+    That is Beckmann's only; other lobes stay as they are. A lobe states D (wo.m) / (wo.n (1 + Lambda)) with the Lambda by which it
+    masks; samples have the exact one in any case.
     """
     masks_rational = "rational Beckmann Lambda" in departures
     states_rational = "rational Beckmann density" in departures
-    if masks_rational == states_rational:
+    if not isinstance(distribution, Beckmann) or masks_rational == states_rational:
         return lobe
-    exact = 1.0 + beckmann.smith_lambda(wo, alpha_x, alpha_y)
-    rational = 1.0 + beckmann.smith_lambda_rational(wo, alpha_x, alpha_y)
+    exact = 1.0 + Beckmann().smith_lambda(wo, alpha_x, alpha_y)
+    rational = 1.0 + smith_lambda_rational(wo, alpha_x, alpha_y)
     return Misstated(lobe, rational / exact if states_rational else exact / rational)

@@ -121,7 +121,7 @@ def _chances(mixture: Mixture, points: SurfacePoints, allowed: np.ndarray | None
     count = len(mixture.lobes)
     chances = np.zeros((count + 1, points.size))
     for k, (lobe, color) in enumerate(zip(mixture.lobes, mixture.colors, strict=True)):
-        chances[k] = np.abs(color).mean(axis=0) * getattr(lobe, "estimate", 1.0)
+        chances[k] = np.abs(color).mean(axis=0) * lobe.estimate
     if allowed is not None:
         chances[:count] *= allowed
     total = chances.sum(axis=0)
@@ -160,7 +160,7 @@ def _draw(
         piece = one.part(at)
         wi, weight, _ = piece.sample(u1, u2)
         put(local, at, wi)
-        kept[at] = np.atleast_2d(weight != 0.0).any(axis=0)
+        kept[at] = (weight != 0.0).any(axis=0)
         if one.delta:
             put(dirac, at, np.broadcast_to(weight * piece.widening(wi), wi.shape))
     return local, dirac, kept
@@ -194,7 +194,7 @@ def _density(
             is_dirac |= picked
         else:
             value, pdf = one.evaluate(local)
-            counts = np.atleast_2d(value != 0.0).any(axis=0)
+            counts = (value != 0.0).any(axis=0)
             density += chances[k] * pdf * (counts & picked if apart else counts)
     if not apart and chances[-1].any():
         cosine = np.abs(dot(to_local(points.ng, *frame), local))

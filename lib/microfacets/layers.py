@@ -13,9 +13,9 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 from scipy.special import roots_legendre
 
-from . import ggx
 from .albedo import integrate_albedo
 from .fresnel import dielectric
+from .ggx import GGX
 
 _NODES = (33, 65)  # coarse nodes along roughness and along the root of the cosine
 _CELLS = 256
@@ -129,7 +129,7 @@ def _integrate_glass(cos_o: np.ndarray, alpha: np.ndarray, eta: float, lattice: 
     m, weight, wo, rough = _visible_normals(cos_o, alpha, lattice)
     mu = wo[2]
     cos_om = np.clip(wo[0] * m[0] + mu * m[2], 0.0, 1.0)
-    lambda_o = ggx.smith_lambda(wo, rough, rough)
+    lambda_o = GGX().smith_lambda(wo, rough, rough)
     sin2 = (1.0 - cos_om * cos_om) / (eta * eta)
     reflectance = dielectric(cos_om, eta)
     mirrored = 2.0 * cos_om * m[2] - mu
@@ -154,7 +154,7 @@ def _visible_normals(
     count = cos_o.size
     mu, rough = np.repeat(cos_o, many), np.repeat(alpha, many)
     wo = np.stack([np.sqrt((1.0 - mu) * (1.0 + mu)), np.zeros_like(mu), mu])
-    return ggx.sample_visible(wo, rough, rough, np.tile(u1, count), np.tile(u2, count)), weight, wo, rough
+    return GGX().sample_visible(wo, rough, rough, np.tile(u1, count), np.tile(u2, count)), weight, wo, rough
 
 
 def _seen(cos: np.ndarray, alpha: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
@@ -162,4 +162,4 @@ def _seen(cos: np.ndarray, alpha: np.ndarray, lambda_o: np.ndarray) -> np.ndarra
     above = cos > 0.0
     cos = np.clip(cos, 1e-9, 1.0)
     w = np.stack([np.sqrt((1.0 - cos) * (1.0 + cos)), np.zeros_like(cos), cos])
-    return np.where(above, (1.0 + lambda_o) / (1.0 + lambda_o + ggx.smith_lambda(w, alpha, alpha)), 0.0)
+    return np.where(above, (1.0 + lambda_o) / (1.0 + lambda_o + GGX().smith_lambda(w, alpha, alpha)), 0.0)

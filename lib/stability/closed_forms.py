@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 
@@ -15,7 +14,10 @@ from ..lights.sphere import SphereSampler
 from ..lights.spherical_rectangle import SphericalRectangle
 from ..lights.spread import Spread
 from ..lights.sun import SunSampler
-from ..microfacets import beckmann, densities, fresnel, ggx, masking
+from ..microfacets import densities, fresnel, masking
+from ..microfacets.beckmann import Beckmann, smith_lambda_rational
+from ..microfacets.distribution import Distribution
+from ..microfacets.ggx import GGX
 from ..sampling.mis import power_heuristic
 from ..scene.lights import SphereLight, SunLight
 from . import cycles_single, domain, exact, single
@@ -145,8 +147,10 @@ def _curves(rng: np.random.Generator, count: int) -> np.ndarray:
     return np.concatenate([domain.cosines(rng, count), rng.random((2, count))])
 
 
-def _glossy(distribution: ModuleType) -> Callable[[np.ndarray], np.ndarray]:
-    return lambda a: MicrofacetReflection(a[3:6], a[6], a[7], distribution, "correlated", "visible").evaluate(a[:3])[0]
+def _glossy(distribution: Distribution) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda a: MicrofacetReflection(a[3:6], a[6], a[7], distribution, "correlated", "visible").evaluate(a[:3])[0][
+        0
+    ]
 
 
 def _rectangle(a: np.ndarray) -> np.ndarray:
@@ -174,10 +178,12 @@ def _of_direction(kernel: Callable[..., np.ndarray]) -> Callable[[np.ndarray], n
     return lambda a: kernel(a[:3], a[3], a[4])
 
 
-def _distribution(title: str, module: ModuleType, name: str) -> list[Function]:
+def _distribution(title: str, distribution: Distribution, name: str) -> list[Function]:
     entries = []
-    for what, symbol, draw in (("density", "D", _normals), ("lambda", "Lambda", _slopes)):
-        kernel = getattr(module, "density" if what == "density" else "smith_lambda")
+    kernels = distribution.density, distribution.smith_lambda
+    for kernel, what, symbol, draw in zip(
+        kernels, ("density", "lambda"), ("D", "Lambda"), (_normals, _slopes), strict=True
+    ):
         entries.append(
             _entry(
                 f"{title} {symbol}",
@@ -223,14 +229,14 @@ def closed_forms() -> list[Function]:
 def _microfacets() -> list[Function]:
     """Distributions, masking, and the lobes made of them."""
     return [
-        *_distribution("GGX", ggx, "ggx"),
-        *_distribution("Beckmann", beckmann, "beckmann"),
+        *_distribution("GGX", GGX(), "ggx"),
+        *_distribution("Beckmann", Beckmann(), "beckmann"),
         Function(
             FAMILY,
             "Beckmann Lambda, rational",
             (*_VECTOR, *_ALPHAS),
             _slopes,
-            _of_direction(beckmann.smith_lambda_rational),
+            _of_direction(smith_lambda_rational),
             exact.beckmann_lambda_rational,
             BOUND,
             cycles=Single(cycles_single.beckmann_lambda),
@@ -251,9 +257,9 @@ def _microfacets() -> list[Function]:
             "height_correlated",
             cycles="height_correlated",
         ),
-        Function(FAMILY, "GGX bound", (*_VECTOR, *_ALPHAS), _views, _of_direction(ggx.bound), exact.ggx_bound, BOUND),
-        _entry("GGX lobe", (*_THREE[:6], *_ALPHAS), _lobes, _glossy(ggx), "ggx_glossy", True),
-        _entry("Beckmann lobe", (*_THREE[:6], *_ALPHAS), _lobes, _glossy(beckmann), "beckmann_glossy", True),
+        Function(FAMILY, "GGX bound", (*_VECTOR, *_ALPHAS), _views, _of_direction(GGX().bound), exact.ggx_bound, BOUND),
+        _entry("GGX lobe", (*_THREE[:6], *_ALPHAS), _lobes, _glossy(GGX()), "ggx_glossy", True),
+        _entry("Beckmann lobe", (*_THREE[:6], *_ALPHAS), _lobes, _glossy(Beckmann()), "beckmann_glossy", True),
     ]
 
 

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from types import ModuleType
 
 import numpy as np
 from scipy.special import roots_legendre
 
 from ..bsdfs.microfacet import MicrofacetReflection
-from ..microfacets import beckmann, densities, ggx
+from ..microfacets import densities
 from ..microfacets.albedo import integrate_albedo
+from ..microfacets.beckmann import Beckmann
+from ..microfacets.distribution import Distribution
+from ..microfacets.ggx import GGX
 from . import domain
 from .case import Case
 
 FAMILY = "identity"
-DISTRIBUTIONS = {"GGX": ggx, "Beckmann": beckmann}
+DISTRIBUTIONS = {"GGX": GGX(), "Beckmann": Beckmann()}
 ENERGY = 1e-9
 _AXES = ((1e-6, 1e-6), (1e-4, 1e-4), (0.01, 0.01), (0.3, 0.3), (1.0, 1.0), (1e-6, 1.0), (1.0, 1e-6), (0.5, 0.05))
 _VIEWS = np.radians([0.0, 30.0, 60.0, 80.0, 89.0, 89.9, 89.99])
@@ -27,17 +29,20 @@ _SPECULAR = 1.5e-5  # just above the product of alphas at which a lobe becomes a
 def identities() -> list[Case]:
     """All of them; some seconds."""
     cases = []
-    for name, module in DISTRIBUTIONS.items():
+    for name, distribution in DISTRIBUTIONS.items():
         cases += [
-            _worst(f"integral of D cos, {name}", _normalisation(module), 1e-12),
-            _worst(f"visible normals integrate to 1, {name}", _weak_furnace(module), 1e-10),
-            _worst(f"reciprocity, {name}", _reciprocity(module), 2e-14),
-            _worst(f"energy above 1 in a white furnace, {name}", _excess(module), ENERGY),
-            _worst(f"weight of visible normals above 1, {name}", _visible_weights(module), ENERGY),
+            _worst(f"integral of D cos, {name}", _normalisation(distribution), 1e-12),
+            _worst(f"visible normals integrate to 1, {name}", _weak_furnace(distribution), 1e-10),
+            _worst(f"reciprocity, {name}", _reciprocity(distribution), 2e-14),
+            _worst(f"energy above 1 in a white furnace, {name}", _excess(distribution), ENERGY),
+            _worst(f"weight of visible normals above 1, {name}", _visible_weights(distribution), ENERGY),
             _worst(
-                f"weight of D cos over its bound 2 (o.m / o.n)^2, {name}", _d_cos_weights(module), 1.0 + ENERGY, "ratio"
+                f"weight of D cos over its bound 2 (o.m / o.n)^2, {name}",
+                _d_cos_weights(distribution),
+                1.0 + ENERGY,
+                "ratio",
             ),
-            _worst(f"from alpha {_SPECULAR:g} to the mirror, {name}", _into_the_mirror(module), 20.0 * _SPECULAR),
+            _worst(f"from alpha {_SPECULAR:g} to the mirror, {name}", _into_the_mirror(distribution), 20.0 * _SPECULAR),
         ]
     return [*cases, _worst("white furnace against quadrature, GGX", _furnace(), 2e-5)]
 
@@ -62,7 +67,7 @@ def _normals(alpha_x: float, alpha_y: float, x: np.ndarray, y: np.ndarray) -> np
     return m / np.sqrt((m * m).sum(axis=0))
 
 
-def _normalisation(module: ModuleType) -> Found:
+def _normalisation(distribution: Distribution) -> Found:
     node, weight = roots_legendre(300)
     p = 0.5 + 0.5 * node
     r, weight = p / (1.0 - p), 0.5 * weight / (1.0 - p) ** 2
@@ -70,7 +75,7 @@ def _normalisation(module: ModuleType) -> Found:
     rr, pp = (grid.ravel() for grid in np.meshgrid(r, phi, indexing="ij"))
     for alpha_x, alpha_y in _AXES:
         m = _normals(alpha_x, alpha_y, rr * np.cos(pp), rr * np.sin(pp))
-        density = densities.pdf_d_cos(m, module.density(m, alpha_x, alpha_y))
+        density = densities.pdf_d_cos(m, distribution.density(m, alpha_x, alpha_y))
         integrand = density * m[2] ** 3 * (alpha_x * alpha_y) * rr * (2.0 * np.pi / 64)
         total = (integrand.reshape(300, 64).sum(axis=1) * weight).sum()
         yield abs(total - 1.0), f"alpha {alpha_x:g} x {alpha_y:g}"
@@ -81,23 +86,23 @@ def _interval(low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (low + high) + 0.5 * (high - low) * node, 0.5 * (high - low) * weight
 
 
-def _weak_furnace(module: ModuleType) -> Found:
+def _weak_furnace(distribution: Distribution) -> Found:
     for alpha_x, alpha_y in _AXES:
         for theta in _VIEWS:
             wo = _at(theta, 1)[:, 0]
             sine = float(np.hypot(alpha_x * wo[0], alpha_y * wo[1]))
             toward = np.array([alpha_x * wo[0], alpha_y * wo[1]]) / sine if sine > 0.0 else np.array([1.0, 0.0])
-            x, y, weight = _slopes_seen(module, float(np.arctan2(-wo[2], sine)))
+            x, y, weight = _slopes_seen(distribution, float(np.arctan2(-wo[2], sine)))
             m = _normals(alpha_x, alpha_y, toward[0] * x - toward[1] * y, toward[1] * x + toward[0] * y)
             views = _at(theta, x.size)
-            d, smith = module.density(m, alpha_x, alpha_y), module.smith_lambda(views, alpha_x, alpha_y)
+            d, smith = distribution.density(m, alpha_x, alpha_y), distribution.smith_lambda(views, alpha_x, alpha_y)
             total = (densities.pdf_visible(m, views, d, smith) * m[2] ** 3 * (alpha_x * alpha_y) * weight).sum()
             yield abs(total - 1.0), f"alpha {alpha_x:g} x {alpha_y:g}, {np.degrees(theta):g} degrees"
 
 
-def _slopes_seen(module: ModuleType, begin: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _slopes_seen(distribution: Distribution, begin: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Stretched slopes along and across the view, and their weights, from where wo.m is zero."""
-    if module is ggx:  # x = tan(angle), y = sqrt(1 + x^2) tan(angle): what is left is smooth
+    if isinstance(distribution, GGX):  # x = tan(angle), y = sqrt(1 + x^2) tan(angle): what is left is smooth
         angle, weight_x = _interval(begin, 0.5 * np.pi)
         x, weight_x = np.tan(angle), weight_x / np.cos(angle) ** 2
         angle, weight_y = _interval(-0.5 * np.pi, 0.5 * np.pi)
@@ -109,7 +114,7 @@ def _slopes_seen(module: ModuleType, begin: float) -> tuple[np.ndarray, np.ndarr
     return np.repeat(x, y.shape[1]), y.ravel(), (weight_x[:, None] * weight_y).ravel()
 
 
-def _reciprocity(module: ModuleType) -> Found:
+def _reciprocity(distribution: Distribution) -> Found:
     rng = np.random.default_rng(zlib.crc32(b"reciprocity"))
     alpha, wo = domain.alphas(rng, 4000), domain.directions(rng, 4000)
     alpha_x, alpha_y = alpha
@@ -118,8 +123,8 @@ def _reciprocity(module: ModuleType) -> Found:
     wi /= np.sqrt((wi * wi).sum(axis=0))
     wi[2] = np.abs(wi[2])
     for form in ("correlated", "separable"):
-        there = MicrofacetReflection(wo, alpha_x, alpha_y, module, form, "visible").evaluate(wi)[0] / wi[2]
-        back = MicrofacetReflection(wi, alpha_x, alpha_y, module, form, "visible").evaluate(wo)[0] / wo[2]
+        there = MicrofacetReflection(wo, alpha_x, alpha_y, distribution, form, "visible").evaluate(wi)[0][0] / wi[2]
+        back = MicrofacetReflection(wi, alpha_x, alpha_y, distribution, form, "visible").evaluate(wo)[0][0] / wo[2]
         shines = np.maximum(there, back) > 1e-280
         error = np.where(shines, np.abs(there - back) / np.where(shines, np.maximum(there, back), 1.0), 0.0)
         k = int(np.argmax(error))
@@ -137,33 +142,34 @@ def _square(side: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _weights(
-    module: ModuleType, strategy: str, form: str = "correlated"
+    distribution: Distribution, strategy: str, form: str = "correlated"
 ) -> Iterator[tuple[float, float, float, tuple]]:
     """alpha_x, alpha_y, theta and the sample (wi, weight, pdf) over the unit square, for every alpha and view."""
     u1, u2 = _square(160)
     for alpha_x, alpha_y in (*_AXES[1:5], (1.0, 0.05)):
         for theta in _VIEWS:
-            lobe = MicrofacetReflection(_at(theta, u1.size), alpha_x, alpha_y, module, form, strategy)
-            yield alpha_x, alpha_y, theta, lobe.sample(u1, u2)
+            lobe = MicrofacetReflection(_at(theta, u1.size), alpha_x, alpha_y, distribution, form, strategy)
+            wi, weight, pdf = lobe.sample(u1, u2)
+            yield alpha_x, alpha_y, theta, (wi, weight[0], pdf)
 
 
-def _excess(module: ModuleType) -> Found:
+def _excess(distribution: Distribution) -> Found:
     for form in ("correlated", "separable"):
-        for alpha_x, alpha_y, theta, (_, weight, _) in _weights(module, "visible", form):
+        for alpha_x, alpha_y, theta, (_, weight, _) in _weights(distribution, "visible", form):
             where = f"{form}, alpha {alpha_x:g} x {alpha_y:g}, {np.degrees(theta):g} degrees"
             yield max(float(weight.mean()) - 1.0, 0.0), where
 
 
-def _visible_weights(module: ModuleType) -> Found:
+def _visible_weights(distribution: Distribution) -> Found:
     for form in ("correlated", "separable"):
-        for alpha_x, alpha_y, theta, (_, weight, _) in _weights(module, "visible", form):
+        for alpha_x, alpha_y, theta, (_, weight, _) in _weights(distribution, "visible", form):
             where = f"{form}, alpha {alpha_x:g} x {alpha_y:g}, {np.degrees(theta):g} degrees"
             yield max(float(weight.max()) - 1.0, 0.0), where
 
 
-def _d_cos_weights(module: ModuleType) -> Found:
+def _d_cos_weights(distribution: Distribution) -> Found:
     """Where wi lies above the horizon m.n > o.n / (2 o.m), so that (o.m) / ((o.n) (m.n)) < 2 (o.m / o.n)^2: no constant, but a bound."""
-    for alpha_x, alpha_y, theta, (wi, weight, _) in _weights(module, "d_cos"):
+    for alpha_x, alpha_y, theta, (wi, weight, _) in _weights(distribution, "d_cos"):
         wo = _at(theta, wi.shape[1])
         half = wi + wo
         cos_om = (wo * half).sum(axis=0) / np.sqrt((half * half).sum(axis=0))
@@ -174,12 +180,14 @@ def _d_cos_weights(module: ModuleType) -> Found:
         yield float(ratio.max()), where
 
 
-def _into_the_mirror(module: ModuleType) -> Found:
+def _into_the_mirror(distribution: Distribution) -> Found:
     """The mean reflected direction of the narrowest lobe against the mirror's."""
     u1, u2 = _square(200)
     for theta in _VIEWS[:-1]:
         wo = _at(theta, u1.size)
-        wi, weight, _ = MicrofacetReflection(wo, _SPECULAR, _SPECULAR, module, "correlated", "visible").sample(u1, u2)
+        wi, weight, _ = MicrofacetReflection(wo, _SPECULAR, _SPECULAR, distribution, "correlated", "visible").sample(
+            u1, u2
+        )
         mirrored = wo[:, 0] * np.array([-1.0, -1.0, 1.0])
         yield float(np.abs((wi * weight).mean(axis=1) - mirrored).max()), f"{np.degrees(theta):g} degrees"
 
@@ -190,7 +198,7 @@ def _furnace() -> Found:
     u2, crowd = 1.0 - (1.0 - v) ** 3, 3.0 * (1.0 - v) ** 2
     for alpha in (0.05, 0.3, 1.0):
         for theta in np.radians([0.0, 45.0, 80.0, 89.0]):
-            lobe = MicrofacetReflection(_at(theta, u1.size), alpha, alpha, ggx, "correlated", "visible")
+            lobe = MicrofacetReflection(_at(theta, u1.size), alpha, alpha, GGX(), "correlated", "visible")
             exact = integrate_albedo(np.array([np.cos(theta)]), np.array([alpha]), 60, 40)[0]
-            error = abs(float((lobe.sample(u1, u2)[1] * crowd).mean()) - exact)
+            error = abs(float((lobe.sample(u1, u2)[1][0] * crowd).mean()) - exact)
             yield error, f"alpha {alpha:g}, {np.degrees(theta):g} degrees"

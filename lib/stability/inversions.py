@@ -10,7 +10,8 @@ import numpy as np
 from ..lights.cone import uniform_cone
 from ..lights.rectangle import SMALLEST_SOLID_ANGLE
 from ..lights.spherical_rectangle import SphericalRectangle
-from ..microfacets import beckmann, ggx
+from ..microfacets.beckmann import Beckmann
+from ..microfacets.ggx import GGX
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
 from . import cycles_inversions, domain, exact_inversions, single
 from .measure import Function, Single
@@ -127,15 +128,15 @@ def _normals() -> list[Function]:
     lobe = (*_ALPHAS, *_UNIFORMS)
     seen = (*_WO, *lobe)
     return [
-        _entry("Beckmann D cos", lobe, _isotropic, lambda a: beckmann.sample_d_cos(*a), "beckmann_d_cos", True),
-        _entry("GGX D cos", lobe, _isotropic, lambda a: ggx.sample_d_cos(*a), "ggx_d_cos", True),
-        _entry("Beckmann D cos, anisotropic", lobe, _lobes, lambda a: beckmann.sample_d_cos(*a), "beckmann_d_cos"),
-        _entry("GGX D cos, anisotropic", lobe, _lobes, lambda a: ggx.sample_d_cos(*a), "ggx_d_cos"),
+        _entry("Beckmann D cos", lobe, _isotropic, lambda a: Beckmann().sample_d_cos(*a), "beckmann_d_cos", True),
+        _entry("GGX D cos", lobe, _isotropic, lambda a: GGX().sample_d_cos(*a), "ggx_d_cos", True),
+        _entry("Beckmann D cos, anisotropic", lobe, _lobes, lambda a: Beckmann().sample_d_cos(*a), "beckmann_d_cos"),
+        _entry("GGX D cos, anisotropic", lobe, _lobes, lambda a: GGX().sample_d_cos(*a), "ggx_d_cos"),
         _entry(
             "GGX visible normals",
             seen,
             _seen_lobes,
-            lambda a: ggx.sample_visible(a[:3], *a[3:]),
+            lambda a: GGX().sample_visible(a[:3], *a[3:]),
             "ggx_visible",
             slack=_end_of_cap,
             excuse="the cap's point is added to wo, which it all but cancels as u2 nears 1; without that difference a sample takes "
@@ -145,7 +146,7 @@ def _normals() -> list[Function]:
             "GGX bounded visible normals",
             seen,
             _seen_lobes,
-            lambda a: ggx.sample_bounded(a[:3], *a[3:]),
+            lambda a: GGX().sample_bounded(a[:3], *a[3:]),
             "ggx_bounded",
             slack=_end_of_cap,
             excuse="as for GGX visible normals, where the bound is loose",
@@ -154,7 +155,7 @@ def _normals() -> list[Function]:
             "Beckmann visible normals",
             seen,
             _seen_lobes,
-            lambda a: beckmann.sample_visible(a[:3], *a[3:]),
+            lambda a: Beckmann().sample_visible(a[:3], *a[3:]),
             "beckmann_visible",
             sizes=_uniform_of_one,
             excuse="the mass above a slope, 1 - u1, is what is inverted: u1 counts to the last place of 1, not to its own",

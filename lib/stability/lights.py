@@ -139,7 +139,7 @@ def lights_and_factors() -> list[Function]:
             "Lambert below a dielectric's reflectance",
             (*pair, "eta"),
             _reflecting,
-            lambda a: Reflected(lambert, a[3:6], Dielectric(a[6])).evaluate(a[:3])[0],
+            lambda a: Reflected(lambert, a[3:6], Dielectric(a[6])).evaluate(a[:3])[0][0],
             exact_lights.reflected,
         ),
         ("turned frame", (*_VECTOR, "cos", "sin"), _turned, lambda a: rotate_in(a[:3], *a[3:]), exact_lights.rotated),

@@ -70,7 +70,7 @@ def _clear_metals(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _ashikhmin_shirley(a: np.ndarray) -> np.ndarray:
-    return AshikhminShirley(a[3:6], a[6], a[7]).evaluate(a[:3])[0]
+    return AshikhminShirley(a[3:6], a[6], a[7]).evaluate(a[:3])[0][0]
 
 
 def _half_vector(a: np.ndarray) -> np.ndarray:

@@ -120,7 +120,11 @@ OUTSIDE: dict[str, str] = {
         (
             "bsdfs.fresnels.Fresnel",
             "bsdfs.fresnels.part_of",
-            "bsdfs.mixture.Lobe",
+            "bsdfs.lobe.DeltaLobe",
+            "bsdfs.lobe.Lobe",
+            "microfacets.distribution.BoundedDistribution",
+            "microfacets.distribution.Distribution",
+            "microfacets.distributions.distribution_by_name",
             "lights.build.area_sampler",
             "lights.build.light_sampler",
             "lights.build.light_samplers",

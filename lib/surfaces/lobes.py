@@ -21,17 +21,18 @@ from ..bsdfs.fresnels import (
     tinted_dielectric,
 )
 from ..bsdfs.lambert import Lambert, LambertTransmission
+from ..bsdfs.lobe import Lobe
 from ..bsdfs.microfacet import MicrofacetReflection
-from ..bsdfs.mixture import Lobe
 from ..bsdfs.oren_nayar import OrenNayar
 from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
 from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
-from ..departures.closures import ashikhmin_shirley_form, beckmann_form, oren_nayar_form, with_stated_density
-from ..microfacets import ggx
+from ..departures.closures import ashikhmin_shirley_form, distribution_form, oren_nayar_form, with_stated_density
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
+from ..microfacets.distribution import Distribution
+from ..microfacets.distributions import distribution_by_name
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..sampling.wavelengths import NODES
 from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
@@ -141,13 +142,12 @@ def _reflection(
         np.maximum(alpha_x, _FLOOR),
         np.maximum(alpha_y, _FLOOR),
     )  # where a texture reaches zero roughness
-    options = site.options
-    how = (_distribution(closure, options), _masking(options), options.strategy)
+    options, distribution = site.options, _distribution(closure, site.options)
 
     def make(wo: np.ndarray) -> Lobe:
-        lobe = MicrofacetReflection(wo, alpha_x, alpha_y, *how)
-        if closure.distribution == "BECKMANN" and options.strategy == "visible":
-            return with_stated_density(lobe, wo, alpha_x, alpha_y, options.departures)
+        lobe = MicrofacetReflection(wo, alpha_x, alpha_y, distribution, _masking(options), options.strategy)
+        if options.strategy == "visible":
+            return with_stated_density(lobe, distribution, wo, alpha_x, alpha_y, options.departures)
         return lobe
 
     return _turned(closure, stretch, site, make), np.sqrt(alpha_x * alpha_y)
@@ -219,13 +219,11 @@ def _interface(
     eta = np.where(np.abs(eta - 1.0) < _LEAST_CONTRAST, 1.0 + _LEAST_CONTRAST, eta)
     alpha_x, alpha_y = np.maximum(alpha_x, _FLOOR), np.maximum(alpha_y, _FLOOR)
     backs = "refraction from behind" in site.options.departures
-    how = (_distribution(closure, site.options), interface, _masking(site.options), backs)
+    distribution = _distribution(closure, site.options)
 
     def make(wo: np.ndarray) -> Lobe:
-        lobe = RoughDielectric(wo, alpha_x, alpha_y, eta, *how)
-        if closure.distribution == "BECKMANN":
-            return with_stated_density(lobe, wo, alpha_x, alpha_y, site.options.departures)
-        return lobe
+        lobe = RoughDielectric(wo, alpha_x, alpha_y, eta, distribution, interface, _masking(site.options), backs)
+        return with_stated_density(lobe, distribution, wo, alpha_x, alpha_y, site.options.departures)
 
     return _turned(closure, stretch, site, make)
 
@@ -273,8 +271,9 @@ def _masking(options: Options) -> str:
     return "correlated" if "correlated masking" in options.departures else options.masking
 
 
-def _distribution(closure: Closure, options: Options) -> object:
-    return beckmann_form(options.departures) if closure.distribution == "BECKMANN" else ggx
+def _distribution(closure: Anisotropic | Refraction, options: Options) -> Distribution:
+    """The distribution of a closure's normals, as it departs."""
+    return distribution_form(distribution_by_name(closure.distribution), options.departures)
 
 
 def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from ...lib.microfacets import ggx
+from ...lib.microfacets.ggx import GGX
 from .. import building
 from .edge_case import EdgeCase, look, start
 
@@ -32,7 +32,7 @@ def _albedo() -> float:
         m = np.stack([alpha_x * r * math.cos(phi), alpha_y * r * math.sin(phi), np.ones_like(r)])
         m /= np.sqrt((m * m).sum(axis=0))
         wi = 2.0 * m[2] * m - np.array([[0.0], [0.0], [1.0]])
-        value = ggx.density(m, alpha_x, alpha_y) / (1.0 + ggx.smith_lambda(wi, alpha_x, alpha_y)) * m[2]
+        value = GGX().density(m, alpha_x, alpha_y) / (1.0 + GGX().smith_lambda(wi, alpha_x, alpha_y)) * m[2]
         dm = alpha_x * alpha_y * r * (1.0 + r * r) * end * m[2] ** 3
         total += (value * dm * weight).sum() * (2.0 * math.pi / 720)
     return float(total)

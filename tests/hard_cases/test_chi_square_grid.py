@@ -16,13 +16,15 @@ from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.lights.build import light_sampler
 from etalon.lib.lights.environment import EnvironmentSampler
-from etalon.lib.microfacets import beckmann, densities, ggx
+from etalon.lib.microfacets import densities
+from etalon.lib.microfacets.beckmann import Beckmann
+from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.scene.lights import AreaLight, SphereLight, SpotLight, SunLight
 from etalon.lib.scene.lights import Cone as SpotCone
 from etalon.tests.charts import Cone, Flat, Refractions, Sky
 from etalon.tests.chi2 import Reflections, Sphere, Tangents, chi_square, sidak
 
-DISTRIBUTIONS = {"ggx": ggx, "beckmann": beckmann}
+DISTRIBUTIONS = {"ggx": GGX(), "beckmann": Beckmann()}
 ISOTROPIC = [(a, a) for a in (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.3, 0.6, 1.0)]
 ANISOTROPIC = [(1e-4, 1e-3), (1e-2, 1e-4), (0.01, 0.3), (0.3, 0.05), (1.0, 0.1), (0.1, 1.0), (0.5, 0.4), (1.0, 1e-3)]
 ANGLES = (0.0, 20.0, 45.0, 70.0, 85.0, 89.0, 89.9)

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from etalon.lib.bsdfs.compensated import Compensated, multiple_scattering
 from etalon.lib.bsdfs.microfacet import MicrofacetReflection
-from etalon.lib.microfacets import albedo, ggx
+from etalon.lib.microfacets import albedo
+from etalon.lib.microfacets.ggx import GGX
 from etalon.tests.chi2 import Reflections, Tangents, integrals
 from etalon.tests.replicates import assert_mean, replicates
 from etalon.tests.scenes import fan, fan_camera, glossy, scene
@@ -22,7 +23,7 @@ def test_white_furnace_by_quadrature(alpha):
 
         def value(wi, wo=wo):
             lobe = MicrofacetReflection(
-                np.repeat(wo[:, None], wi.shape[1], axis=1), alpha, alpha, ggx, "correlated", "visible"
+                np.repeat(wo[:, None], wi.shape[1], axis=1), alpha, alpha, GGX(), "correlated", "visible"
             )
             factor = multiple_scattering(np.full(wi.shape[1], wo[2]), alpha, np.ones((3, 1)))
             return Compensated(lobe, factor).evaluate(wi)[0][1]
@@ -65,7 +66,7 @@ def test_anisotropic_takes_the_geometric_mean(rng):
 def test_density_parts_and_arguments(rng):
     wo = np.abs(rng.normal(size=(3, 40)))
     wo /= np.sqrt((wo * wo).sum(axis=0))
-    lobe = MicrofacetReflection(wo, 0.3, 0.3, ggx, "correlated", "visible")
+    lobe = MicrofacetReflection(wo, 0.3, 0.3, GGX(), "correlated", "visible")
     color = rng.random((3, 40))
     mu, alpha = wo[2].copy(), np.full(40, 0.3)
     for argument in (color, mu, alpha):

@@ -9,12 +9,14 @@ import pytest
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.specular import refract
-from etalon.lib.microfacets import beckmann, fresnel, ggx
+from etalon.lib.microfacets import fresnel
+from etalon.lib.microfacets.beckmann import Beckmann
+from etalon.lib.microfacets.ggx import GGX
 from etalon.tests.chi2 import Sphere, Tangents, chi_square, integrals, sidak
 
 CASES = [
     (distribution, eta, alpha, cos_o)
-    for distribution in (ggx, beckmann)
+    for distribution in (GGX(), Beckmann())
     for eta in (1.5, 1.0 / 1.5)
     for alpha, cos_o in ((0.3, 0.9), (0.6, 0.5), (1.0, 0.25), ((0.2, 0.8), 0.5), ((0.9, 0.3), 0.25))
 ]
@@ -85,7 +87,7 @@ def test_weight_times_density_is_the_value(distribution, eta, alpha, cos_o, glas
 
 
 @pytest.mark.parametrize("form", ["correlated", "separable", "torrance_sparrow"])
-@pytest.mark.parametrize("distribution", [ggx, beckmann])
+@pytest.mark.parametrize("distribution", [GGX(), Beckmann()], ids=["ggx", "beckmann"])
 def test_forms_of_masking(distribution, form, rng):
     """Value and weight carry the chosen G: against D and F, and Lambda, put together by hand."""
     alpha, eta, wo = 0.5, 1.5, viewer(0.4, 4000)
@@ -112,7 +114,7 @@ def test_forms_of_masking(distribution, form, rng):
     np.testing.assert_allclose(value[0, kept], expected[kept], rtol=1e-9)
 
 
-@pytest.mark.parametrize("distribution", [ggx, beckmann])
+@pytest.mark.parametrize("distribution", [GGX(), Beckmann()], ids=["ggx", "beckmann"])
 @pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5])
 @pytest.mark.parametrize("alpha", [0.5, (0.2, 0.9)])
 def test_exchange_of_light_and_viewer(distribution, eta, alpha, rng):
@@ -133,7 +135,7 @@ def test_exchange_of_light_and_viewer(distribution, eta, alpha, rng):
     np.testing.assert_allclose(forth, back * np.where(through, eta**2, 1.0), rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("distribution", [ggx, beckmann])
+@pytest.mark.parametrize("distribution", [GGX(), Beckmann()], ids=["ggx", "beckmann"])
 def test_no_energy_from_nowhere(distribution):
     """Reflected and refracted light together never exceed what arrives, and nothing comes through facets seen from behind."""
     for eta, alpha, cos_o in itertools.product(
@@ -152,7 +154,7 @@ def test_no_energy_from_nowhere(distribution):
 def test_smooth_limit_is_snell_and_fresnel(eta, rng):
     """At a tiny alpha the directions are the mirror's and Snell's, with Fresnel's shares."""
     wo = viewer(0.8, 100_000)
-    wi, weight, _ = lobe(ggx, eta, 1e-4, wo).sample(*rng.random((2, wo.shape[1])))
+    wi, weight, _ = lobe(GGX(), eta, 1e-4, wo).sample(*rng.random((2, wo.shape[1])))
     through = wi[2] < 0.0
     refracted, _ = refract(wo[:, :1], np.float64(eta))
     mirrored = wo[:, :1] * np.array([[-1.0], [-1.0], [1.0]])
@@ -176,14 +178,14 @@ def given_by_facets(alpha, eta, wo):
         sine2 = (1.0 - cos * cos) / eta**2
         bent = m * (cos / eta - np.sqrt(np.maximum(1.0 - sine2, 0.0))) - here / eta
         kept = np.zeros_like(cos)
-        lambda_o = ggx.smith_lambda(wo, *alpha)
+        lambda_o = GGX().smith_lambda(wo, *alpha)
         for wi, part, side in (
             (2.0 * cos * m - here, share, 1.0),
             (bent, np.where(sine2 < 1.0, 1.0 - share, 0.0), -1.0),
         ):
             upright = np.stack([wi[0], wi[1], side * wi[2]])
-            kept += part * np.where(upright[2] > 0.0, 1.0 / (1.0 + lambda_o + ggx.smith_lambda(upright, *alpha)), 0.0)
-        return ggx.density(m, *alpha) * np.where(cos > 0.0, cos, 0.0) / wo[2] * kept
+            kept += part * np.where(upright[2] > 0.0, 1.0 / (1.0 + lambda_o + GGX().smith_lambda(upright, *alpha)), 0.0)
+        return GGX().density(m, *alpha) * np.where(cos > 0.0, cos, 0.0) / wo[2] * kept
 
     return integrals(value, Tangents(*alpha), (12, 12), tolerance=1e-5).sum()
 
@@ -195,14 +197,14 @@ def test_stretched_glass_gives_back_what_its_facets_do(alpha, eta):
     wo = viewer(0.6)
 
     def value(wi):
-        return lobe(ggx, eta, alpha, np.repeat(wo, wi.shape[1], axis=1)).evaluate(wi)[0][0]
+        return lobe(GGX(), eta, alpha, np.repeat(wo, wi.shape[1], axis=1)).evaluate(wi)[0][0]
 
     expected = given_by_facets(alpha, eta, wo)
     assert 0.5 < expected < 1.0
     assert integrals(value, Banded(-0.6 / eta), (16, 12), tolerance=1e-4).sum() == pytest.approx(expected, abs=1e-3)
 
 
-@pytest.mark.parametrize("distribution", [ggx, beckmann])
+@pytest.mark.parametrize("distribution", [GGX(), Beckmann()], ids=["ggx", "beckmann"])
 def test_stretching_the_other_axis_turns_the_lobe(distribution, rng):
     """Alphas swapped and all turned by a quarter: the same; the alphas swapped alone: not."""
     wo, wi = viewer(0.5, 2000), rng.normal(size=(3, 2000))
@@ -213,7 +215,7 @@ def test_stretching_the_other_axis_turns_the_lobe(distribution, rng):
     assert np.abs(lobe(distribution, 1.5, (0.7, 0.2), wo).evaluate(wi)[0] - plain).max() > 0.1 * plain.max()
 
 
-@pytest.mark.parametrize("distribution", [ggx, beckmann])
+@pytest.mark.parametrize("distribution", [GGX(), Beckmann()], ids=["ggx", "beckmann"])
 @pytest.mark.parametrize("alpha", [(1e-4, 1.0), (1.0, 1e-4), (1.5e-5, 1.5e-5)])
 @pytest.mark.parametrize("cos_o", [1.0, 0.5, 1e-3])
 def test_an_axis_that_is_hardly_rough(distribution, alpha, cos_o, rng):

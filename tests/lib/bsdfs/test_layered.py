@@ -7,9 +7,10 @@ import pytest
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import F82, Conductor, Dielectric, tinted_dielectric
 from etalon.lib.bsdfs.layered import beneath_layer, coat_tint
-from etalon.lib.microfacets import ggx, layers
+from etalon.lib.microfacets import layers
 from etalon.lib.microfacets.albedo import directional_albedo
 from etalon.lib.microfacets.fresnel import dielectric
+from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.scene.expressions import ONE, WHITE, BeneathLayer, Constant
 from etalon.lib.scene.materials import Diffuse, Lobe, Material, Specular
 from etalon.tests.replicates import assert_mean, replicates
@@ -46,7 +47,7 @@ def test_glass_albedo_is_what_samples_weigh(eta, rng):
         wo = np.repeat(np.array([[np.sqrt(1.0 - cos_o**2)], [0.0], [cos_o]]), 200_000, axis=1)
         interface = Interface(Dielectric(np.float64(eta)), np.ones((3, 1)), np.ones((3, 1)))
         _, weight, _ = RoughDielectric(
-            wo, np.float64(alpha), np.float64(alpha), np.float64(eta), ggx, interface
+            wo, np.float64(alpha), np.float64(alpha), np.float64(eta), GGX(), interface
         ).sample(*rng.random((2, wo.shape[1])))
         error = weight[0].std() / np.sqrt(weight.shape[1])
         expected = layers.glass_albedo(np.array([cos_o]), np.float64(alpha), eta)[0]

@@ -10,7 +10,8 @@ from etalon.lib.bsdfs.lambert import Lambert, LambertTransmission
 from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.bsdfs.mixture import Mixture
 from etalon.lib.bsdfs.specular import Mirror
-from etalon.lib.microfacets import beckmann, ggx
+from etalon.lib.microfacets.beckmann import Beckmann
+from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.sampling.warps import uniform_sphere
 from etalon.tests.chi2 import Tangents, chi_square, integrals
 from scipy import stats
@@ -25,8 +26,8 @@ def mixture(count, mirror=False, colors=COLORS):
     wo = np.repeat(WO[:, None], count, axis=1)
     lobes = [
         Lambert(),
-        MicrofacetReflection(wo, 0.4, 0.4, ggx, "correlated", "visible"),
-        MicrofacetReflection(wo, 0.7, 0.3, beckmann, "separable", "d_cos"),
+        MicrofacetReflection(wo, 0.4, 0.4, GGX(), "correlated", "visible"),
+        MicrofacetReflection(wo, 0.7, 0.3, Beckmann(), "separable", "d_cos"),
     ]
     return Mixture([*lobes, Mirror(wo)] if mirror else lobes, [*colors, np.full((3, 1), 0.25)][: 3 + mirror], count)
 
@@ -50,8 +51,8 @@ def test_value_is_the_coloured_sum(rng):
     count = wi.shape[1]
     wo = np.repeat(WO[:, None], count, axis=1)
     total = COLORS[0] * wi[2] / np.pi
-    total = total + COLORS[1] * MicrofacetReflection(wo, 0.4, 0.4, ggx, "correlated", "visible").evaluate(wi)[0]
-    total = total + COLORS[2] * MicrofacetReflection(wo, 0.7, 0.3, beckmann, "separable", "visible").evaluate(wi)[0]
+    total = total + COLORS[1] * MicrofacetReflection(wo, 0.4, 0.4, GGX(), "correlated", "visible").evaluate(wi)[0]
+    total = total + COLORS[2] * MicrofacetReflection(wo, 0.7, 0.3, Beckmann(), "separable", "visible").evaluate(wi)[0]
     np.testing.assert_allclose(mixture(count).evaluate(wi)[0], total, rtol=1e-12)
 
 
@@ -73,14 +74,14 @@ def beside_transmission(kind, count):
     """A rough lobe and one that sends light through the surface, seen from WO."""
     wo, white = np.repeat(WO[:, None], count, axis=1), np.ones((3, 1))
     if kind == "glossy":
-        rough = MicrofacetReflection(wo, 1.0, 1.0, ggx, "correlated", "visible")
+        rough = MicrofacetReflection(wo, 1.0, 1.0, GGX(), "correlated", "visible")
     elif kind == "d_cos":
-        rough = MicrofacetReflection(wo, 0.7, 0.7, beckmann, "correlated", "d_cos")
+        rough = MicrofacetReflection(wo, 0.7, 0.7, Beckmann(), "correlated", "d_cos")
     elif kind == "ashikhmin_shirley":
         rough = AshikhminShirley(wo, 0.9, 0.9)
     else:
         eta = np.full(count, 1.5)
-        rough = RoughDielectric(wo, 1.0, 1.0, eta, ggx, Interface(Dielectric(eta), white, white))
+        rough = RoughDielectric(wo, 1.0, 1.0, eta, GGX(), Interface(Dielectric(eta), white, white))
     return Mixture([rough, LambertTransmission()], [0.5 * white, 0.4 * white], count)
 
 

@@ -15,9 +15,11 @@ from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.departures.closures import StrayAshikhminShirley
 from etalon.lib.departures.scene import narrow_factor, tabulated_curves, tabulated_ramp
 from etalon.lib.lights.spread import Spread
-from etalon.lib.microfacets import albedo, beckmann, ggx, masking
+from etalon.lib.microfacets import albedo, masking
+from etalon.lib.microfacets.beckmann import Beckmann, smith_lambda_rational
 from etalon.lib.microfacets.cycles_tables import COARSE, FINE
 from etalon.lib.microfacets.fresnel import dielectric
+from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.scene.converters import Curve, Curves
 from etalon.lib.scene.expressions import ONE, ZERO, ColorRamp, Constant, Coordinates, Math, VectorToValue
 from etalon.lib.scene.images import Image
@@ -54,8 +56,8 @@ def test_what_microfacets_show_of_themselves_is_what_there_is_to_see(angle):
     )
     projected = float(seen / cos)
     wo = towards(float(cos))
-    assert 1.0 + beckmann.smith_lambda(wo, 1.0, 1.0)[0] == pytest.approx(projected, rel=1e-14)
-    fit = 1.0 + beckmann.smith_lambda_rational(wo, 1.0, 1.0)[0]
+    assert 1.0 + Beckmann().smith_lambda(wo, 1.0, 1.0)[0] == pytest.approx(projected, rel=1e-14)
+    fit = 1.0 + smith_lambda_rational(wo, 1.0, 1.0)[0]
     assert 1e-4 < abs(fit / projected - 1.0) < 3.2e-3
 
 
@@ -82,7 +84,9 @@ def test_through_facets_seen_from_behind_glass_would_make_light():
     plain = Interface(Dielectric(np.full(measure.size, 1.5)), np.ones((3, 1)), np.ones((3, 1)))
     held, given = {}, {}
     for backs in (False, True):
-        lobe = RoughDielectric(wo, np.float64(0.64), np.float64(0.64), np.float64(1.5), ggx, plain, "correlated", backs)
+        lobe = RoughDielectric(
+            wo, np.float64(0.64), np.float64(0.64), np.float64(1.5), GGX(), plain, "correlated", backs
+        )
         value, pdf = lobe.evaluate(wi)
         held[backs], given[backs] = pdf @ measure, value[0] @ measure
     assert held[False] < 1.0

@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from etalon.lib.microfacets import albedo, ggx, masking
+from etalon.lib.microfacets import albedo, masking
+from etalon.lib.microfacets.ggx import GGX
 from scipy.integrate import quad_vec
 from scipy.special import roots_legendre
 
@@ -28,8 +29,8 @@ def by_quadrature(mu, alpha):
         m = np.stack([tangent * np.cos(phi), tangent * np.sin(phi), np.ones_like(tangent)]) / np.hypot(1.0, tangent)
         cos_om = (wo * m).sum(axis=0)
         wi = 2.0 * cos_om * m - wo
-        lambda_i, lambda_o = ggx.smith_lambda(wi, alpha, alpha), ggx.smith_lambda(wo, alpha, alpha)
-        value = ggx.density(m, alpha, alpha) * masking.height_correlated(lambda_i, lambda_o) * cos_om / mu
+        lambda_i, lambda_o = GGX().smith_lambda(wi, alpha, alpha), GGX().smith_lambda(wo, alpha, alpha)
+        value = GGX().density(m, alpha, alpha) * masking.height_correlated(lambda_i, lambda_o) * cos_om / mu
         return (value * tangent * m[2] ** 3 * alpha * (1.0 + (tangent / alpha) ** 2) * end * weight).sum(axis=1)
 
     middle = 0.5 * np.pi

@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from etalon.lib.microfacets import beckmann, visible_slope
+from etalon.lib.microfacets import visible_slope
+from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.sampling.tables import LARGEST_UNIFORM
 
 
@@ -18,7 +19,7 @@ def arguments(rng, grazing):
     c = cot * s
     x, low, _ = visible_slope._bracket(s, u)
     x = np.maximum(x, np.maximum(low, visible_slope._ABOVE_END - cot))
-    return x, s, c, (1.0 - u) * c * (1.0 + beckmann.smith_lambda(wo, alpha, alpha))
+    return x, s, c, (1.0 - u) * c * (1.0 + Beckmann().smith_lambda(wo, alpha, alpha))
 
 
 @pytest.mark.parametrize("grazing", [1e-1, 1e-6])

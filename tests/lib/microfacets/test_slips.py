@@ -3,10 +3,12 @@
 
 import numpy as np
 import pytest
-from etalon.lib.microfacets import beckmann, densities, ggx
+from etalon.lib.microfacets import densities
+from etalon.lib.microfacets.beckmann import Beckmann
+from etalon.lib.microfacets.ggx import GGX
 from etalon.tests.chi2 import Reflections, Tangents, integrals
 
-BOTH = pytest.mark.parametrize("distribution", [beckmann, ggx], ids=["beckmann", "ggx"])
+BOTH = pytest.mark.parametrize("distribution", [Beckmann(), GGX()], ids=["beckmann", "ggx"])
 BINS = (12, 16)
 WO = np.array([0.28, 0.0, 0.96])
 
@@ -32,7 +34,7 @@ def test_slip_1_beckmann_as_on_the_model_slide_integrates_to_two(sigma, rng):
     assert integrals(lambda m: printed(m, 2.0), chart, BINS).sum() == pytest.approx(2.0, abs=1e-5)
     assert integrals(lambda m: printed(m, 1.0), chart, BINS).sum() == pytest.approx(1.0, abs=1e-5)
     m = chart.directions(*rng.uniform(0.05, 0.7, (2, 50)))
-    np.testing.assert_allclose(densities.pdf_d_cos(m, beckmann.density(m, sigma, sigma)), printed(m, 1.0), rtol=1e-11)
+    np.testing.assert_allclose(densities.pdf_d_cos(m, Beckmann().density(m, sigma, sigma)), printed(m, 1.0), rtol=1e-11)
 
 
 @BOTH

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from etalon import lib
-from etalon.lib.microfacets import beckmann, densities, ggx
+from etalon.lib.microfacets import densities
+from etalon.lib.microfacets.beckmann import Beckmann
+from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.stability.closed_forms import closed_forms
 from etalon.lib.stability.inversions import inversions
 from etalon.lib.stability.lights import lights_and_factors
@@ -21,16 +23,28 @@ BY_IDENTITIES = {"microfacets.densities.pdf_d_cos": densities.pdf_d_cos}
 
 
 def public_names():
-    """Name -> the (file, first line) of its code: of a class, that of all its methods."""
+    """Name -> the (file, first line) of its code: of a class, that of all its methods; those of a distribution are equations, one by one."""
     found = {}
     for room in ROOMS:
         for path in sorted((ROOT / room).glob("*.py")):
             for node in ast.parse(path.read_text(encoding="utf-8")).body:
-                if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
-                    inside = [part for part in ast.walk(node) if isinstance(part, ast.FunctionDef)]
+                for name, code in equations(node):
+                    inside = [part for part in ast.walk(code) if isinstance(part, ast.FunctionDef)]
                     lines = {min([part.lineno, *(d.lineno for d in part.decorator_list)]) for part in inside}
-                    found[f"{room}.{path.stem}.{node.name}"] = {(str(path), line) for line in lines}
+                    found[f"{room}.{path.stem}.{name}"] = {(str(path), line) for line in lines}
     return found
+
+
+def equations(node):
+    """The public name and code of a statement that defines a function or a class; of a distribution those of its public methods."""
+    if not isinstance(node, ast.FunctionDef | ast.ClassDef) or node.name.startswith("_"):
+        return
+    bases = {base.id for base in node.bases} if isinstance(node, ast.ClassDef) else set()
+    if bases & {"Distribution", "BoundedDistribution"} and node.name != "BoundedDistribution":
+        parts = (part for part in node.body if isinstance(part, ast.FunctionDef))
+        yield from ((f"{node.name}.{part.name}", part) for part in parts if not part.name.startswith("_"))
+    else:
+        yield node.name, node
 
 
 def called(action):
@@ -70,8 +84,8 @@ def test_every_equation_is_measured_or_the_list_says_why_not():
 
 def test_what_runs_is_seen():
     m = np.array([[0.0], [0.0], [1.0]])
-    ran = called(lambda: ggx.density(m, 0.5, 0.5))
+    ran = called(lambda: GGX().density(m, 0.5, 0.5))
     names = public_names()
-    assert names["microfacets.ggx.density"] & ran
-    assert not names["microfacets.beckmann.density"] & ran
-    assert called(lambda: beckmann.density(m, 0.5, 0.5)) & names["microfacets.beckmann.density"]
+    assert names["microfacets.ggx.GGX.density"] & ran
+    assert not names["microfacets.beckmann.Beckmann.density"] & ran
+    assert called(lambda: Beckmann().density(m, 0.5, 0.5)) & names["microfacets.beckmann.Beckmann.density"]

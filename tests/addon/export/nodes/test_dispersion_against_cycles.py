@@ -7,8 +7,8 @@ import pytest
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import Dielectric, TintedDielectric, reflectance_at_normal
-from etalon.lib.microfacets import ggx
 from etalon.lib.microfacets.dispersion import cauchy_index
+from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.sampling.wavelengths import COLORS, NODES
 from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad
 from mathutils import Vector
@@ -56,7 +56,7 @@ def value(eta, ior, sun, departs):
     wi, wo = (np.repeat((axes @ w)[:, None], eta.size, axis=1) for w in (wi, wo))
     curve = TintedDielectric(eta, reflectance_at_normal(np.float64(ior))) if departs else Dielectric(eta)
     alpha = np.float64(ROUGHNESS**2)
-    return RoughDielectric(wo, alpha, alpha, eta, ggx, Interface(curve, WHITE, WHITE)).evaluate(wi)[0][0]
+    return RoughDielectric(wo, alpha, alpha, eta, GGX(), Interface(curve, WHITE, WHITE)).evaluate(wi)[0][0]
 
 
 @pytest.mark.parametrize("flipped", [False, True])

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a lobe is: made for the `wo` of n points, it is asked for values, samples and densities of directions `wi`."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+
+class Lobe(ABC):
+    """One way in which a surface scatters light; see the folder's docstring.
+
+    `delta`: it sends light into single directions, has density inf and evaluates to nothing.
+    """
+
+    delta: bool = False
+
+    @property
+    def estimate(self) -> np.ndarray | float:
+        """Roughly its albedo before its colour, () or (n,): by it a lobe is picked among several."""
+        return 1.0
+
+    @abstractmethod
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the value f |cos theta_i|, (3, n), and the density of `sample`, per steradian of `wi`, (n,)."""
+
+    @abstractmethod
+    def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return wi (3, n), weight f |cos| / pdf (3, n), pdf (n,), which is 0 where the sample is rejected."""
+
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """Return by what factor a delta lobe widens a solid angle from wo to `wi`, (n,): reflection keeps it."""
+        return np.ones(wi.shape[1])
+
+    @abstractmethod
+    def part(self, index: np.ndarray) -> Lobe:
+        """Return the same lobe at fewer points."""
+
+
+class DeltaLobe(Lobe):
+    """A lobe of single directions."""
+
+    delta = True
+
+    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return nothing, twice: no given direction is one of the lobe's."""
+        zero = np.zeros(wi.shape[1])
+        return to_rgb(zero), zero
+
+
+class Wrapper(Lobe):
+    """A lobe that does something to another: what a subclass does not say is the other's own."""
+
+    def __init__(self, lobe: Lobe) -> None:
+        self._lobe = lobe
+        self.delta = lobe.delta
+
+    @property
+    def estimate(self) -> np.ndarray | float:
+        """The wrapped lobe's own."""
+        return self._lobe.estimate
+
+    def widening(self, wi: np.ndarray) -> np.ndarray:
+        """Return the wrapped lobe's own, (n,)."""
+        return self._lobe.widening(wi)
+
+
+def to_rgb(value: np.ndarray) -> np.ndarray:
+    """Show `value` (n,) as the colour (3, n) that it is without a hue; nothing is copied, and the result is read-only."""
+    return np.broadcast_to(value, (3, value.shape[0]))
