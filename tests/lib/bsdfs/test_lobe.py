@@ -89,6 +89,18 @@ def test_a_part_keeps_the_shapes_and_the_estimate(lobe, rng):
     np.testing.assert_array_equal(np.broadcast_to(part.estimate, 3), whole[index])
 
 
+@pytest.mark.parametrize(
+    "wrap", [lambda x: Tilted(x, ROWS), lambda x: Rotated(x, *TURN), lambda x: Misstated(x, TURN[0])]
+)
+def test_a_wrapped_lobe_is_picked_and_widened_as_it_would_be_alone(wrap, rng):
+    np.testing.assert_array_equal(wrap(LOBES["reflected"]).estimate, LOBES["reflected"].estimate)
+    # From wo to wi beyond the interface: cos_o / (eta^2 cos_i), in the frame of the lobe itself.
+    bent = SmoothDielectric(WO, ETA, False)
+    wi, *_ = wrap(bent).sample(*rng.random((2, COUNT)))
+    cosine = np.sqrt(1.0 - (1.0 - 0.8**2) / 1.5**2)
+    np.testing.assert_allclose(wrap(bent).widening(wi), 0.8 / (1.5**2 * cosine), rtol=1e-12)
+
+
 def test_no_class_of_lobes_is_left_out():
     base = {"Lobe", "DeltaLobe", "Wrapper", "StrayAshikhminShirley"}
     made = {kind.__name__ for kind in lobe_classes() if kind.__module__.startswith("etalon.lib")}
