@@ -16,7 +16,7 @@ from typing import Any
 from ..comparison.run import Stop
 from ..errors import EtalonError
 from ..exit_codes import ExitCode
-from ..files.atomic import clear_unfinished, replace_files
+from ..files.atomic import UNFINISHED, clear_unfinished, replace_files
 from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
 from ..report.batch import Row, write_csv, write_grid
@@ -55,6 +55,9 @@ def run_plan(plan: BatchPlan, blender: str, tell: Tell, progress: Progress = NO_
     with replace_files(plan.out):  # says at once when the folder cannot be written
         pass
     with open_journal(plan.out) as journal:
+        # Also what a killed batch left of comparisons that this plan does not ask for.
+        for left in sorted(path.parent for path in plan.out.glob(f"*/{UNFINISHED}*")):
+            clear_unfinished(left)
         try:
             _run_missing(plan, keyed, journal, tell, progress)
         finally:
