@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from ...lib.plural import plural
 from ...lib.scene.findings import Finding, list_names
 from ...lib.scene.mesh import Mesh
 
@@ -36,11 +37,10 @@ def find_missing_images(missing: Sequence[str]) -> tuple[Finding, ...]:
     shown = "; ".join(missing[:_MOST_FILES]) + (
         f"; and {len(missing) - _MOST_FILES} more" if len(missing) > _MOST_FILES else ""
     )
-    images = "1 image is" if len(missing) == 1 else f"{len(missing)} images are"
     return (
         Finding(
             "missing textures",
-            f"{images} missing: {shown}.",
+            f"{plural(len(missing), 'image is', 'images are')} missing: {shown}.",
             "Both sides show magenta (1, 0, 1) there.",
             "Restore the files, or choose others.",
         ),
@@ -63,10 +63,9 @@ def _light_sampling(things: list[bpy.types.Object]) -> Finding | None:
     names = list(dict.fromkeys(o.name for o in lights if not o.data.cycles.use_multiple_importance_sampling))
     if not names:
         return None
-    lamps = "1 light" if len(names) == 1 else f"{len(names)} lights"
     return Finding(
         "light sampling",
-        f"Multiple importance sampling of {lamps} is on on both sides: {list_names(names)}.",
+        f"Multiple importance sampling of {plural(len(names), 'light')} is on on both sides: {list_names(names)}.",
         "With it off, Cycles' reflected and refracted rays do not meet the light: mirrors do not show it, and noise differs.",
         "Switch Multiple Importance on in the light's settings to render what is compared.",
     )
@@ -77,10 +76,9 @@ def _terminator(things: list[bpy.types.Object], mesh: Mesh) -> Finding | None:
     names = list(dict.fromkeys(o.name for o in things if o.name in smooth and _moves_terminator(o)))
     if not names:
         return None
-    objects = "1 smooth object" if len(names) == 1 else f"{len(names)} smooth objects"
     return Finding(
         "shadow terminator offset",
-        f"The shadow terminator offset of {objects} is off on both sides: {list_names(names)}.",
+        f"The shadow terminator offset of {plural(len(names), 'smooth object')} is off on both sides: {list_names(names)}.",
         "With it, Cycles' shadows on coarse smooth meshes are lighter, by 0.8 % on a sphere of 8 rings.",
         "Set the offsets to 0 to render what is compared.",
     )
@@ -99,10 +97,9 @@ def _soft_falloff(things: list[bpy.types.Object]) -> Finding | None:
     )
     if not names:
         return None
-    lamps = "1 light" if len(names) == 1 else f"{len(names)} lights"
     return Finding(
         "soft falloff",
-        f"Soft falloff of {lamps} is off on both sides: {list_names(names)}.",
+        f"Soft falloff of {plural(len(names), 'light')} is off on both sides: {list_names(names)}.",
         "With it, a lamp is a disk turned to each point, and objects close to it are lit otherwise than compared here.",
         "Switch Soft Falloff off in the light's settings to render what is compared.",
     )

@@ -303,25 +303,25 @@ class _Loop:
             self._before += self._sides[1].replicates
             self._begin(layout)
             self._open = np.ones(len(self._regions), bool)
-        else:
-            self._meter.progress.begin("rendering")
-        if layout is None and options.replicates is not None and self._sides[1].replicates >= options.replicates:
+            return
+        self._meter.progress.begin("rendering")
+        if options.replicates is not None and self._sides[1].replicates >= options.replicates:
             self.stopped = Stop.REPLICATES
 
     def narrow(self) -> None:
         """End where nothing is open; else sample on where something is, once that is a small part of the image."""
         if not self._open.any():
             self.stopped = self.stopped or Stop.DECIDED
-        elif self._windows is not None or self._focus(self._open) is not None:
-            if self._windows is None:
-                self._meter.progress.begin("rendering what is open")
-            wanted = self._open if self._wanted is None else self._wanted & self._open
-            self._wanted, self._windows = wanted, self._focus(wanted)
-            self._meter.mark(self._sides[1].replicates)
-
-    def _focus(self, wanted: np.ndarray) -> Windows | None:
+            return
+        wanted = self._open if self._wanted is None else self._wanted & self._open
         samples = max(side.film.samples for side in self._sides)
-        return focus(self._regions, wanted, samples, self._sides[1].replicates)
+        windows = focus(self._regions, wanted, samples, self._sides[1].replicates)
+        if windows is None and self._windows is None:
+            return
+        if self._windows is None:
+            self._meter.progress.begin("rendering what is open")
+        self._wanted, self._windows = wanted, windows
+        self._meter.mark(self._sides[1].replicates)
 
     def conclude(self, divisor: int) -> Comparison:
         """The verdict, and all that it rests on."""

@@ -8,7 +8,7 @@ from ..memory import usable_memory
 
 # Of a comparison at full size with its report, beyond what an image of 64 x 64 pixels needs: measured from 512 x 512 to 1024 x 1024.
 BYTES_PER_PIXEL = 370
-FEWER = "compare fewer pixels: a lower resolution, or --size auto with --time"
+FEWER = "lower the resolution, or give a time and let a smaller image be compared"
 
 
 def needed_memory(width: int, height: int) -> int:

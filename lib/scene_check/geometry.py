@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..plural import plural
 from ..scene.findings import OVERLAPPING_FACES, Finding, list_names
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -56,7 +57,7 @@ def find_turned_normals(scene: Scene) -> Finding | None:
     count = int(turned.sum())
     return Finding(
         "normals against faces",
-        f"{count} {'triangle has' if count == 1 else 'triangles have'} shading normals that point to the other side: {list_names(names)}.",
+        f"{plural(count, 'triangle has', 'triangles have')} shading normals that point to the other side: {list_names(names)}.",
         "Such faces are dark, or lit from behind, in both renderers.",
         "Recalculate the normals, or clear custom normals.",
     )
@@ -67,10 +68,9 @@ def find_mirrored(scene: Scene) -> Finding | None:
     mirrored = [o.name for o in scene.mesh.objects if np.linalg.det(o.world_from_object[:, :3]) < 0.0]
     if not mirrored:
         return None
-    objects = "1 object is" if len(mirrored) == 1 else f"{len(mirrored)} objects are"
     return Finding(
         "negative scale",
-        f"{objects} mirrored by a negative scale: {list_names(list(dict.fromkeys(mirrored)))}.",
+        f"{plural(len(mirrored), 'object is', 'objects are')} mirrored by a negative scale: {list_names(list(dict.fromkeys(mirrored)))}.",
         "Both renderers show them alike; tangents, and so normal maps and anisotropy, are mirrored too.",
         "Apply the scale if that is not meant.",
     )

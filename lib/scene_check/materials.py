@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..plural import plural
 from ..scene.expressions import ColorRamp, Constant, EnvironmentTexture, Expression, ImageTexture, NormalMap
 from ..scene.findings import Finding, list_names
 from ..scene.materials import Material
@@ -31,7 +32,7 @@ def find_color_normal_maps(scene: Scene) -> Finding | None:
     images, users = list(found), list(dict.fromkeys(name for names in found.values() for name in names))
     return Finding(
         "normal map read as a colour",
-        f"{len(images)} {'image' if len(images) == 1 else 'images'} with the colour space sRGB {'feeds' if len(images) == 1 else 'feed'} a "
+        f"{plural(len(images), 'image')} with the colour space sRGB {'feeds' if len(images) == 1 else 'feed'} a "
         f"Normal Map: {list_names(images)} (material {list_names(users)}).",
         "Both renderers tilt all normals alike, so the comparison holds, but the surface is not the one that was baked.",
         "Set the image's colour space to Non-Color.",

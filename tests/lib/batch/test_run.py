@@ -13,6 +13,8 @@ from etalon.lib.batch import run as batch
 from etalon.lib.batch.journal import open_journal
 from etalon.lib.batch.plan import read_plan
 from etalon.lib.errors import EtalonError
+from etalon.lib.files.atomic import UNFINISHED
+from etalon.lib.files.ownership import OWNER, owned_folder
 from etalon.lib.report.document import FORMAT, VERSION
 
 # Notes each call, then ends as the value of --set says; the file it stands in for has the layout of a real verdict.json.
@@ -107,6 +109,18 @@ def test_a_crash_and_a_refusal_are_recorded_and_the_rest_go_on(folder):
     assert [row["verdict"] for row in rows] == ["", "", "EQUIVALENT"]
     assert rows[1]["message"] == "Floor: Velvet BSDF is not simulated; use a Glossy BSDF"
     assert float(rows[2]["relative_difference"]) == 0.0012
+
+
+def test_what_a_killed_batch_of_another_plan_left_goes_and_what_is_being_written_stays(folder):
+    left = folder / "out" / "room-of_another_plan" / f"{UNFINISHED}left"
+    left.mkdir(parents=True)
+    (left / OWNER).touch()
+    beside = folder / "out" / "room-of_another_process"
+    beside.mkdir()
+    with owned_folder(beside, UNFINISHED) as written:
+        run(write_plan(folder, [0]))
+        assert written.is_dir()
+    assert not left.parent.exists()
 
 
 def test_the_same_command_runs_only_what_is_missing(folder):

@@ -13,7 +13,7 @@ def test_more_pixels_than_memory_are_refused_with_the_need_and_the_remedy(monkey
         memory.require_memory(16384, 16384)
     assert str(caught.value) == (
         "16384 x 16384 pixels: about 99.3 GB to compare at full size; this machine has 16.0 GB; "
-        "compare fewer pixels: a lower resolution, or --size auto with --time"
+        "lower the resolution, or give a time and let a smaller image be compared"
     )
 
 
