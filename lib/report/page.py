@@ -19,6 +19,7 @@ from ..film.view_transform import ViewTransform
 from ..pages import render_page
 from ..pages.formats import format_bound
 from ..relative import relative_difference
+from ..verdict.rare import ROUNDING
 from .curve import draw_bound
 from .flip import flip
 from .words import worst_channel
@@ -65,11 +66,13 @@ def _pixels(image: np.ndarray, step: int) -> np.ndarray:
 def significances(comparison: Comparison, step: int = 1) -> np.ndarray:
     """(candidate - reference) / standard error of the means of `step` x `step` pixels, (rows, columns, 3).
 
-    The variance over replicates of each pixel is used, and pixels are taken as independent. 0 where both sides are equal; NaN where a side
-    has fewer than two replicates or a value that is not finite.
+    The variance over replicates of each pixel is used, and pixels are taken as independent; single precision, which Cycles adds up in,
+    counts as an error of its own, or light without noise would differ by its last digit. 0 where both sides are equal; NaN where a
+    side has fewer than two replicates or a value that is not finite.
     """
     reference, candidate = (averaged(mean, step) for mean in shown_means(comparison))
     square = _squared_error(comparison.reference, step) + _squared_error(comparison.candidate, step)
+    square += np.square(ROUNDING * reference)
     with np.errstate(divide="ignore", invalid="ignore"):
         found = (candidate - reference) / np.sqrt(square)
     return np.where((candidate == reference) & np.isfinite(square), 0.0, found)

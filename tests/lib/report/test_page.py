@@ -92,6 +92,13 @@ def test_the_significance_of_a_known_difference_grows_as_the_root_of_the_pixels_
     assert four.mean() / one.mean() == pytest.approx(2.0, rel=0.05)
 
 
+@pytest.mark.parametrize(("factor", "low", "high"), [(1.0 + 2.0**-22, 0.0, 0.1), (1.01, 100.0, np.inf)])
+def test_the_last_digit_of_single_precision_is_no_significant_difference(factor, low, high):
+    """Of light without noise, such as a plain sky; a difference of 1 % is significant there."""
+    found = significances(made(other=grey() * factor, sigma=0.0))
+    assert ((found > low) & (found < high)).all()
+
+
 def test_there_is_no_significance_without_a_second_replicate(tmp_path):
     found = made(**CASES["one replicate"])
     assert np.isnan(significances(found)).all()
