@@ -10,10 +10,9 @@ from copy import copy as shallow_copy
 from pathlib import Path
 from typing import Any
 
-import bpy
 import numpy as np
 
-from ...lib.batch.process import end, send, start
+from ...lib.batch.process import end, find_blender, send, start
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Windows
@@ -30,13 +29,16 @@ class SecondBlender:
     """Cycles' side of a comparison, as a renderer; nothing but its construction needs the main thread."""
 
     def __init__(self, copy: Path, scene: str, settings: Settings) -> None:
+        program = find_blender()
+        if program is None:
+            raise EtalonError("this is Python with Blender as a module; run the panel's comparison in Blender itself")
         self.name = "Cycles"
         self.settings: dict[str, Any] = {}
         self._size: tuple[int, int] | None = None
         self._log = copy.with_name("second_blender.log")
         request = {"scene": scene, "settings": settings.to_json(), "folder": str(copy.parent)}
         # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
-        blender = [bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
+        blender = [program, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
         with self._log.open("w", encoding="utf-8") as log:
             self._process = start(
                 [*blender, "--python", str(_WORKER), "--", json.dumps(request)],

@@ -15,12 +15,17 @@ LEASH = "ETALON_LEASH"
 """The variable of the environment that tells another `etalon` to end when its standard input does."""
 
 
+def find_blender() -> str | None:
+    """The Blender program that this process is, or None where it is Python, with Blender as a module or without."""
+    bpy = sys.modules.get("bpy")
+    # Where a script has set the module's empty path to "", Blender has made the working directory of it.
+    return bpy.app.binary_path if bpy is not None and Path(bpy.app.binary_path).is_file() else None
+
+
 def etalon_command() -> list[str]:
     """The command that starts another `etalon`: through the Blender program if this is one, else through Python."""
-    bpy = sys.modules.get("bpy")
-    if bpy is not None and bpy.app.binary_path:
-        return [bpy.app.binary_path, "--background", "--command", "etalon"]
-    return [sys.executable, "-m", "etalon"]
+    blender = find_blender()
+    return [blender, "--background", "--command", "etalon"] if blender else [sys.executable, "-m", "etalon"]
 
 
 def start(

@@ -8,10 +8,12 @@ import bpy
 import numpy as np
 import pytest
 from etalon.addon import job
+from etalon.addon.cycles import second_blender
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.cycles.second_blender import SecondBlender
 from etalon.addon.host.quiet import quiet
 from etalon.lib.comparison.departures import Alternatives
+from etalon.lib.errors import EtalonError
 from etalon.lib.film.windows import Windows
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
@@ -37,12 +39,11 @@ def write_program(path, plant=""):
 
 
 @pytest.fixture
-def program(tmp_path):
+def program(tmp_path, monkeypatch):
     path = tmp_path / "blender"
     write_program(path)
-    before, bpy.app.binary_path = bpy.app.binary_path, str(path)
-    yield path
-    bpy.app.binary_path = before
+    monkeypatch.setattr(second_blender, "find_blender", lambda: str(path))
+    return path
 
 
 def floor():
@@ -116,3 +117,8 @@ def test_it_ends_amid_a_render_when_this_process_is_gone(program, tmp_path):
         assert second._process.wait(timeout=60) == 0
     finally:
         second.close()
+
+
+def test_python_with_blender_as_a_module_has_no_second_blender(tmp_path):
+    with pytest.raises(EtalonError, match="run the panel's comparison in Blender itself"):
+        SecondBlender(tmp_path / "copy.blend", "Scene", Settings())

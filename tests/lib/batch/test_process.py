@@ -3,9 +3,10 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
-from etalon.lib.batch.process import end, send, start
+from etalon.lib.batch.process import end, etalon_command, find_blender, send, start
 
 
 def test_ending_a_process_ends_its_children_too():
@@ -53,3 +54,13 @@ except OSError:
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (0, "told\n"), done.stderr
+
+
+def test_a_folder_is_no_blender(monkeypatch, tmp_path):
+    # A script that sets bpy.app.binary_path = "" finds the working directory there.
+    program = tmp_path / "blender"
+    program.touch()
+    for path, found in ((tmp_path, None), (program, str(program)), ("", None)):
+        monkeypatch.setitem(sys.modules, "bpy", SimpleNamespace(app=SimpleNamespace(binary_path=str(path))))
+        assert find_blender() == found
+        assert etalon_command()[0] == (found or sys.executable)
