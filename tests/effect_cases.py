@@ -29,13 +29,13 @@ from etalon.lib.scene.materials import (
     Emission,
     Glass,
     Glossy,
-    Lobe,
     Material,
     Metallic,
     Refraction,
     Specular,
     Translucent,
     Transparent,
+    WeightedClosure,
 )
 from etalon.lib.scene.scene import Transport
 from etalon.lib.scene.world import World
@@ -179,7 +179,10 @@ CASES = {
         [PLAIN, of(Emission(color(1.0), ZERO)), of(Emission(color(0.0)))],
     ),
     "image textures": (
-        [with_uvs(of(Diffuse(TEXTURED))), with_uvs(scene(cube(), Material("m", (Lobe(Diffuse(), TEXTURED),)), CAMERA))],
+        [
+            with_uvs(of(Diffuse(TEXTURED))),
+            with_uvs(scene(cube(), Material("m", (WeightedClosure(Diffuse(), TEXTURED),)), CAMERA)),
+        ],
         [with_uvs(PLAIN)],
     ),
     "procedural textures": (

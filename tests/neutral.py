@@ -27,12 +27,12 @@ from etalon.lib.scene.materials import (
     Emission,
     Glass,
     Glossy,
-    Lobe,
     Metallic,
     Refraction,
     Specular,
     Translucent,
     Transparent,
+    WeightedClosure,
 )
 from etalon.lib.scene.scene import Scene
 from etalon.tests.scenes import color
@@ -46,7 +46,7 @@ def _lobe(closure: Closure) -> Callable[[Scene], Scene]:
     """Every material with one lobe more, of weight 0."""
 
     def added(scene: Scene) -> Scene:
-        more = (Lobe(closure, ZERO),)
+        more = (WeightedClosure(closure, ZERO),)
         return replace(scene, materials=tuple(replace(m, lobes=m.lobes + more) for m in scene.materials))
 
     return added
@@ -55,7 +55,7 @@ def _lobe(closure: Closure) -> Callable[[Scene], Scene]:
 def _sockets(name: str, changed: Callable[[Expression | None], Expression]) -> Callable[[Scene], Scene]:
     """Every socket of that name, in every closure that has it, fed by a node that changes nothing."""
 
-    def lobe(one: Lobe) -> Lobe:
+    def lobe(one: WeightedClosure) -> WeightedClosure:
         if name not in (field.name for field in fields(one.closure)):
             return one
         return replace(one, closure=replace(one.closure, **{name: changed(getattr(one.closure, name))}))

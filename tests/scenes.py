@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from etalon.lib.scene.camera import Aperture, Camera
 from etalon.lib.scene.expressions import Constant
-from etalon.lib.scene.materials import Diffuse, Emission, Glass, Glossy, Lobe, Material, Transparent
+from etalon.lib.scene.materials import Diffuse, Emission, Glass, Glossy, Material, Transparent, WeightedClosure
 from etalon.lib.scene.mesh import Mesh, Object
 from etalon.lib.scene.scene import Scene, Transport
 from etalon.lib.scene.world import World
@@ -183,7 +183,7 @@ def color(*rgb: float) -> Constant:
 
 def material(*closures, name="material") -> Material:
     """A material that adds up closures."""
-    return Material(name, tuple(Lobe(closure) for closure in closures))
+    return Material(name, tuple(WeightedClosure(closure) for closure in closures))
 
 
 def diffuse(*rgb: float, roughness=0.0) -> Material:

@@ -7,7 +7,7 @@ import bpy
 
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
-from ...lib.scene.materials import Diffuse, Emission, Lobe, Material, Specular, Transparent
+from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
@@ -24,12 +24,12 @@ DEFAULT_MATERIAL = (
     Material(
         "",
         (
-            Lobe(Specular("MULTI_GGX", _INDEX, ex.WHITE, _HALF)),
-            Lobe(_GREY, ex.BeneathLayer(_INDEX, ex.WHITE, _HALF, ex.ONE, "MULTI_GGX")),
+            WeightedClosure(Specular("MULTI_GGX", _INDEX, ex.WHITE, _HALF)),
+            WeightedClosure(_GREY, ex.BeneathLayer(_INDEX, ex.WHITE, _HALF, ex.ONE, "MULTI_GGX")),
         ),
     )
     if bpy.app.version >= (5, 0, 0)
-    else Material("", (Lobe(_GREY),))
+    else Material("", (WeightedClosure(_GREY),))
 )
 """What Cycles shows where a face has no material: grey, and from Blender 5.0 on a Principled BSDF as it comes."""
 
@@ -42,7 +42,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     """The material as lobes; what is not simulated is appended to `refusals`, images to `images`."""
     if not _uses_nodes(material):
         r, g, b, _ = material.diffuse_color
-        return Material(material.name, (Lobe(Diffuse(ex.Constant((r, g, b)))),))
+        return Material(material.name, (WeightedClosure(Diffuse(ex.Constant((r, g, b)))),))
     owner = f"material '{material.name}'"
     refuse_undeclared(owner, "material", material, refusals)
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
@@ -91,7 +91,7 @@ def _read_tree(
     refusals: list[Refusal],
     bump_only: bool = False,
     pass_index: int = 0,
-) -> list[Lobe]:
+) -> list[WeightedClosure]:
     output = tree.get_output_node("CYCLES")
     if output is None:
         return []

@@ -16,11 +16,11 @@ from ..scene.materials import (
     Closure,
     Emission,
     Glass,
-    Lobe,
     Material,
     Refraction,
     Translucent,
     Transparent,
+    WeightedClosure,
 )
 from ..scene.scene import Scene
 from ..textures.fold import fold_scene
@@ -32,7 +32,7 @@ def is_zero(expression: Expression) -> bool:
     return isinstance(expression, Constant) and not np.any(expression.value)
 
 
-def adds_nothing(lobe: Lobe) -> bool:
+def adds_nothing(lobe: WeightedClosure) -> bool:
     """Whether weight, colour or strength of a folded lobe is the constant zero."""
     sockets = [lobe.weight, getattr(lobe.closure, "color", ONE)]
     if isinstance(lobe.closure, Emission):
@@ -40,7 +40,7 @@ def adds_nothing(lobe: Lobe) -> bool:
     return any(is_zero(socket) for socket in sockets)
 
 
-def adding_lobes(material: Material) -> tuple[Lobe, ...]:
+def adding_lobes(material: Material) -> tuple[WeightedClosure, ...]:
     """The lobes of a folded material that add something."""
     return tuple(lobe for lobe in material.lobes if not adds_nothing(lobe))
 

@@ -170,7 +170,7 @@ class Refraction(Closure):
 
 
 @dataclass(frozen=True)
-class Lobe:
+class WeightedClosure:
     """One closure and the value or colour that weighs it."""
 
     closure: Closure
@@ -186,5 +186,5 @@ class Material:
     """
 
     name: str
-    lobes: tuple[Lobe, ...]
+    lobes: tuple[WeightedClosure, ...]
     unknown: str = ""

@@ -10,7 +10,7 @@ from typing import TypeGuard
 import numpy as np
 
 from ..scene import expressions as ex
-from ..scene.materials import Lobe, Material
+from ..scene.materials import Material, WeightedClosure
 from ..scene.scene import Scene
 from .converters import CONVERTERS
 from .evaluate import evaluate
@@ -101,9 +101,9 @@ def fold_scene(scene: Scene) -> Scene:
 def _folded(material: Material) -> Material:
     fold_shared = Folder()
 
-    def folded(lobe: Lobe) -> Lobe:
+    def folded(lobe: WeightedClosure) -> WeightedClosure:
         sockets = {k: fold_shared(v) for k, v in vars(lobe.closure).items() if isinstance(v, ex.Expression)}
-        return Lobe(replace(lobe.closure, **sockets), fold_shared(lobe.weight))
+        return WeightedClosure(replace(lobe.closure, **sockets), fold_shared(lobe.weight))
 
     return replace(material, lobes=tuple(folded(lobe) for lobe in material.lobes))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..sampling.streams import REACH
 from ..scene.expressions import BLACK
-from ..scene.materials import Emission, Lobe, Material
+from ..scene.materials import Emission, Material, WeightedClosure
 from ..scene.world import World
 from .render import ReferenceRenderer
 
@@ -35,5 +35,5 @@ def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
 def _only_light(material: Material) -> Material:
     """A lamp where the material is not known; else what it is, but dark."""
     if material.unknown:
-        return Material(material.name, (Lobe(Emission()),))
+        return Material(material.name, (WeightedClosure(Emission()),))
     return replace(material, lobes=tuple(x for x in material.lobes if not isinstance(x.closure, Emission)))

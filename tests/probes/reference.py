@@ -126,11 +126,11 @@ def _principled(probe, read, release):
     lobes, weight, coat = [], ONE, read("Coat Weight", 0.0)
     if coat != ZERO:
         closure = mt.Specular("MULTI_GGX", read("Coat IOR", 1.5), WHITE, read("Coat Roughness", 0.03))
-        lobes.append(mt.Lobe(closure, coat))
+        lobes.append(mt.WeightedClosure(closure, coat))
         weight = _beneath_coat(probe, read, release)
     if read("Metallic", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
-        lobes.append(mt.Lobe(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
+        lobes.append(mt.WeightedClosure(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
     elif read("Transmission Weight", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
         if probe.is_stretched:  # as the Glass BSDF states what divides alpha along x by the root
@@ -138,15 +138,15 @@ def _principled(probe, read, release):
         scale, abbe = (read(f"Transmission Dispersion {name}", value).value for name, value in DISPERSION)
         how |= {"transmission": Gamma(base, Constant(0.5)), "tint": tint, "dispersion": Constant(scale / abbe)}
         glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, **how)
-        lobes.append(mt.Lobe(glass, weight))
+        lobes.append(mt.WeightedClosure(glass, weight))
     else:
         ior, level = read("IOR", 1.5).value, read("Specular IOR Level", 0.5).value
         if level:
             root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             ior = Constant((1.0 + root) / (1.0 - root))
-            lobes.append(mt.Lobe(mt.Specular(probe.distribution, ior, tint, roughness), weight))
+            lobes.append(mt.WeightedClosure(mt.Specular(probe.distribution, ior, tint, roughness), weight))
             weight = _times(weight, BeneathLayer(ior, tint, roughness, ONE, probe.distribution))
-        lobes.append(mt.Lobe(mt.Diffuse(base, read("Diffuse Roughness", 0.0)), weight))
+        lobes.append(mt.WeightedClosure(mt.Diffuse(base, read("Diffuse Roughness", 0.0)), weight))
     return lobes
 
 
@@ -165,7 +165,7 @@ def material(probe, release):
     read = Sockets(probe)
     if probe.node == "BsdfPrincipled":
         return mt.Material(probe.name, tuple(_principled(probe, read, release)))
-    return mt.Material(probe.name, (mt.Lobe(_CLOSURES[probe.node](probe, read)),))
+    return mt.Material(probe.name, (mt.WeightedClosure(_CLOSURES[probe.node](probe, read)),))
 
 
 def strips(materials, tilt, light):

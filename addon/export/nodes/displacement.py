@@ -9,7 +9,7 @@ import bpy
 
 from ....lib.errors import Refusal
 from ....lib.scene import expressions as ex
-from ....lib.scene.materials import Lobe
+from ....lib.scene.materials import WeightedClosure
 from ....lib.textures.fold import Folder, walk
 from .tree import Scope, TreeReader, valid_link
 
@@ -31,7 +31,7 @@ def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) ->
     return Folder()(ex.Bump(raised, ex.ONE, ex.ONE))
 
 
-def refuse_beside_bump(owner: str, lobes: list[Lobe]) -> Iterator[Refusal]:
+def refuse_beside_bump(owner: str, lobes: list[WeightedClosure]) -> Iterator[Refusal]:
     """What reads the shading normal itself, which a displacement's bump takes the place of."""
     sockets = [v for lobe in lobes for v in (lobe.weight, *vars(lobe.closure).values()) if isinstance(v, ex.Expression)]
     found = {_reads_normal(node) for socket in sockets for node in walk(socket)}

@@ -58,7 +58,9 @@ def _clamped(value: ex.Expression) -> ex.Expression:
     return ex.Math("ADD", value, ex.ZERO, ex.ZERO, clamp=True)
 
 
-def read_principled(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def read_principled(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     """The lobes of a Principled BSDF node."""
     return _Principled(reader, node, scope).lobes(weight)
 
@@ -79,8 +81,8 @@ class _Principled:
     def _share(self, name: str) -> ex.Expression:
         return self._reader.folder(_clamped(self._socket(name)))
 
-    def lobes(self, weight: ex.Expression) -> list[mt.Lobe]:
-        found: list[mt.Lobe] = []
+    def lobes(self, weight: ex.Expression) -> list[mt.WeightedClosure]:
+        found: list[mt.WeightedClosure] = []
         fold = self._reader.folder
 
         def add(closure: mt.Closure, layer: _Weight) -> None:

@@ -38,7 +38,7 @@ class ShaderReader:
     readers: Mapping[str, ReadShader]
     combiners: Mapping[str, ReadParts]
 
-    def lobes(self, socket: bpy.types.NodeSocket, scope: Scope) -> list[mt.Lobe]:
+    def lobes(self, socket: bpy.types.NodeSocket, scope: Scope) -> list[mt.WeightedClosure]:
         """The lobes that reach the shader input `socket`.
 
         A shader that is in use several times is read once, with the sum of its weights, as in Cycles: the time is linear in the number
@@ -89,7 +89,7 @@ class ShaderReader:
                 factors.append(factor)
         return sources, factors
 
-    def _own_lobes(self, source: Source, weight: ex.Expression) -> list[mt.Lobe]:
+    def _own_lobes(self, source: Source, weight: ex.Expression) -> list[mt.WeightedClosure]:
         """The lobes of one shader, each weighed by `weight`."""
         node = source.socket.node
         if source.socket.type != "SHADER":
@@ -103,11 +103,11 @@ class ShaderReader:
         self.values.check(node, source.scope)
         return reader(self, node, source.scope, weight)
 
-    def lobe(self, closure: mt.Closure, weight: ex.Expression) -> mt.Lobe:
+    def lobe(self, closure: mt.Closure, weight: ex.Expression) -> mt.WeightedClosure:
         """`closure`, its sockets folded, with its weight."""
         sockets = {field.name: getattr(closure, field.name) for field in fields(closure)}
         folded = {name: self.folder(v) for name, v in sockets.items() if isinstance(v, ex.Expression)}
-        return mt.Lobe(replace(closure, **folded), weight)
+        return mt.WeightedClosure(replace(closure, **folded), weight)
 
     def read(self, node: bpy.types.Node, name: str, scope: Scope) -> ex.Expression:
         """The folded content of the node's socket called `name`."""
@@ -132,7 +132,7 @@ class ShaderReader:
         return mt.Tangent("UV", uv_map=tangent.uv_map)
 
 
-ReadShader = Callable[[ShaderReader, bpy.types.Node, Scope, ex.Expression], list[mt.Lobe]]
+ReadShader = Callable[[ShaderReader, bpy.types.Node, Scope, ex.Expression], list[mt.WeightedClosure]]
 """Reads one type of shader node into lobes, each weighed by the last argument."""
 
 

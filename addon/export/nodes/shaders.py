@@ -22,13 +22,17 @@ _SMOOTH_ROUGHNESS = 2e-10**0.25
 _DISTRIBUTIONS = ("BECKMANN", "GGX", "MULTI_GGX", "ASHIKHMIN_SHIRLEY")
 
 
-def _diffuse(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _diffuse(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     color, roughness = reader.read(node, "Color", scope), reader.read(node, "Roughness", scope)
     closure = mt.Diffuse(color, roughness, reader.normal(node, scope))
     return [reader.lobe(closure, weight)]
 
 
-def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _glossy(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     if node.distribution not in _DISTRIBUTIONS:
         what = f", distribution {node.distribution.replace('_', ' ').title()},"
         reader.values.refuse(node, scope, what, "choose another")
@@ -44,7 +48,9 @@ def _glossy(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex
     return [reader.lobe(closure, weight)]
 
 
-def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _metallic(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     conductor = node.fresnel_type == "PHYSICAL_CONDUCTOR"
     closure = mt.Metallic(
         node.distribution,
@@ -63,20 +69,26 @@ def _metallic(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: 
     return [reader.lobe(closure, weight)]
 
 
-def _translucent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _translucent(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope), reader.normal(node, scope)), weight)]
 
 
-def _emission(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _emission(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     closure = mt.Emission(reader.read(node, "Color", scope), reader.read(node, "Strength", scope))
     return [reader.lobe(closure, weight)]
 
 
-def _transparent(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _transparent(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     return [reader.lobe(mt.Transparent(reader.read(node, "Color", scope)), weight)]
 
 
-def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
     normal = reader.normal(node, scope)
     if _is_smooth(roughness):
@@ -95,7 +107,9 @@ def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.
     return [reader.lobe(replace(glass, color=ex.WHITE, reflection=color, transmission=color), weight)]
 
 
-def _refraction(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.Lobe]:
+def _refraction(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
     normal = reader.normal(node, scope)
     if _is_smooth(roughness):

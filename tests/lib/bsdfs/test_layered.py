@@ -12,7 +12,7 @@ from etalon.lib.microfacets.albedo import directional_albedo
 from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.scene.expressions import ONE, WHITE, BeneathLayer, Constant
-from etalon.lib.scene.materials import Diffuse, Lobe, Material, Specular
+from etalon.lib.scene.materials import Diffuse, Material, Specular, WeightedClosure
 from etalon.tests.replicates import assert_mean, replicates
 from etalon.tests.scenes import fan, fan_camera, scene
 from scipy.integrate import quad
@@ -24,7 +24,8 @@ def layered(ior, roughness, weight, distribution="MULTI_GGX", tint=WHITE):
     ior, roughness, weight = Constant(ior), Constant(roughness), Constant(weight)
     below = BeneathLayer(ior, tint, roughness, weight, distribution)
     return Material(
-        "layered", (Lobe(Specular(distribution, ior, tint, roughness), weight), Lobe(Diffuse(WHITE), below))
+        "layered",
+        (WeightedClosure(Specular(distribution, ior, tint, roughness), weight), WeightedClosure(Diffuse(WHITE), below)),
     )
 
 

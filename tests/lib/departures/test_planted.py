@@ -31,7 +31,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Emission, Glass, Lobe, Material
+from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, WeightedClosure
 from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import State
 from etalon.lib.verdict.outcome import Outcome
@@ -57,7 +57,7 @@ def furnace():
         scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0),
         scenes.material(Diffuse(ramp)),
         scenes.material(Diffuse(ImageTexture(Coordinates("POSITION"), 0))),
-        Material("coated", (Lobe(Diffuse(), BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)),)),
+        Material("coated", (WeightedClosure(Diffuse(), BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)),)),
     ]
     twice = 2.0 * ANGLES[1]
     sun = SunLight("sun", (np.sin(twice), 0.0, np.cos(twice)), 0.0, (0.5, 0.5, 0.5))
@@ -71,7 +71,9 @@ def coats():
     """A rough coat over a white base, and a layer that is no coat, in a white world, as Blender 5.3 has them."""
     coat = BeneathLayer(Constant(1.5), WHITE, Constant(0.8), ONE, "MULTI_GGX", coat=True)
     layer = BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)
-    materials = [Material(name, (Lobe(Diffuse(), node),)) for name, node in (("coat", coat), ("layer", layer))]
+    materials = [
+        Material(name, (WeightedClosure(Diffuse(), node),)) for name, node in (("coat", coat), ("layer", layer))
+    ]
     scene = scenes.scene(scenes.fan(ANGLES, 2), materials, scenes.fan_camera(ANGLES, 2), world=1.0)
     return replace(scene, blender=(5, 3))
 
@@ -124,7 +126,7 @@ def window():
         scenes.quad((-2.0, -1.0, 0.0), (2.0, 0.0, 2.0 * np.tan(low)), (0.0, 2.0, 0.0), 0),
         scenes.quad((0.0, -1.0, 0.0), (2.0, 0.0, -2.0 * np.tan(steep)), (0.0, 2.0, 0.0), 1),
     ]
-    glass = Material("glass", (Lobe(Glass(distribution="GGX", roughness=Constant(0.8), ior=Constant(1.5))),))
+    glass = Material("glass", (WeightedClosure(Glass(distribution="GGX", roughness=Constant(0.8), ior=Constant(1.5))),))
     sun = SunLight("sun", (-0.9, 0.0, -0.436), 0.0, (10.0, 10.0, 10.0))
     camera = scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0))
     return scenes.scene(parts, [glass, scenes.glossy(0.6, 0.9)], camera, (sun,), 1.0)

@@ -26,8 +26,8 @@ def scene(rng):
     surface = materials.Material(
         "Oberfläche",
         (
-            materials.Lobe(materials.Glossy("GGX", image, shared, shared), shared),
-            materials.Lobe(materials.Diffuse(ex.Coordinates("GENERATED"))),
+            materials.WeightedClosure(materials.Glossy("GGX", image, shared, shared), shared),
+            materials.WeightedClosure(materials.Diffuse(ex.Coordinates("GENERATED"))),
         ),
     )
     cone = lights.Cone(DOWN, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.5, 0.15)
@@ -45,7 +45,7 @@ def scene(rng):
             uvs={"": rng.uniform(size=(3, 2, count)).astype(np.float32)},
             generated=rng.uniform(size=(3, 3 * count)).astype(np.float32),
         ),
-        materials=(surface, materials.Material("glow", (materials.Lobe(materials.Emission()),))),
+        materials=(surface, materials.Material("glow", (materials.WeightedClosure(materials.Emission()),))),
         lights=(
             lights.PointLight("point", POSITION, WHITE),
             lights.SphereLight("sphere", POSITION, 0.5, WHITE, True),

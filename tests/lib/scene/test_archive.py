@@ -11,7 +11,7 @@ import pytest
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.archive import load, save
-from etalon.lib.scene.materials import Diffuse, Lobe, Material
+from etalon.lib.scene.materials import Diffuse, Material, WeightedClosure
 
 
 def same(a, b):
@@ -45,7 +45,7 @@ def test_what_is_shared_stays_shared(scene, path):
     node = ex.Coordinates("NORMAL")
     for _ in range(50):
         node = ex.Mix(ex.ONE, node, node)
-    save(replace(scene, materials=(Material("deep", (Lobe(Diffuse(node)),)), scene.materials[1])), path)
+    save(replace(scene, materials=(Material("deep", (WeightedClosure(Diffuse(node)),)), scene.materials[1])), path)
     color = load(path).materials[0].lobes[0].closure.color
     assert color.a is color.b
 
@@ -110,7 +110,7 @@ def test_another_version_says_so(scene, path):
     text, arrays = document(path)
     text["version"] = 99
     rewrite(path, text, arrays)
-    with pytest.raises(EtalonError, match="is of version 99, not 1; export the scene again"):
+    with pytest.raises(EtalonError, match="is of version 99, not 2; export the scene again"):
         load(path)
 
 

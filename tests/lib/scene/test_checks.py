@@ -8,7 +8,7 @@ import pytest
 from etalon.lib.errors import SceneError
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.checks import validate
-from etalon.lib.scene.materials import Diffuse, Lobe, Material
+from etalon.lib.scene.materials import Diffuse, Material, WeightedClosure
 
 
 def with_mesh(scene, **changes):
@@ -34,7 +34,7 @@ def with_cone(scene, **changes):
 
 
 def with_color(scene, color):
-    return replace(scene, materials=(Material("paint", (Lobe(Diffuse(color)),)), scene.materials[1]))
+    return replace(scene, materials=(Material("paint", (WeightedClosure(Diffuse(color)),)), scene.materials[1]))
 
 
 def with_image(scene, **changes):

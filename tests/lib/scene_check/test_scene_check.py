@@ -8,7 +8,7 @@ import pytest
 from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, ImageTexture, NormalMap
 from etalon.lib.scene.findings import Finding
 from etalon.lib.scene.images import Image
-from etalon.lib.scene.materials import Diffuse, Emission, Lobe, Material
+from etalon.lib.scene.materials import Diffuse, Emission, Material, WeightedClosure
 from etalon.lib.scene.mesh import Object
 from etalon.lib.scene_check.check import check_scene
 from etalon.tests import scenes
@@ -41,7 +41,7 @@ def test_overlapping_faces_are_named_by_objects_and_area_the_largest_first():
 
 def test_an_image_decoded_as_a_colour_before_a_normal_map_is_named():
     def material(name):
-        return Material(name, (Lobe(Diffuse(normal=NormalMap(TEXTURE, Constant(1.0)))),))
+        return Material(name, (WeightedClosure(Diffuse(normal=NormalMap(TEXTURE, Constant(1.0)))),))
 
     pixels = np.full((2, 2, 4), 0.5, np.float32)
     for encoding, says in (("SRGB", True), ("DATA", False), ("LINEAR", False)):
@@ -76,7 +76,7 @@ def test_shading_normals_against_their_faces_are_counted_by_object():
 )
 def test_negative_colours_are_named_by_material(closure):
     image = Image("ember.exr", np.full((1, 1, 4), -0.5, np.float32), "LINEAR")
-    found = checked(scenes.floor(), [Material("Ember", (Lobe(closure),))], images=(image,))
+    found = checked(scenes.floor(), [Material("Ember", (WeightedClosure(closure),))], images=(image,))
     assert found == {"negative colours": "A colour is below zero in 'Ember'."}
 
 

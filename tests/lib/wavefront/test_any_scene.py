@@ -17,13 +17,13 @@ from etalon.lib.scene.materials import (
     Emission,
     Glass,
     Glossy,
-    Lobe,
     Material,
     Metallic,
     Refraction,
     Specular,
     Translucent,
     Transparent,
+    WeightedClosure,
 )
 from etalon.lib.scene.mesh import Mesh, Object
 from etalon.lib.scene.scene import Scene, Transport
@@ -69,7 +69,9 @@ closures = st.one_of(
     st.builds(Translucent, colors),
     st.builds(Emission, colors, st.sampled_from([0.0, 1.0, 1e5]).map(Constant)),
 )
-materials = st.lists(st.builds(Lobe, closures, values), max_size=3).map(lambda lobes: Material("m", tuple(lobes)))
+materials = st.lists(st.builds(WeightedClosure, closures, values), max_size=3).map(
+    lambda lobes: Material("m", tuple(lobes))
+)
 
 
 @st.composite
@@ -231,7 +233,7 @@ def broken(draw):
     if kind == "light":
         light = PointLight("lamp", (0.0, 0.0, 1.0), (1.0, draw(st.sampled_from([-1.0, np.nan, np.inf])), 1.0))
         return replace(scene, lights=(*scene.lights, light)), "lamp"
-    coat = Material("coat", (Lobe(Diffuse(Constant((0.5, float(bad), 0.5)))),))
+    coat = Material("coat", (WeightedClosure(Diffuse(Constant((0.5, float(bad), 0.5)))),))
     return replace(scene, materials=(*scene.materials, coat)), "coat"
 
 

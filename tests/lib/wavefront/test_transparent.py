@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from etalon.lib.scene.expressions import Constant
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Emission, Lobe, Material, Transparent
+from etalon.lib.scene.materials import Diffuse, Emission, Material, Transparent, WeightedClosure
 from etalon.tests.replicates import assert_mean, replicates
 from etalon.tests.scenes import color, diffuse, floor, glossy, material, orthographic, scene, transparent
 
@@ -89,7 +89,7 @@ def test_area_light_through_coloured_sheets(direct, roughness, seed):
 
 def test_half_transparent_half_diffuse(seed):
     """A white sheet that lets half of the light pass and scatters the other half loses nothing in a white furnace."""
-    half = Material("half", (Lobe(Transparent(), Constant(0.5)), Lobe(Diffuse(), Constant(0.5))))
+    half = Material("half", (WeightedClosure(Transparent(), Constant(0.5)), WeightedClosure(Diffuse(), Constant(0.5))))
     furnace = scene(
         [floor(5.0, 1.0), floor(5.0, 2.0)], [half], ABOVE, world=1.0, bounces=200, transparent_max_bounces=1000
     )
@@ -99,7 +99,7 @@ def test_half_transparent_half_diffuse(seed):
 
 def test_partial_shadow(seed):
     """Sun through a sheet of weight 0.3 transparent (colour c) and 0.7 black: 0.3 c."""
-    sheet = Material("sheet", (Lobe(Transparent(color(*COLORS[0])), Constant(0.3)),))
+    sheet = Material("sheet", (WeightedClosure(Transparent(color(*COLORS[0])), Constant(0.3)),))
     under = scene([floor(5.0), floor(5.0, 1.0, 1)], [diffuse(0.8), sheet], BELOW, [SUN])
     exact = 0.8 / np.pi * 0.3 * COLORS[0]
     np.testing.assert_allclose(replicates(under, 1, 4, seed=seed), np.broadcast_to(exact, (1, 2, 2, 3)), rtol=1e-12)
