@@ -111,12 +111,18 @@ function compareRegions(a, b, key, descending) {
   return descending ? -order : order;
 }
 
-/* The order in which the report opens: what is not equivalent first, named regions before blocks, then the largest difference. As
-   order_regions in report/page.py. */
+/* How far a region may be off: the bound of one that is undecided, the difference of others. */
+function extentOf(region) {
+  if (region.outcome !== "UNDECIDED") return region.size;
+  return region.bound ?? (region.pixels > region.excluded_pixels ? Infinity : -1);
+}
+
+/* The order in which the report opens: what is not equivalent first, named regions before blocks, then what is or may be furthest off.
+   As order_regions in report/page.py. */
 const OUTCOMES = ["DIFFERENT", "UNDECIDED", "EXPLAINED", "EQUIVALENT"];
 function compareUrgency(a, b) {
   return OUTCOMES.indexOf(a.outcome) - OUTCOMES.indexOf(b.outcome) ||
-    GRIDS.includes(a.kind) - GRIDS.includes(b.kind) || b.size - a.size || a.index - b.index;
+    GRIDS.includes(a.kind) - GRIDS.includes(b.kind) || (extentOf(a) === extentOf(b) ? 0 : extentOf(b) - extentOf(a)) || a.index - b.index;
 }
 
 /* A count with its noun, as plural of lib/plural.py. */

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import base64
+import math
 import tempfile
 import zlib
 from pathlib import Path
@@ -19,6 +20,7 @@ from ..film.view_transform import ViewTransform
 from ..pages import render_page
 from ..pages.formats import format_bound
 from ..relative import relative_difference
+from ..verdict.outcome import Outcome
 from ..verdict.rare import ROUNDING
 from .curve import draw_bound
 from .flip import flip
@@ -106,13 +108,20 @@ def label_maps(comparison: Comparison, step: int) -> tuple[list[str], np.ndarray
 def order_regions(regions: list[dict[str, Any]]) -> list[int]:
     """The places of regions in the order in which the page opens, as compareUrgency in report/calculations.js.
 
-    What is not equivalent comes first, named regions before blocks, then the largest difference.
+    What is not equivalent comes first, named regions before blocks; then the largest bound of those undecided, the largest difference
+    of others.
     """
+
+    def extent(region: dict[str, Any]) -> float:
+        if region["outcome"] != Outcome.UNDECIDED.value:
+            return max((abs(v) for v in region["difference"] if v is not None), default=-1.0)
+        if region["bound"] is not None:
+            return region["bound"]
+        return math.inf if region["pixels"] > region["excluded_pixels"] else -1.0
 
     def urgency(k: int) -> tuple[int, bool, float, int]:
         region = regions[k]
-        size = max((abs(v) for v in region["difference"] if v is not None), default=-1.0)
-        return URGENCY.index(region["outcome"]), region["kind"] in GRIDS, -size, k
+        return URGENCY.index(region["outcome"]), region["kind"] in GRIDS, -extent(region), k
 
     return sorted(range(len(regions)), key=urgency)
 

@@ -65,7 +65,8 @@ def open_places(comparison: Comparison) -> str:
         order = [k for k in furthest(comparison, len(comparison.regions)) if k]
         where = _places(comparison, order, _signed)
         said.append(f"{off} of {plural(total, 'region')} {differs} by more than {limit}{where}.")
-    still = np.flatnonzero((verdict.outcomes == Outcome.UNDECIDED) & ~np.isnan(verdict.bounds))
+    # One whose bound is within the tolerance is not proved together with all others, but it is no place to look at.
+    still = np.flatnonzero((verdict.outcomes == Outcome.UNDECIDED) & (verdict.bounds > verdict.tolerance))
     if still.size:
         are = "is" if still.size == 1 else "are"
         order = [k for k in still[np.argsort(-verdict.bounds[still], kind="stable")].tolist() if k]

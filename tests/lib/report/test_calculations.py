@@ -147,6 +147,8 @@ def test_both_orders_of_regions_are_the_same(rng):
             kind=str(rng.choice(kinds)),
             outcome=str(rng.choice(outcomes)),
             difference=[rng.choice([0.1, -0.2, 0.3]), None, 0.0],
+            bound=rng.choice([None, 0.02, 0.15]),
+            excluded_pixels=int(rng.choice([0, 16])),
         )
         for _ in range(60)
     ]

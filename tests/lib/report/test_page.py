@@ -126,17 +126,21 @@ def test_a_pixel_belongs_to_the_material_that_covers_most_of_it():
 
 
 def test_the_page_opens_with_what_is_not_equivalent():
-    def region(kind, outcome, difference):
-        return {"kind": kind, "outcome": outcome, "difference": [difference, 0.0, None]}
+    def region(kind, outcome, difference, bound=0.01, excluded=0):
+        sizes = {"pixels": 9, "excluded_pixels": excluded}
+        return {"kind": kind, "outcome": outcome, "difference": [difference, 0.0, None], "bound": bound, **sizes}
 
     regions = [
         region("image", "EQUIVALENT", 0.0),
-        region("block", "UNDECIDED", 0.9),
+        region("block", "UNDECIDED", 0.9, None, excluded=9),
+        region("block", "UNDECIDED", 0.9, 0.2),
+        region("block", "UNDECIDED", 0.1, 0.3),  # the larger bound, not the larger difference
+        region("block", "UNDECIDED", 0.1, None),
         region("material", "UNDECIDED", 0.1),
         region("block", "DIFFERENT", 0.02),
         region("block", "DIFFERENT", -0.5),
     ]
-    assert order_regions(regions) == [4, 3, 2, 1, 0]
+    assert order_regions(regions) == [7, 6, 5, 4, 3, 2, 1, 0]
 
 
 def test_rows_are_readable_without_a_script(tmp_path):
