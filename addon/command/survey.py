@@ -8,21 +8,18 @@ import io
 import json
 import os
 import re
-import subprocess
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ...lib.batch.process import end, etalon_command, start
+from ...lib.batch.asked import ask_plan
 from ...lib.errors import EtalonError, Refusal
 from ...lib.exit_codes import ExitCode
 from ...lib.plain_text import one_line, spreadsheet_cell
 from ...lib.refusals import group_refusals
 
-# A file that takes longer than so many seconds to load and export is given up.
-PATIENCE = 600.0
 PASSES, REFUSED, FAILED = "passes", "refused", "failed"
 _COLUMNS = ("file", "state", "triangles", "lights", "reasons")
 
@@ -66,27 +63,12 @@ def survey(folder: Path, options: Sequence[str]) -> Iterator[Surveyed]:
 
 
 def _read(path: Path, name: str, options: Sequence[str]) -> Surveyed:
-    command = [*etalon_command(), "plan", str(path.resolve()), "--json", *options]
-    process = start(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    try:
-        out, err = process.communicate(timeout=PATIENCE)
-    except subprocess.TimeoutExpired:
-        end(process)
-        return Surveyed(name, FAILED, error=f"took longer than {PATIENCE:.0f} s")
-    finally:
-        end(process)
-    try:
-        found = json.loads(out)
-    except ValueError:
-        found = None
-    if process.returncode == ExitCode.DONE and found is not None:
-        return Surveyed(name, PASSES, found["triangles"], found["lights"])
-    if process.returncode == ExitCode.BAD_INPUT and found is not None:
-        return Surveyed(name, REFUSED, refused=tuple(Refusal(**one) for one in found["refusals"]))
-    if process.returncode == ExitCode.BAD_INPUT:
-        last = err.strip().splitlines()
-        return Surveyed(name, REFUSED, error=last[-1].removeprefix("etalon: ") if last else "refused without a word")
-    return Surveyed(name, FAILED, error=f"Blender ended with code {process.returncode} while it read the file")
+    answer = ask_plan(str(path.resolve()), options)
+    if answer.found is None:
+        return Surveyed(name, REFUSED if answer.code == ExitCode.BAD_INPUT else FAILED, error=answer.error)
+    if answer.code == ExitCode.BAD_INPUT:
+        return Surveyed(name, REFUSED, refused=tuple(Refusal(**one) for one in answer.found["refusals"]))
+    return Surveyed(name, PASSES, answer.found["triangles"], answer.found["lights"])
 
 
 def _nameless(what: str) -> str:

@@ -17,6 +17,7 @@ from ..settings.common import Target
 from ..settings.comparison import Settings
 from ..settings.declaration import Declared
 from ..settings.words import read_table
+from .asked import ask_plan
 
 ENTRIES = ("out", "scenes", "options", "vary")
 VARIED = ("path", "values", "name")
@@ -42,12 +43,17 @@ class Unit:
 
     def arguments(self) -> list[str]:
         """The part of the command line that makes this unit what it is."""
-        return [self.target, *(f"--set={v.path}={json.dumps(value)}" for v, value in self.assignments)]
+        return [self.target, *(_assignment(v, value) for v, value in self.assignments)]
 
     @property
     def label(self) -> str:
         """What the user calls it."""
         return " ".join([self.scene, *(f"{v.name}={value}" for v, value in self.assignments)])
+
+
+def _assignment(variation: Variation, value: Any) -> str:
+    """The word of a command line that sets a property to a value."""
+    return f"--set={variation.path}={json.dumps(value)}"
 
 
 @dataclass(frozen=True)
@@ -69,6 +75,18 @@ class BatchPlan:
         for scene in self.scenes:
             for values in itertools.product(*(v.values for v in self.variations)):
                 yield Unit(scene, self.target(scene), tuple(zip(self.variations, values, strict=True)))
+
+    def require_properties(self, scenes: Collection[str]) -> None:
+        """Raise EtalonError for one of `scenes` that cannot be read, or in which a varied property cannot have one of its values."""
+        if not self.variations:
+            return
+        flags = {flag for declared in Target.options() for flag in _flags(declared.flag)}
+        options = [word for word in self.options if word.partition("=")[0] in flags]
+        values = [_assignment(v, value) for v in self.variations for value in v.values]
+        for scene in scenes:
+            answer = ask_plan(self.target(scene), [*options, *values])
+            if answer.found is None:
+                raise EtalonError(f"{scene}: {answer.error.removeprefix(f'{scene}: ')}")
 
     def require_scenes(self, known: Collection[str]) -> None:
         """Raise EtalonError for a scene that is neither a reference scene, one of `known`, nor a file that is there."""

@@ -100,6 +100,7 @@ def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: Journal, tell
     done = len(keyed) - len(missing)
     if done:
         tell(f"{done} of {plural(len(keyed), 'comparison')} {'was' if done == 1 else 'were'} finished before")
+    plan.require_properties(dict.fromkeys(keyed[key].scene for key in missing))
     for number, key in enumerate(missing, done + 1):
         unit = keyed[key]
         progress.begin(unit.label)

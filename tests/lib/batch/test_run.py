@@ -9,6 +9,7 @@ import sys
 from contextlib import closing
 
 import pytest
+from etalon.lib.batch import asked
 from etalon.lib.batch import run as batch
 from etalon.lib.batch.journal import open_journal
 from etalon.lib.batch.plan import read_plan
@@ -21,6 +22,12 @@ from etalon.lib.report.document import FORMAT, VERSION
 STAND_IN = """
 import json, os, sys
 from pathlib import Path
+if sys.argv[1] == "plan":
+    if any(a.endswith('="nowhere"') for a in sys.argv):
+        print("etalon: x: no such property", file=sys.stderr)
+        sys.exit(2)
+    print("{}")
+    sys.exit(0)
 arguments = dict(a[2:].split("=", 1) for a in sys.argv[1:] if "=" in a)
 value = json.loads(sys.argv[3].split(".x=", 1)[1])
 with open("calls.txt", "a") as calls:
@@ -43,7 +50,8 @@ def folder(tmp_path, monkeypatch, verdict_json):
     (tmp_path / "stand_in.py").write_text(STAND_IN)
     (tmp_path / "verdict.json").write_text(verdict_json)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch, "etalon_command", lambda: [sys.executable, str(tmp_path / "stand_in.py")])
+    for module in (batch, asked):
+        monkeypatch.setattr(module, "etalon_command", lambda: [sys.executable, str(tmp_path / "stand_in.py")])
     return tmp_path
 
 
@@ -291,6 +299,9 @@ def test_what_a_child_leaves_half_written_is_removed(folder):
 import os, sys
 from pathlib import Path
 from etalon.lib.files.atomic import replace_files
+if sys.argv[1] == "plan":
+    print("{}")
+    sys.exit(0)
 with replace_files(Path(sys.argv[-1].partition("=")[2])) as beside:
     (beside / "half.exr").write_text("half")
     os.abort()
@@ -305,3 +316,16 @@ def test_cells_that_a_spreadsheet_would_run_begin_with_an_apostrophe(folder):
     with (folder / "out" / "batch.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["<b>rough</b>"] for row in rows] == ["refuse", "'=1+1", "-1", "-1", "'@x", "'+x"]
+
+
+def test_a_property_that_cannot_be_set_is_told_before_the_first_comparison(folder):
+    with pytest.raises(EtalonError, match="glossy_spheres: x: no such property"):
+        run(write_plan(folder, [0, "nowhere"]))
+    assert not (folder / "calls.txt").exists()
+
+
+def test_what_is_finished_is_not_asked_again(folder):
+    path = write_plan(folder, [0])
+    assert run(path) == 0
+    (folder / "stand_in.py").unlink()
+    assert run(path) == 0

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `etalon plan` says of a scene, asked in a process of its own: a scene that crashes Blender is an answer like others."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..exit_codes import ExitCode
+from .process import end, etalon_command, start
+
+# A scene that takes longer than so many seconds to load and export is given up.
+PATIENCE = 600.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The exit code of `etalon plan --json`, what it `found`, or the `error` where it printed no JSON."""
+
+    code: int
+    found: dict[str, Any] | None
+    error: str = ""
+
+
+def ask_plan(target: str, options: Sequence[str], patience: float = PATIENCE) -> Answer:
+    """Have `etalon plan` read the scene `target`, a path or a reference scene, for at most `patience` seconds."""
+    command = [*etalon_command(), "plan", target, "--json", *options]
+    process = start(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        out, err = process.communicate(timeout=patience)
+    except subprocess.TimeoutExpired:
+        end(process)
+        return Answer(process.returncode, None, f"took longer than {patience:.0f} s")
+    finally:
+        end(process)
+    try:
+        return Answer(process.returncode, json.loads(out))
+    except ValueError:
+        pass
+    last = err.strip().splitlines()
+    if process.returncode == ExitCode.BAD_INPUT:
+        said = last[-1].removeprefix("etalon: ") if last else "refused without a word"
+    else:
+        said = f"Blender ended with code {process.returncode} while it read the file"
+    return Answer(process.returncode, None, said)
