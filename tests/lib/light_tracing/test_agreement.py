@@ -59,11 +59,13 @@ def test_a_mirror_shows_the_same_sky(seed):
     assert_agree(ball_on_floor(MATERIALS["mirror"], world=SKY), seed, precision=0.08)
 
 
+@pytest.mark.slow
 def test_the_camera_sees_the_same_lamps(seed):
     lights = [SphereLight("shown", (-0.8, -0.5, 1.8), 0.3, (2.0,) * 3, True), replace(AREA, radiance=(1.0,) * 3)]
     assert_agree(ball_on_floor(MATERIALS["diffuse"], lights), seed, precision=0.08)
 
 
+@pytest.mark.slow
 def test_the_camera_does_not_see_hidden_objects(seed):
     the_scene = ball_on_floor(MATERIALS["glossy"])
     ball, ground = the_scene.mesh.objects
@@ -71,6 +73,7 @@ def test_the_camera_does_not_see_hidden_objects(seed):
     assert_agree(replace(the_scene, mesh=mesh), seed, precision=0.08)
 
 
+@pytest.mark.slow
 def test_roulette_and_plain_random_numbers_give_the_same_image(seed):
     box = scene(
         [cube(1.0, material=0), quad((-0.4, -0.4, 0.9), (0.0, 0.8, 0.0), (0.8, 0.0, 0.0), 1)],
@@ -81,6 +84,7 @@ def test_roulette_and_plain_random_numbers_give_the_same_image(seed):
     assert_agree(box, seed, precision=0.08, russian_roulette=True, sampler="random")
 
 
+@pytest.mark.slow
 def test_light_through_a_glass_ball_makes_the_same_caustic(seed):
     """A lamp wider than the ball, so that path tracing finds it: two refractions, then the floor."""
     the_scene = ball_on_floor(glass(1.5), [replace(AREA, radiance=(6.0,) * 3)], subdivisions=3, bounces=2)

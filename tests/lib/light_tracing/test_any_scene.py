@@ -38,7 +38,7 @@ def test_any_valid_scene_gives_a_finite_film(scene):
 
 
 @pytest.mark.slow
-@settings(max_examples=1000, **KEPT)
+@settings(max_examples=500, **KEPT)
 @given(scenes())
 def test_any_of_many_valid_scenes_gives_a_finite_film(scene):
     assert_lit(scene)

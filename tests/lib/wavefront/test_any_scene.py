@@ -186,7 +186,7 @@ def test_any_valid_scene_gives_a_finite_film(scene, strategy):
 
 
 @pytest.mark.slow
-@settings(max_examples=2000, **KEPT)
+@settings(max_examples=1000, **KEPT)
 @given(scenes(), st.sampled_from(STRATEGIES))
 def test_any_of_many_valid_scenes_gives_a_finite_film(scene, strategy):
     validate(scene)
@@ -249,7 +249,7 @@ def test_any_broken_scene_gives_an_error_that_names_it(case):
 
 
 @pytest.mark.slow
-@settings(max_examples=500, **KEPT)
+@settings(max_examples=250, **KEPT)
 @given(broken())
 def test_any_of_many_broken_scenes_gives_an_error_that_names_it(case):
     assert_refused(*case)
