@@ -7,7 +7,7 @@ import tracemalloc
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.export.mesh import read_mesh
+from etalon.addon.export.mesh import read_mesh, require_indices
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene.mesh import Object
 from etalon.lib.scene.placements import Placements
@@ -330,12 +330,20 @@ def test_faces_on_top_of_each_other_are_found_by_name_with_their_area(studio):
     assert "apart" not in found.what
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_a_vertex_that_is_no_number_is_named(studio, bad):
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.1e18])
+def test_a_vertex_that_is_nowhere_is_named(studio, bad):
     thing = studio.quad("broken")
     thing.data.vertices[2].co.y = bad
-    with pytest.raises(EtalonError, match="broken: 1 vertices are not finite numbers"):
+    with pytest.raises(EtalonError, match="broken: 1 coordinate of vertices not finite or beyond"):
         studio.export()
+
+
+@pytest.mark.parametrize("bad", [-1, 5, -838819771])
+def test_a_face_whose_corners_are_not_there_is_named(bad):
+    require_indices(np.array([[0, 1, 2], [2, 3, 4]], np.int32), 5, "whole")
+    require_indices(np.empty((0, 3), np.int32), 0, "empty")
+    with pytest.raises(EtalonError, match="broken: faces of its mesh use corners that are not there"):
+        require_indices(np.array([[0, 1, 2], [2, 3, bad]], np.int32), 5, "broken")
 
 
 def place(placements, local, count):
