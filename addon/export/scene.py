@@ -127,6 +127,7 @@ def _read_things(
 ) -> tuple[Light, ...]:
     """The lights; on the way, every object's refusals and materials."""
     lights: list[Light] = []
+    checked: set[tuple[int, ...]] = set()
     for instance in depsgraph.object_instances:
         thing = instance.object
         if instance.show_self and thing.type == "LIGHT":
@@ -137,7 +138,7 @@ def _read_things(
             continue
         if is_invisible(instance):
             continue
-        refuse_object(instance, depsgraph, refusals)
+        refuse_object(instance, depsgraph, checked, refusals)
         if instance.show_self and isinstance(thing.data, bpy.types.Mesh):
             materials.of_slots(thing)
     return tuple(lights)
