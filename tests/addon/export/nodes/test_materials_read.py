@@ -291,7 +291,6 @@ def inside_group(tree):
 
 
 REFUSED = {
-    "node 'Bump' (Bump), socket 'Filter Width', is not simulated; set it to 0.1": lambda t: bumped(t, 0.5),
     "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
         t, node(t, "Value")
     ),
