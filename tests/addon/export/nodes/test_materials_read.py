@@ -225,10 +225,6 @@ def dead_alpha(tree):
     return node(tree, "BsdfDiffuse", {"Color": texture})
 
 
-def loose_reroute(tree):
-    return node(tree, "BsdfDiffuse", {"Color": tree.nodes.new("NodeReroute").outputs[0]})
-
-
 def principled(**inputs):
     return lambda t: node(t, "BsdfPrincipled", {name.replace("_", " "): value for name, value in inputs.items()})
 
@@ -319,7 +315,6 @@ REFUSED = {
     "image 'tiles' (tiled)": tiled,
     "image 'leaf' (alpha Premul": with_alpha({"alpha_mode": "PREMUL"}),
     "output 'Alpha', whose links lead nowhere": dead_alpha,
-    "Reroute), which passes nothing on": loose_reroute,
 }  # fmt: skip
 
 
