@@ -15,6 +15,18 @@ from ...lib.scene.placements import LocalMesh
 from .mesh_attributes import read_attribute
 
 
+def finish_edited_meshes(depsgraph: bpy.types.Depsgraph) -> None:
+    """Have Blender write out the meshes of objects in Edit Mode, which show no faces before.
+
+    A file that was saved in Edit Mode opens in it, and Cycles renders what is edited.
+    """
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        if isinstance(thing.data, bpy.types.Mesh) and thing.data.is_editmode:
+            thing.to_mesh()  # fills thing.data as well
+            thing.to_mesh_clear()
+
+
 def read_mesh(
     mesh: bpy.types.Mesh, name: str, uv_maps: Iterable[str], generated: bool, attributes: Iterable[str] = ()
 ) -> LocalMesh:

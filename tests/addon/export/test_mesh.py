@@ -376,3 +376,16 @@ def test_reading_and_joining_a_mesh_takes_little_beyond_its_arrays(studio):
     arrays = [joined.vertices, joined.triangles, joined.corner_normals, joined.uvs[""]]
     beyond = (peak - sum(array.nbytes for array in arrays)) / joined.triangle_count
     assert 0 < beyond < 160
+
+
+@pytest.mark.parametrize("shown_in_edit_mode", [True, False])
+def test_an_object_in_edit_mode_is_exported_as_cycles_renders_it(studio, rays, hits, shown_in_edit_mode):
+    quad = studio.quad(half=0.4)
+    row = quad.modifiers.new("row", "ARRAY")
+    row.count, row.show_in_editmode = 2, shown_in_edit_mode
+    studio.quad(half=0.5, z=-1.0)
+    studio.layer.objects.active = quad
+    bpy.ops.object.mode_set(mode="EDIT")
+    studio.look_down(2.47)
+    scene = same_as_cycles(studio, rays, hits, position, "ShaderNodeNewGeometry", "Position", 1e-5, offset=2.0)
+    assert scene.mesh.triangle_count == (6 if shown_in_edit_mode else 4)

@@ -225,10 +225,6 @@ def dead_alpha(tree):
     return node(tree, "BsdfDiffuse", {"Color": texture})
 
 
-def loose_reroute(tree):
-    return node(tree, "BsdfDiffuse", {"Color": tree.nodes.new("NodeReroute").outputs[0]})
-
-
 def principled(**inputs):
     return lambda t: node(t, "BsdfPrincipled", {name.replace("_", " "): value for name, value in inputs.items()})
 
@@ -291,7 +287,6 @@ def inside_group(tree):
 
 
 REFUSED = {
-    "node 'Bump' (Bump), socket 'Filter Width', is not simulated; set it to 0.1": lambda t: bumped(t, 0.5),
     "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
         t, node(t, "Value")
     ),
@@ -320,7 +315,6 @@ REFUSED = {
     "image 'tiles' (tiled)": tiled,
     "image 'leaf' (alpha Premul": with_alpha({"alpha_mode": "PREMUL"}),
     "output 'Alpha', whose links lead nowhere": dead_alpha,
-    "Reroute), which passes nothing on": loose_reroute,
 }  # fmt: skip
 
 
