@@ -13,6 +13,7 @@ from ..scene.materials import Closure, Diffuse, Emission, Glass, Material, Refra
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
+from .families import FAMILIES
 from .lobes import Site, build
 from .surface import SurfacePoints
 
@@ -32,6 +33,7 @@ class PreparedMaterial:
         self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
+        self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
