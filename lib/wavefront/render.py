@@ -77,6 +77,10 @@ class ReferenceRenderer:
         scene = replace(self.scene, camera=smaller_camera(self.scene.camera, width, height))
         return ReferenceRenderer(scene, self.options, self.plan, self.kernel, self.passes)
 
+    def with_passes(self, passes: Sequence[LightPass]) -> ReferenceRenderer:
+        """The same, whose images come with light passes."""
+        return ReferenceRenderer(self.scene, self.options, self.plan, self.kernel, passes)
+
     @property
     def settings(self) -> dict[str, object]:
         """What a report says about this side."""
