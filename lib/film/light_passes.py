@@ -39,3 +39,8 @@ def direct(family: Family) -> LightPass:
 def indirect(family: Family) -> LightPass:
     """The pass of what scatters again before a family scatters it to the camera."""
     return LightPass(f"{family} indirect")
+
+
+def is_asked(name: LightPass, passes: str) -> bool:
+    """Whether the option `passes` asks for a pass: by 'all', by its own name or by that of its family."""
+    return passes == "all" or name.split()[0] == passes
