@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from ..film.light_passes import LightPass, direct, indirect
 from ..scene.scene import Scene
-from ..surfaces.families import FAMILIES
 from .facts import Facts
+from .families import FAMILIES
 from .names import Effect
 from .plan import Plan
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from ..bsdfs.mixture import Mixture
 from ..effects.facts import adding_lobes, is_zero
+from ..effects.families import FAMILIES
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import Closure, Diffuse, Emission, Glass, Material, Refraction, Translucent, Transparent
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
-from .families import FAMILIES
 from .lobes import Site, build
 from .surface import SurfacePoints
 

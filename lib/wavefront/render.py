@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -46,6 +46,9 @@ def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
     for first in range(0, pixels, wide):
         for start in range(0, samples, depth):
             yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
+
+
+_Done = tuple[Tile, PixelSums, StageClock, int]
 
 
 class ReferenceRenderer:
@@ -109,15 +112,35 @@ class ReferenceRenderer:
         passes = {name: np.zeros((*shape, 3)) for name in self.passes}
         total, bad = radiance.reshape(-1, 3), nonfinite.reshape(-1)
         stages: dict[str, float] = {}
-        rays = done = 0
+        rays = 0
         work = list(tiles(index.size, samples, self._tile_paths(index.size * samples)))
 
-        def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
+        def run(tile: Tile) -> _Done:
             return tile, *self._run(index[tile.first : tile.last], tile, sampler)
 
+        for tile, sums, clock, traced in self._in_threads(run, work, progress):
+            part = index[tile.first : tile.last]
+            total[part] += sums.radiance.T
+            bad[part] += sums.nonfinite
+            for name, image in passes.items():
+                image.reshape(-1, 3)[part] += sums.pass_radiance(name).T
+            if unknown is not None:
+                unknown.reshape(-1)[part] += sums.unknown
+            rays += traced
+            for stage, seconds in clock.seconds.items():
+                stages[stage] = stages.get(stage, 0.0) + seconds
+        if windows is None:
+            give_back_memory()
+        for image in (radiance, *passes.values()):
+            image /= samples
+        seconds = perf_counter() - begin
+        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown, passes)
+
+    def _in_threads(self, run: Callable[[Tile], _Done], work: Sequence[Tile], progress: Progress) -> Iterator[_Done]:
+        """What `run` gives for each tile, as soon as it is there; raises Cancelled when asked to stop."""
         with ThreadPoolExecutor(self.options.threads) as pool:
             pending: set[Future] = set()
-            queue = iter(work)
+            queue, done = iter(work), 0
             try:
                 while True:
                     for tile in queue:
@@ -128,29 +151,13 @@ class ReferenceRenderer:
                         break
                     finished, pending = wait(pending, return_when=FIRST_COMPLETED)
                     for future in finished:
-                        tile, sums, clock, traced = future.result()
-                        part = index[tile.first : tile.last]
-                        total[part] += sums.radiance.T
-                        bad[part] += sums.nonfinite
-                        for name, image in passes.items():
-                            image.reshape(-1, 3)[part] += sums.pass_radiance(name).T
-                        if unknown is not None:
-                            unknown.reshape(-1)[part] += sums.unknown
-                        rays += traced
-                        for stage, seconds in clock.seconds.items():
-                            stages[stage] = stages.get(stage, 0.0) + seconds
+                        yield future.result()
                         done += 1
                     progress.report(done / len(work))
                     progress.check()
             finally:
                 for future in pending:
                     future.cancel()
-        if windows is None:
-            give_back_memory()
-        for image in (radiance, *passes.values()):
-            image /= samples
-        seconds = perf_counter() - begin
-        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown, passes)
 
     def tracer(self, uniforms: SobolTile | RandomTile, sums: PixelSums, clock: StageClock) -> Tracer:
         """What traces one tile."""

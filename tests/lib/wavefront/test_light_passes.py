@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from etalon.lib.effects.families import FAMILIES
 from etalon.lib.effects.light_passes import light_passes
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.film.light_passes import Family, LightPass
@@ -22,7 +23,6 @@ from etalon.lib.scene.materials import (
     Transparent,
 )
 from etalon.lib.settings.reference import Options
-from etalon.lib.surfaces.families import FAMILIES
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.effect_cases import CASES, indoors
 from etalon.tests.scenes import color, cube, floor, icosphere, material, orthographic, perspective, scene
