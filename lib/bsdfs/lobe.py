@@ -33,6 +33,10 @@ class Lobe(ABC):
         """Return by what factor a delta lobe widens a solid angle from wo to `wi`, (n,): reflection keeps it."""
         return np.ones(wi.shape[1])
 
+    def reflects(self, wi: np.ndarray) -> np.ndarray:
+        """Return whether light from `wi` (3, n) arrives on the side of the lobe's normal, (n,) bool."""
+        return wi[2] > 0.0
+
     @abstractmethod
     def part(self, index: np.ndarray) -> Lobe:
         """Return the same lobe at fewer points."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..bsdfs.mixture import Mixture
 from ..effects.facts import adding_lobes, is_zero
+from ..effects.families import FAMILIES
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import Closure, Diffuse, Emission, Glass, Material, Refraction, Translucent, Transparent
@@ -32,6 +33,7 @@ class PreparedMaterial:
         self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
+        self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..bsdfs.mixture import Mixture
+from ..bsdfs.split import Split
 from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot, orthonormal_basis, to_local, to_world
@@ -20,13 +21,16 @@ class Shaded:
     """Results for the points of one material.
 
     direct (3, n): f |cos| L / pdf by light sampling with its weight, before visibility and throughput, or None. wi (3, n) the next direction in
-    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on.
+    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on. direct_shares, shares (families - 1, 3, n): what
+    each family of lobes has of `direct` and of `weight`, as `Split` says it, where that is asked for.
     """
 
     direct: np.ndarray | None
     wi: np.ndarray | None = None
     weight: np.ndarray | None = None
     pdf: np.ndarray | None = None
+    direct_shares: np.ndarray | None = None
+    shares: np.ndarray | None = None
 
 
 def shade_all(
@@ -36,30 +40,37 @@ def shade_all(
     groups: list[tuple[int, int, int]],
     light: LightChoice | None,
     uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
+    parts: bool = False,
 ) -> Shaded:
     """Shade points that stand in groups (material, start, stop).
 
-    `uniforms` pick the lobe and the direction within it; None where no path goes on.
+    `uniforms` pick the lobe and the direction within it; None where no path goes on. `parts` asks for the shares of the families.
     """
     size = points.size
     frame = orthonormal_basis(points.n)
     if len(groups) == 1 and kernel.materials[groups[0][0]].scatters:
-        return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms)
+        return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms, parts)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
     direct = None if light is None else made((3, size))
     onward = None if uniforms is None else (made((3, size)), made((3, size)), made(size))
+    kept = (len(kernel.families) - 1, 3, size)
+    direct_shares = np.zeros(kept) if parts and light is not None else None
+    shares = np.zeros(kept) if parts and uniforms is not None else None
     for material, a, b in groups:
         if kernel.materials[material].scatters:
             here = frame[0][:, a:b], frame[1][:, a:b]
             part = None if light is None else light.part(a, b)
             picks = None if uniforms is None else tuple(u[a:b] for u in uniforms)
-            shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks)
+            shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks, parts)
             if direct is not None:
                 direct[:, a:b] = shaded.direct
+            for whole, one in ((direct_shares, shaded.direct_shares), (shares, shaded.shares)):
+                if one is not None:
+                    whole[:, :, a:b] = one
             if onward is not None:
                 for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf), strict=True):
                     whole[..., a:b] = one
-    return Shaded(direct, *(onward or ()))
+    return Shaded(direct, *(onward or (None, None, None)), direct_shares, shares)
 
 
 def _shade(
@@ -70,20 +81,26 @@ def _shade(
     frame: tuple[np.ndarray, np.ndarray],
     light: LightChoice | None,
     uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
+    parts: bool,
 ) -> Shaded:
     """Shade points of one material in the frame (t, s, n)."""
     wo = to_local(points.wo, *frame, points.n)
     mixture = kernel.materials[material].mixture(points, wo, *frame)
-    direct = None
+    direct = direct_shares = None
     if light is not None:
-        direct = np.zeros_like(wo) if mixture.all_delta else _direct(kernel, sampling, points, frame, mixture, light)
+        direct, direct_shares = np.zeros_like(wo), None
+        if not mixture.all_delta:
+            split = kernel.split(material, points.size) if parts else None
+            direct, direct_shares = _direct(kernel, sampling, points, frame, mixture, light, split)
     if uniforms is None:
-        return Shaded(direct)
-    local, weight, pdf = mixture.sample(*uniforms)
+        return Shaded(direct, direct_shares=direct_shares)
+    split = kernel.split(material, points.size) if parts else None
+    local, weight, pdf = mixture.sample(*uniforms, split)
+    shares = None if split is None else split.shares(weight)
     wi = to_world(local, *frame, points.n)
     if not kernel.tables.all_flat:  # both normals must see wi on the same side
         weight = weight * (local[2] * dot(points.ng, wi) > 0.0)
-    return Shaded(direct, wi, weight, pdf)
+    return Shaded(direct, wi, weight, pdf, direct_shares, shares)
 
 
 def _direct(
@@ -93,11 +110,13 @@ def _direct(
     frame: tuple[np.ndarray, np.ndarray],
     mixture: Mixture,
     light: LightChoice,
-) -> np.ndarray:
-    """One light's contribution by light sampling, weighed against BSDF sampling; (3, n)."""
+    split: Split | None,
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """One light's contribution by light sampling, weighed against BSDF sampling; (3, n), and the families' shares of it."""
     sample = light.sample
     toward = to_local(sample.wi, *frame, points.n)
-    value, pdf = mixture.evaluate(toward)
+    value, pdf = mixture.evaluate(toward, split)
+    shares = None if split is None else split.shares(value)
     density = sample.pdf * light.probability
     if sampling.weighs:
         factor = cutoff_power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
@@ -110,4 +129,4 @@ def _direct(
         factor *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value = value * factor
     value *= sample.radiance
-    return value
+    return value, shares

@@ -202,13 +202,17 @@ class Tracer:
             )
         self._clock.lap(Stage.LIGHTS)
         uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
-        shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms))
+        passes = self._sums.passes
+        parts = passes is not None and passes.parts and bool(np.any(np.equal(paths.scatterings, 0)))
+        shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms, parts))
         self._clock.lap(Stage.SHADE)
         origins = _Origins(points, offset, kernel.one_sided)
         if light is not None:
-            self._add_direct(paths, origins, light.sample, shaded.direct)
+            self._add_direct(paths, origins, light.sample, shaded)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
+        if passes is not None:
+            passes.remember(paths, shaded.shares)
         fate = (
             self._pair(step_dimension(step, FATE), paths)[1] if self._flow.roulette and step >= ROULETTE_AFTER else None
         )
@@ -227,15 +231,15 @@ class Tracer:
                 paths.throughput[:, index] *= color_weight(paths.wavelength[index])
                 paths.awaits_color[index] = False
 
-    def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, direct: np.ndarray) -> None:
+    def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, shaded: Shaded) -> None:
         """Ask for visibility where light would arrive, and add what does."""
+        direct = shaded.direct
         direct *= paths.throughput
         index = np.flatnonzero(direct.any(axis=0))
         if index.size == 0:
             return
         if not self._flow.asks_visibility:
-            self._sums.add(paths.pixel[index], np.take(direct, index, axis=1))
-            self._clock.lap(Stage.FILM)
+            self._add_arriving(paths, index, np.take(direct, index, axis=1), shaded.direct_shares)
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
@@ -253,7 +257,14 @@ class Tracer:
         arriving = np.take(direct, index, axis=1)
         if through.shape[0] == 3:
             arriving *= np.take(through, lit, axis=1)
+        self._add_arriving(paths, index, arriving, shaded.direct_shares)
+
+    def _add_arriving(self, paths: Paths, index: np.ndarray, arriving: np.ndarray, shares: np.ndarray | None) -> None:
+        """Add the light (3, n) of the paths at `index`, of which the families of lobes have the `shares` of all paths."""
         self._sums.add(paths.pixel[index], arriving)
+        if self._sums.passes is not None:
+            here = None if shares is None else np.take(shares, index, axis=2)
+            self._sums.passes.add_direct(paths, index, arriving, here)
         self._clock.lap(Stage.FILM)
 
     def _advance(self, paths: Paths, origins: _Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
@@ -286,6 +297,8 @@ class Tracer:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
             following.scatterings = paths.scatterings[index] + 1
+        else:
+            following.scatterings = paths.scatterings + 1
         self._clock.lap(Stage.ADVANCE)
         return following
 
