@@ -23,7 +23,7 @@ class Renderer(Protocol):
 
     `render` gives replicate number `replicate`, independent of all others, with `samples` per pixel, or of the pixels in `windows`
     alone. It raises Cancelled once `progress` says that the work is to end. `at_size` gives a renderer of the same view with fewer
-    pixels, whose numbers divide its own.
+    pixels, whose numbers divide its own; `with_passes` one whose images come with light passes.
     """
 
     name: str
@@ -41,6 +41,9 @@ class Renderer(Protocol):
 
     def at_size(self, width: int, height: int) -> Renderer:
         """The same view on a smaller raster."""
+
+    def with_passes(self, passes: Sequence[LightPass]) -> Renderer:
+        """The same, with light passes."""
 
 
 @dataclass(eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from copy import copy
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -82,7 +83,9 @@ class ReferenceRenderer:
 
     def with_passes(self, passes: Sequence[LightPass]) -> ReferenceRenderer:
         """The same, whose images come with light passes."""
-        return ReferenceRenderer(self.scene, self.options, self.plan, self.kernel, passes)
+        more = copy(self)
+        more.passes = tuple(passes)
+        return more
 
     @property
     def settings(self) -> dict[str, object]:
