@@ -82,7 +82,7 @@ def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
     rgba = read.images.sample(node.image, u, v, node.interpolation, node.extension, node.association)
     if node.output == "COLOR":
         return rgba[:3]
-    return rgba[3] if rgba.shape[1] > 1 else rgba[3, 0]
+    return as_value(rgba[3])
 
 
 def _environment_texture(node: ex.EnvironmentTexture, read: Evaluator) -> np.ndarray:

@@ -78,10 +78,12 @@ def test_only_what_is_needed_is_asked_for_and_once(rng):
         (ex.ValueToColor(ex.VectorToValue(UV)), (3, 64)),
     ],
 )
-def test_every_node_has_its_shape(expression, shape, rng):
+@pytest.mark.parametrize("size", [64, 0])
+def test_every_node_has_its_shape(expression, shape, size, rng):
+    """Light tracing may ask for no points, where none of them is in sight."""
     images = ImageSet([Image("", rng.random((3, 4, 4)).astype(np.float32), "SRGB")])
-    got = evaluate(expression, Points(rng), images)
-    assert got.shape == shape
+    got = evaluate(expression, Points(rng, size), images)
+    assert got.shape == (*shape[:-1], size)
     assert got.dtype == np.float64
     assert np.isfinite(got).all()
 
