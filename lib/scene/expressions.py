@@ -182,17 +182,19 @@ class Gamma(Expression):
 
 @dataclass(frozen=True)
 class FresnelFactor(Expression):
-    """Exact unpolarised dielectric reflectance at |n.wo|; the index is inverted on back faces."""
+    """Exact unpolarised dielectric reflectance at |n.wo| of `normal`, or the shading normal; the index is inverted on back faces."""
 
     ior: Expression
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
 class LayerWeight(Expression):
-    """Blender's Layer Weight. `output`: 'FRESNEL' or 'FACING'."""
+    """Blender's Layer Weight, at |n.wo| of `normal`, or the shading normal. `output`: 'FRESNEL' or 'FACING'."""
 
     blend: Expression
     output: str = "FRESNEL"
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)

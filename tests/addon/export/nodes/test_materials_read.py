@@ -299,7 +299,6 @@ REFUSED = {
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
     "Gabor Texture": colored(lambda t: node(t, "TexGabor")),
     "socket 'Tangent' (linked)": lambda t: node(t, "BsdfGlossy", {"Anisotropy": 0.5, "Tangent": bump(t)}),
-    "Fresnel), socket 'Normal' (linked)": colored(lambda t: node(t, "Fresnel", {"Normal": bump(t)})),
     "output 'Camera'": colored(lambda t: node(t, "TexCoord", output="Camera")),
     "output 'Window'": colored(lambda t: node(t, "TexCoord", output="Window")),
     "output 'Reflection'": colored(lambda t: node(t, "TexCoord", output="Reflection")),
@@ -368,10 +367,10 @@ def test_displacement_that_only_bumps_turns_every_normal():
 
 def test_what_reads_the_plain_normal_is_refused_beside_a_bump():
     refusals = []
-    material = displaced(lambda t: node(t, "BsdfDiffuse", {"Color": node(t, "Fresnel")}))
+    material = displaced(lambda t: node(t, "BsdfDiffuse", {"Color": node(t, "NewGeometry", output="Normal")}))
     read_material(material, ImageTable(), refusals)
     (refusal,) = map(str, refusals)
-    assert "Fresnel or Layer Weight beside a displacement" in refusal
+    assert "a normal as coordinates beside a displacement" in refusal
 
 
 def test_opaque_shadows_of_transparent_surfaces_are_refused():
