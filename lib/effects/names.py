@@ -31,6 +31,9 @@ class Effect(StrEnum):
     ROUGH_INTERFACES = "rough interfaces"
     DISPERSION = "dispersion"
     TRANSLUCENCY = "translucency"
+    SHEEN = "sheen"
+    VELVET = "velvet"
+    TOON = "toon"
     TRANSPARENT_SURFACES = "transparent surfaces"
     EMISSION = "emission"
 

@@ -217,6 +217,19 @@ class BeneathLayer(Expression):
 
 
 @dataclass(frozen=True)
+class BeneathSheen(Expression):
+    """What sheen leaves for the layers below it, a value: 1 - its albedo at n.wo times the largest colour of `weight` `tint`.
+
+    The sheen is a `lib.scene.materials.Sheen` of the same `roughness` and `normal`.
+    """
+
+    tint: Expression
+    roughness: Expression
+    weight: Expression
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
 class CoatTint(Expression):
     """What an absorbing coat leaves of light, a colour: 1 mixed by `weight` with tint^(1 / cos), cos that of |n.wo| refracted."""
 

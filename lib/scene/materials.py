@@ -135,6 +135,41 @@ class Translucent(Closure):
 
 
 @dataclass(frozen=True)
+class Sheen(Closure):
+    """A layer of upright fibers (Blender's Sheen BSDF 'Microfiber', Principled BSDF); lib/bsdfs/sheen.py.
+
+    `roughness` in [0, 1] is Blender's.
+    """
+
+    color: Expression = WHITE
+    roughness: Expression = ZERO
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
+class Velvet(Closure):
+    """Ashikhmin's velvet (Blender's Sheen BSDF 'Ashikhmin', Velvet BSDF of older files); `sigma` in [0, 1] is the node's Roughness."""
+
+    color: Expression = WHITE
+    sigma: Expression = ONE
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
+class Toon(Closure):
+    """A cone of light (Blender's Toon BSDF), about the normal or, with `component` 'GLOSSY', about the mirror direction.
+
+    `size` and `smooth` in [0, 1] are parts of a right angle.
+    """
+
+    component: str = "DIFFUSE"
+    color: Expression = WHITE
+    size: Expression = ONE
+    smooth: Expression = ZERO
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
 class Glass(Anisotropic):
     """Dielectric interface with exact Fresnel; smooth where `roughness` is 0.
 
@@ -167,6 +202,10 @@ class Refraction(Closure):
     roughness: Expression = ZERO
     distribution: str = "GGX"
     normal: Expression | None = None
+
+
+WIDE = (Diffuse, Translucent, Sheen, Velvet)
+"""Closures that scatter into a whole hemisphere, whatever their sockets hold."""
 
 
 @dataclass(frozen=True)

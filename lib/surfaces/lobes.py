@@ -26,8 +26,11 @@ from ..bsdfs.microfacet import MicrofacetReflection
 from ..bsdfs.oren_nayar import OrenNayar
 from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
+from ..bsdfs.sheen import Sheen as SheenLobe
 from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
+from ..bsdfs.toon import Toon as ToonLobe
+from ..bsdfs.velvet import Velvet as VelvetLobe
 from ..departures.closures import ashikhmin_shirley_form, distribution_form, oren_nayar_form, with_stated_density
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
@@ -35,7 +38,20 @@ from ..microfacets.distribution import Distribution
 from ..microfacets.distributions import distribution_by_name
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..sampling.wavelengths import NODES
-from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
+from ..scene.materials import (
+    Anisotropic,
+    Closure,
+    Diffuse,
+    Glass,
+    Glossy,
+    Metallic,
+    Refraction,
+    Sheen,
+    Specular,
+    Toon,
+    Translucent,
+    Velvet,
+)
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator
 from ..vectors import dot, orthonormal_basis, to_local
@@ -266,6 +282,11 @@ def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.nd
     return factor
 
 
+def _toon(closure: Toon, site: Site) -> tuple[Lobe, np.ndarray]:
+    size, smooth = site.read(closure.size), site.read(closure.smooth)
+    return ToonLobe(site.wo, size, smooth, closure.component == "GLOSSY"), site.read(closure.color)
+
+
 def _masking(options: Options) -> str:
     """The form of masking, by departure or by choice."""
     return "correlated" if "correlated masking" in options.departures else options.masking
@@ -290,4 +311,7 @@ _BUILDERS: dict[type[Closure], Callable[..., tuple[Lobe, np.ndarray]]] = {
     Translucent: lambda closure, site: (LambertTransmission(), site.read(closure.color)),
     Glass: _glass,
     Refraction: _refraction,
+    Sheen: lambda closure, site: (SheenLobe(site.wo, site.read(closure.roughness)), site.read(closure.color)),
+    Velvet: lambda closure, site: (VelvetLobe(site.wo, site.read(closure.sigma)), site.read(closure.color)),
+    Toon: _toon,
 }

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..bsdfs.layered import beneath_layer, coat_tint
+from ..bsdfs.sheen import beneath_sheen
 from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
 from ..scene.sky import Sky
@@ -158,6 +159,9 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.LayerWeight: _layer_weight,
     ex.Gamma: _gamma,
     ex.BeneathLayer: _beneath_layer,
+    ex.BeneathSheen: lambda node, read: beneath_sheen(
+        read(node.tint), read(node.roughness), read(node.weight), _cos_wo(node.normal, read)
+    ),
     ex.CoatTint: lambda node, read: coat_tint(
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),

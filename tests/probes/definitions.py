@@ -27,7 +27,7 @@ Value = float | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Probe:
-    """One node with its sockets, on facets of all angles under one light.
+    """One node with its sockets, on facets of all angles under one light. `distribution` is a Toon node's component, too.
 
     `fact` is what a change in Cycles is reported as. `node` is Blender's type without 'ShaderNode', `inputs` go by identifier,
     colours are RGBA. `normal`: colour and strength of a normal map that turns the node's normal. A node with anisotropy has its
@@ -107,6 +107,11 @@ def _principled(fact, name, distribution="GGX", *lights, versions=EVERY, **input
     ]
 
 
+def _sheen(fact, distribution, roughness):
+    inputs = {"Color": RED, "Roughness": roughness}
+    return Probe(fact, f"Sheen {distribution} {roughness}", "front", "BsdfSheen", inputs, distribution)
+
+
 def _mapped(name, node, distribution="", **inputs):
     fresnel = "F82" if node == "BsdfMetallic" else ""
     return Probe("normal maps", f"mapped {name}", "front", node, inputs, distribution, fresnel, MAPPED)
@@ -180,6 +185,20 @@ PROBES = (
         for probe in _principled("coat tint", f"tinted coat {weight}", Specular_IOR_Level=0.0, Coat_Weight=weight,
                                  Coat_Roughness=0.4, Coat_Tint=BLUE)
     ),
+    *(_sheen("sheen", "MICROFIBER", roughness) for roughness in (0.05, 0.3, 0.7, 1.0)),
+    *(_sheen("velvet", "ASHIKHMIN", sigma) for sigma in (0.15, 0.3, 1.0)),
+    *_principled("Principled sheen", "sheen 0.2", Sheen_Weight=0.8, Sheen_Roughness=0.2, Sheen_Tint=BLUE),
+    *_principled("Principled sheen", "sheen 0.6 over metal", Metallic=1.0, Sheen_Weight=1.0, Sheen_Roughness=0.6),
+    *_principled("Principled sheen", "sheen over coat", Specular_IOR_Level=0.0, Sheen_Weight=1.0, Sheen_Roughness=0.5,
+                 Sheen_Tint=BLUE, **COAT),
+    *(
+        Probe("toon", f"Toon {component} {size} {smooth}", "front", "BsdfToon",
+              {"Color": RED, "Size": size, "Smooth": smooth}, component)
+        for component, size, smooth in (("DIFFUSE", 0.6, 0.3), ("DIFFUSE", 0.9, 0.6), ("GLOSSY", 0.5, 0.4), ("GLOSSY", 0.8, 0.0))
+    ),
+    _mapped("Sheen", "BsdfSheen", "MICROFIBER", Roughness=0.5),
+    _mapped("sheen", "BsdfPrincipled", "GGX", Roughness=0.6, Metallic=1.0, **{"Sheen Weight": 0.8, "Coat Weight": 0.5}),
+    _mapped("Toon", "BsdfToon", "GLOSSY", Size=0.7, Smooth=0.4),
     _mapped("Diffuse", "BsdfDiffuse", Color=RED),
     _mapped("rough Diffuse", "BsdfDiffuse", Color=WHITE, Roughness=0.4),
     _mapped("Glossy", "BsdfGlossy", "GGX", Roughness=0.5),

@@ -7,13 +7,17 @@ import numpy as np
 from etalon.lib.blender_versions import Versions
 from etalon.lib.departures.catalogue import relevant
 from etalon.lib.scene import materials as mt
+from etalon.lib.scene.converters import VectorMath
 from etalon.lib.scene.expressions import (
+    BLACK,
     ONE,
     WHITE,
     ZERO,
     BeneathLayer,
+    BeneathSheen,
     CoatTint,
     Constant,
+    Coordinates,
     Gamma,
     Math,
     Mix,
@@ -98,6 +102,15 @@ def _refraction(probe, read):
     )
 
 
+def _sheen(probe, read):
+    kind = mt.Velvet if probe.distribution == "ASHIKHMIN" else mt.Sheen
+    return kind(read("Color", GREY), read("Roughness", 0.5), read.normal)
+
+
+def _toon(probe, read):
+    return mt.Toon(probe.distribution, read("Color", GREY), read("Size", 0.5), read("Smooth", 0.0), read.normal)
+
+
 def _times(weight, factor):
     """The product of two weights, either of which may be a colour."""
     if weight == ONE:
@@ -120,14 +133,25 @@ def _beneath_coat(probe, read, release):
     return Mix(weight, WHITE, colored) if covers else colored
 
 
+def _sheen_normal(normal, coat):
+    """That of the node, turned towards the shading normal, which is the coat's, by the weight of the coat."""
+    if normal is None or coat == ZERO:
+        return normal
+    return VectorMath("NORMALIZE", Mix(coat, normal, Coordinates("SHADING_NORMAL")), BLACK, BLACK, ONE)
+
+
 def _principled(probe, read, release):
     """The layers that the probes use: a coat over metal, glass, or a dielectric with its diffuse base."""
     base, tint, roughness = read("Base Color", GREY), read("Specular Tint", ONES), read("Roughness", 0.5)
     lobes, weight, coat = [], ONE, read("Coat Weight", 0.0)
+    if (sheen := read("Sheen Weight", 0.0)) != ZERO:
+        how = read("Sheen Tint", ONES), read("Sheen Roughness", 0.5), _sheen_normal(read.normal, coat)
+        lobes.append(mt.WeightedClosure(mt.Sheen(*how), sheen))
+        weight = BeneathSheen(how[0], how[1], sheen, how[2])
     if coat != ZERO:
         closure = mt.Specular("MULTI_GGX", read("Coat IOR", 1.5), WHITE, read("Coat Roughness", 0.03))
-        lobes.append(mt.WeightedClosure(closure, coat))
-        weight = _beneath_coat(probe, read, release)
+        lobes.append(mt.WeightedClosure(closure, _times(weight, coat)))
+        weight = _times(weight, _beneath_coat(probe, read, release))
     if read("Metallic", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
         lobes.append(mt.WeightedClosure(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
@@ -157,6 +181,8 @@ _CLOSURES = {
     "BsdfMetallic": _metallic,
     "BsdfGlass": _glass,
     "BsdfRefraction": _refraction,
+    "BsdfSheen": _sheen,
+    "BsdfToon": _toon,
 }
 
 

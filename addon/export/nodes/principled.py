@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reader of the Principled BSDF: a stack of layers becomes a flat list of lobes, each weighed by what the layers above leave.
 
-From top to bottom: alpha, coat, emission, metal, transmission, specular, diffuse (Cycles, kernel/svm/closure.h).
+From top to bottom: alpha, sheen, coat, emission, metal, transmission, specular, diffuse (Cycles, kernel/svm/closure.h).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import bpy
 from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
+from ....lib.scene.converters import VectorMath
 from ....lib.textures.fold import is_constant
 from .shader_reader import ShaderReader
 from .tree import Scope
@@ -95,7 +96,7 @@ class _Principled:
         alpha = self._share("Alpha")
         add(mt.Transparent(), rest.without(alpha))
         rest = rest.times(alpha)
-        rest = self._coat(rest, add)
+        rest = self._coat(self._sheen(rest, add), add)
         strength = self._socket("Emission Strength")
         add(
             mt.Emission(self._socket("Emission Color", ex.WHITE), strength),
@@ -112,6 +113,28 @@ class _Principled:
             rest = self._specular(rest, add)
             add(mt.Diffuse(self._socket("Base Color"), self._socket("Diffuse Roughness"), self._normal), rest)
         return found
+
+    def _sheen(self, rest: _Weight, add: _Add) -> _Weight:
+        weight = self._reader.folder(ex.Math("MAXIMUM", self._socket("Sheen Weight"), ex.ZERO, ex.ZERO))
+        if weight == ex.ZERO:
+            return rest
+        tint, roughness, normal = (
+            self._socket("Sheen Tint", ex.WHITE),
+            self._socket("Sheen Roughness"),
+            self._sheen_normal(),
+        )
+        add(mt.Sheen(tint, roughness, normal), rest.times(weight))
+        return rest.times(ex.BeneathSheen(tint, roughness, weight, normal))
+
+    def _sheen_normal(self) -> ex.Expression | None:
+        """The node's normal, turned towards the coat's by the coat's weight."""
+        share = self._share("Coat Weight")
+        coat = self._reader.normal(self._node, self._scope, "Coat Normal")
+        if share == ex.ZERO or coat == self._normal:
+            return self._normal
+        shading = ex.Coordinates("SHADING_NORMAL")
+        mixed = ex.Mix(share, self._normal or shading, coat or shading)
+        return VectorMath("NORMALIZE", mixed, ex.BLACK, ex.BLACK, ex.ONE)
 
     def _coat(self, rest: _Weight, add: _Add) -> _Weight:
         weight = self._reader.folder(ex.Math("MAXIMUM", self._socket("Coat Weight"), ex.ZERO, ex.ZERO))

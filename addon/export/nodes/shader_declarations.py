@@ -63,13 +63,15 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
             "Coat IOR",
             "Coat Tint",
             "Coat Normal",
+            "Sheen Weight",
+            "Sheen Roughness",
+            "Sheen Tint",
             "Emission Color",
             "Emission Strength",
         ),
         neutral={
             "Thin Film Thickness": 0.0,
             "Subsurface Weight": 0.0,
-            "Sheen Weight": 0.0,
             "Thin Wall": 0.0,
         },
         idle=(
@@ -78,14 +80,18 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
             "Subsurface Scale",
             "Subsurface IOR",
             "Subsurface Anisotropy",
-            "Sheen Roughness",
-            "Sheen Tint",
         ),
         properties={"distribution": ("GGX", "MULTI_GGX")},
         unused=("subsurface_method",),
     ),
     "ShaderNodeBsdfRefraction": Declaration(
         reads=("Color", "Roughness", "IOR", "Normal"), properties={"distribution": ("BECKMANN", "GGX")}
+    ),
+    "ShaderNodeBsdfSheen": Declaration(
+        reads=("Color", "Roughness", "Normal"), properties={"distribution": ("ASHIKHMIN", "MICROFIBER")}
+    ),
+    "ShaderNodeBsdfToon": Declaration(
+        reads=("Color", "Size", "Smooth", "Normal"), properties={"component": ("DIFFUSE", "GLOSSY")}
     ),
     "ShaderNodeBsdfTranslucent": Declaration(reads=("Color", "Normal")),
     "ShaderNodeBsdfTransparent": Declaration(reads=("Color",)),

@@ -75,6 +75,17 @@ def _translucent(
     return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope), reader.normal(node, scope)), weight)]
 
 
+def _sheen(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
+    kind = mt.Velvet if node.distribution == "ASHIKHMIN" else mt.Sheen
+    color, roughness = (reader.read(node, name, scope) for name in ("Color", "Roughness"))
+    return [reader.lobe(kind(color, roughness, reader.normal(node, scope)), weight)]
+
+
+def _toon(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
+    sockets = (reader.read(node, name, scope) for name in ("Color", "Size", "Smooth"))
+    return [reader.lobe(mt.Toon(node.component, *sockets, reader.normal(node, scope)), weight)]
+
+
 def _emission(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
@@ -145,6 +156,8 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeEmission": _emission,
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeBsdfSheen": _sheen,
+    "ShaderNodeBsdfToon": _toon,
     "ShaderNodeBsdfGlass": _glass,
     "ShaderNodeBsdfRefraction": _refraction,
     "ShaderNodeBsdfMetallic": _metallic,

@@ -13,8 +13,11 @@ from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.bsdfs.reflected import Reflected
 from etalon.lib.bsdfs.rotated import Rotated
+from etalon.lib.bsdfs.sheen import Sheen
 from etalon.lib.bsdfs.specular import Mirror, SmoothDielectric
 from etalon.lib.bsdfs.tilted import Tilted
+from etalon.lib.bsdfs.toon import Toon
+from etalon.lib.bsdfs.velvet import Velvet
 from etalon.lib.departures.closures import Misstated
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
@@ -50,6 +53,10 @@ LOBES = {
     "grey reflected": Reflected(glossy("visible"), WO, Dielectric(ETA)),
     "reflected mirror": Reflected(Mirror(WO), WO, CURVE),
     "rotated": Rotated(glossy("visible"), *TURN),
+    "sheen": Sheen(WO, ALPHA),
+    "velvet": Velvet(WO, ALPHA),
+    "toon": Toon(WO, ALPHA, ALPHA, False),
+    "glossy toon": Toon(WO, np.full(COUNT, 0.2), np.full(COUNT, 0.1), True),
     "tilted": Tilted(Lambert(), ROWS),
     "tilted mirror": Tilted(Mirror(WO), ROWS),
     "misstated": Misstated(glossy("visible"), np.full(COUNT, 1.01)),

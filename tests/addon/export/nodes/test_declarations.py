@@ -34,6 +34,7 @@ AWAKE = {
     "Transmission Weight": 0.3,
     "Transmission Dispersion Scale": 0.4,
     "Coat Weight": 0.5,
+    "Sheen Weight": 0.4,
     "Coat Tint": (0.5, 0.6, 0.7, 1.0),
     "Emission Strength": 1.0,
 }
