@@ -167,6 +167,10 @@ CASES = {
         [of(Glass(ior=Constant(1.5), dispersion=Constant(0.05)))],
         [of(Glass(ior=Constant(1.5))), of(Glass(color(0.0), ior=Constant(1.5), dispersion=HALF)), PLAIN],
     ),
+    "thin films": (
+        [of(Metallic("GGX", roughness=HALF, film_thickness=Constant(200.0)))],
+        [of(Metallic("GGX", roughness=HALF, film_thickness=Constant(0.1))), PLAIN],
+    ),
     "sheen": ([of(Sheen(roughness=HALF))], [of(Sheen(color(0.0), HALF)), of(Velvet())]),
     "velvet": ([of(Velvet())], [of(Velvet(color(0.0))), of(Sheen(roughness=HALF))]),
     "toon": ([of(Toon()), of(Toon("GLOSSY", size=HALF))], [of(Toon(color=color(0.0))), PLAIN]),

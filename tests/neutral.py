@@ -152,6 +152,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "rough interfaces": _lobe(Glass(ior=IOR, roughness=HALF)),
     "dispersion": _lobe(Glass(ior=IOR, dispersion=ZERO)),
     "translucency": _lobe(Translucent()),
+    "thin films": _lobe(Metallic("GGX", roughness=HALF, film_thickness=Constant(200.0))),
     "sheen": _lobe(Sheen(roughness=HALF)),
     "velvet": _lobe(Velvet()),
     "toon": _lobe(Toon()),

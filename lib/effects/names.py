@@ -31,6 +31,7 @@ class Effect(StrEnum):
     ROUGH_INTERFACES = "rough interfaces"
     DISPERSION = "dispersion"
     TRANSLUCENCY = "translucency"
+    THIN_FILMS = "thin films"
     SHEEN = "sheen"
     VELVET = "velvet"
     TOON = "toon"

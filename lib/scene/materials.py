@@ -23,7 +23,10 @@ class Closure:
 
 
 class Anisotropic(Closure):
-    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`; no dataclass, so each says its own defaults."""
+    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`; no dataclass, so each says its own defaults.
+
+    Those that reflect by a Fresnel curve may lie under a film of `film_thickness` nm and the index `film_ior`.
+    """
 
     distribution: str
     roughness: Expression
@@ -92,6 +95,8 @@ class Metallic(Anisotropic):
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
     normal: Expression | None = None
+    film_thickness: Expression = ZERO
+    film_ior: Expression = ONE
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,8 @@ class Specular(Anisotropic):
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
     normal: Expression | None = None
+    film_thickness: Expression = ZERO
+    film_ior: Expression = ONE
 
 
 @dataclass(frozen=True)
@@ -191,6 +198,8 @@ class Glass(Anisotropic):
     tangent: Tangent = Tangent()
     dispersion: Expression = ZERO
     normal: Expression | None = None
+    film_thickness: Expression = ZERO
+    film_ior: Expression = ONE
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..bsdfs.compensated import Compensated, albedos_of, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
+from ..bsdfs.films import Film, FilmConductor, FilmDielectric, FilmF82, make_film, under_film
 from ..bsdfs.fresnels import (
     F82,
     Conductor,
@@ -118,11 +119,19 @@ def _metallic(closure: Metallic, site: Site) -> tuple[Lobe, np.ndarray]:
         curve = Conductor(np.maximum(base, 0.0), np.maximum(edge, 0.0))
     else:
         curve = F82(np.clip(base, 0.0, 1.0), np.clip(edge, 0.0, 1.0))
+    film = _film(closure, site)
+    if film is not None and isinstance(curve, Conductor):
+        curve = under_film(FilmConductor(film, curve.eta, curve.k))
+    elif film is not None:
+        curve = under_film(FilmF82(film, curve.f0, curve.tint))
     return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
 
 
 def _specular(closure: Specular, site: Site) -> tuple[Lobe, np.ndarray]:
-    curve = tinted_dielectric(np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0))
+    ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
+    curve, film = tinted_dielectric(ior, tint), _film(closure, site)
+    if film is not None:
+        curve = under_film(FilmDielectric(film, ior, curve.f0))
     return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
 
 
@@ -207,9 +216,25 @@ def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
     disperses = wavelength is not None and np.any(dispersion)
     index = cauchy_index(ior, dispersion, wavelength) if disperses else ior
     eta = np.where(site.points.backfacing, 1.0 / index, index)
-    if disperses and "undispersed reflectance" in site.options.departures:
+    undispersed = disperses and "undispersed reflectance" in site.options.departures
+    film = _film(closure, site)
+    if film is not None:
+        outside = np.where(site.points.backfacing, index, 1.0)
+        film = replace(film, index=film.index / outside)
+        if "thin film from inside" not in site.options.departures:
+            film = replace(film, outside=outside)
+        return eta, FilmDielectric(
+            film, eta, np.clip(reflectance_at_normal(ior if undispersed else eta) * tint, 0.0, 1.0)
+        )
+    if undispersed:
         return eta, TintedDielectric(eta, np.clip(reflectance_at_normal(ior) * tint, 0.0, 1.0))
     return eta, Dielectric(eta) if np.all(tint == 1.0) else tinted_dielectric(eta, tint)
+
+
+def _film(closure: Metallic | Specular | Glass, site: Site) -> Film | None:
+    """The film that lies on a closure, if there is one anywhere; its index is that over the index outside."""
+    by_table = "thin film series" in site.options.departures
+    return make_film(site.read(closure.film_thickness), site.read(closure.film_ior), by_table)
 
 
 def _refraction(closure: Refraction, site: Site) -> tuple[Lobe, np.ndarray]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..bsdfs.films import make_film
 from ..bsdfs.layered import beneath_layer, coat_tint
 from ..bsdfs.sheen import beneath_sheen
 from ..microfacets.cycles_tables import tables_with
@@ -124,7 +125,9 @@ def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     cos_wo = _cos_wo(node.normal, read)
     tables, ior = tables_with(node.tables), float(node.ior.value)
-    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless)
+    thickness, index = (float(one.value) for one in (node.film_thickness, node.film_ior))
+    film = make_film(thickness, index, node.film_by_table)
+    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless, film)
 
 
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:

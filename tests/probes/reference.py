@@ -55,6 +55,12 @@ class Sockets:
         color, strength = self._probe.normal
         return NormalMap(Constant(tuple(_single(v) for v in color[:3])), Constant(_single(strength)))
 
+    @property
+    def film(self):
+        """Thickness and index of the film, where there is one."""
+        thickness = self("Thin Film Thickness", 0.0)
+        return {} if thickness == ZERO else {"film_thickness": thickness, "film_ior": self("Thin Film IOR", 1.33)}
+
     def stretch(self, anisotropy="Anisotropy", rotation="Rotation"):
         """What an anisotropic lobe has besides its roughness."""
         if not self._probe.is_stretched:
@@ -86,13 +92,13 @@ def _metallic(probe, read):
         (read("Base Color", GREY), read("Edge Tint", ONES)) if f82 else (read("IOR", 1.5), read("Extinction", 1.5))
     )
     kind = "F82" if f82 else "CONDUCTOR"
-    return mt.Metallic(probe.distribution, kind, base, edge, read("Roughness", 0.5), **read.stretch())
+    return mt.Metallic(probe.distribution, kind, base, edge, read("Roughness", 0.5), **read.stretch(), **read.film)
 
 
 def _glass(probe, read):
     color, ior, roughness = read("Color", ONES), read("IOR", 1.5), read("Roughness", 0.0)
     if probe.distribution != "MULTI_GGX":
-        return mt.Glass(color, ior, roughness, probe.distribution, **read.stretch())
+        return mt.Glass(color, ior, roughness, probe.distribution, **read.stretch(), **read.film)
     return mt.Glass(WHITE, ior, roughness, "MULTI_GGX", color, color, **read.stretch())
 
 
@@ -154,22 +160,26 @@ def _principled(probe, read, release):
         weight = _times(weight, _beneath_coat(probe, read, release))
     if read("Metallic", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
-        lobes.append(mt.WeightedClosure(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
+        lobes.append(
+            mt.WeightedClosure(
+                mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how, **read.film), weight
+            )
+        )
     elif read("Transmission Weight", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
         if probe.is_stretched:  # as the Glass BSDF states what divides alpha along x by the root
             how["anisotropy"] = Constant(float(np.sqrt(1.0 - 0.9 * how["anisotropy"].value)) - 1.0)
         scale, abbe = (read(f"Transmission Dispersion {name}", value).value for name, value in DISPERSION)
         how |= {"transmission": Gamma(base, Constant(0.5)), "tint": tint, "dispersion": Constant(scale / abbe)}
-        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, **how)
+        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, **how, **read.film)
         lobes.append(mt.WeightedClosure(glass, weight))
     else:
         ior, level = read("IOR", 1.5).value, read("Specular IOR Level", 0.5).value
         if level:
             root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             ior = Constant((1.0 + root) / (1.0 - root))
-            lobes.append(mt.WeightedClosure(mt.Specular(probe.distribution, ior, tint, roughness), weight))
-            weight = _times(weight, BeneathLayer(ior, tint, roughness, ONE, probe.distribution))
+            lobes.append(mt.WeightedClosure(mt.Specular(probe.distribution, ior, tint, roughness, **read.film), weight))
+            weight = _times(weight, BeneathLayer(ior, tint, roughness, ONE, probe.distribution, **read.film))
         lobes.append(mt.WeightedClosure(mt.Diffuse(base, read("Diffuse Roughness", 0.0)), weight))
     return lobes
 

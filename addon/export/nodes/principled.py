@@ -73,6 +73,7 @@ class _Principled:
     def __init__(self, reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
         self._reader, self._node, self._scope = reader, node, scope
         self._normal = reader.normal(node, scope)
+        self._film = reader.film(node, scope)
         self._distribution = node.distribution if node.distribution == "MULTI_GGX" else "GGX"
 
     def _socket(self, name: str, absent: ex.Expression = ex.ZERO) -> ex.Expression:
@@ -179,7 +180,7 @@ class _Principled:
 
     def _metal(self) -> mt.Metallic:
         base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
-        return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
+        return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch(), **self._film)
 
     def _dispersion(self) -> ex.Expression:
         """The reciprocal of the glass's Abbe number; none where scale or number is not positive. Blender 5.3 and later."""
@@ -203,6 +204,7 @@ class _Principled:
             tint=self._socket("Specular Tint", ex.WHITE),
             normal=self._normal,
             dispersion=self._dispersion(),
+            **self._film,
             **(self._glass_stretch() if bpy.app.version in _STRETCHES_GLASS else {}),
         )
 
@@ -226,9 +228,17 @@ class _Principled:
             root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             root = min(max(root, -_LARGEST_ROOT), _LARGEST_ROOT)
             ior = (1.0 + root) / (1.0 - root)
-        if ior == 1.0:
+        if ior == 1.0 and not self._film:
             return rest
+        if not all(map(is_constant, self._film.values())):
+            what = ", sockets 'Thin Film' (textured) above a diffuse base,"
+            self._reader.values.refuse(
+                self._node, self._scope, what, "unlink them, or make it all metal or transmission"
+            )
+            self._film = {}
         eta, tint = ex.Constant(ior), self._socket("Specular Tint", ex.WHITE)
-        add(mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch()), rest)
-        below = ex.BeneathLayer(eta, tint, self._socket("Roughness"), ex.ONE, self._distribution, self._normal)
+        closure = mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch(), **self._film)
+        add(closure, rest)
+        roughness, distribution = self._socket("Roughness"), self._distribution
+        below = ex.BeneathLayer(eta, tint, roughness, ex.ONE, distribution, self._normal, **self._film)
         return rest.times(below)

@@ -59,6 +59,7 @@ def _metallic(
         reader.read(node, "Extinction" if conductor else "Edge Tint", scope),
         reader.read(node, "Roughness", scope),
         normal=reader.normal(node, scope),
+        **reader.film(node, scope),
     )
     anisotropy = reader.folder(
         ex.Math("ADD", reader.values.read(node.inputs["Anisotropy"], scope), ex.ZERO, ex.ZERO, clamp=True)
@@ -101,10 +102,10 @@ def _transparent(
 
 def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
-    normal = reader.normal(node, scope)
+    normal, film = reader.normal(node, scope), reader.film(node, scope)
     if _is_smooth(roughness):
-        return [reader.lobe(mt.Glass(color, ior, normal=normal), weight)]
-    glass = mt.Glass(color, ior, roughness, node.distribution, normal=normal)
+        return [reader.lobe(mt.Glass(color, ior, normal=normal, **film), weight)]
+    glass = mt.Glass(color, ior, roughness, node.distribution, normal=normal, **film)
     if "Anisotropy" in node.inputs:  # Blender 5.3 and later
         anisotropy = reader.read(node, "Anisotropy", scope)
         if not (is_constant(anisotropy) and abs(anisotropy.value) <= _LEAST_ANISOTROPY):

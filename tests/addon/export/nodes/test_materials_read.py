@@ -286,6 +286,15 @@ def inside_group(tree):
     return use.outputs[0]
 
 
+def film_that_varies(tree):
+    return node(tree, "BsdfPrincipled", {"Thin Film Thickness": node(tree, "LayerWeight")})
+
+
+FILMS = (
+    {"Principled BSDF), sockets 'Thin Film' (textured) above a diffuse base": film_that_varies}
+    if bpy.app.version >= (5, 0, 0)
+    else {"Principled BSDF), socket 'Thin Film Thickness' in Blender before 5.0": principled(Thin_Film_Thickness=200.0)}
+)
 REFUSED = {
     "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
         t, node(t, "Value")
@@ -293,7 +302,7 @@ REFUSED = {
     "Subsurface Scattering": lambda t: node(t, "SubsurfaceScattering"),
     "group 'Group', node 'Ray Portal BSDF'": inside_group,
     "Principled BSDF), socket 'Subsurface Weight'": principled(Subsurface_Weight=0.5),
-    "Principled BSDF), socket 'Thin Film Thickness'": principled(Thin_Film_Thickness=200.0),
+    **FILMS,
     "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
     "Gabor Texture": colored(lambda t: node(t, "TexGabor")),
