@@ -29,6 +29,7 @@ from etalon.lib.scene.materials import (
     Emission,
     Glass,
     Glossy,
+    GlossyToon,
     Material,
     Metallic,
     Refraction,
@@ -173,7 +174,7 @@ CASES = {
     ),
     "sheen": ([of(Sheen(roughness=HALF))], [of(Sheen(color(0.0), HALF)), of(Velvet())]),
     "velvet": ([of(Velvet())], [of(Velvet(color(0.0))), of(Sheen(roughness=HALF))]),
-    "toon": ([of(Toon()), of(Toon("GLOSSY", size=HALF))], [of(Toon(color=color(0.0))), PLAIN]),
+    "toon": ([of(Toon()), of(GlossyToon(size=HALF))], [of(Toon(color=color(0.0))), PLAIN]),
     "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
     "glass": (
         [of(Glass(ior=Constant(1.5)))],

@@ -164,16 +164,17 @@ class Velvet(Closure):
 
 @dataclass(frozen=True)
 class Toon(Closure):
-    """A cone of light (Blender's Toon BSDF), about the normal or, with `component` 'GLOSSY', about the mirror direction.
+    """A cone of light about the normal (Blender's Toon BSDF); `size` and `smooth` in [0, 1] are parts of a right angle."""
 
-    `size` and `smooth` in [0, 1] are parts of a right angle.
-    """
-
-    component: str = "DIFFUSE"
     color: Expression = WHITE
     size: Expression = ONE
     smooth: Expression = ZERO
     normal: Expression | None = None
+
+
+@dataclass(frozen=True)
+class GlossyToon(Toon):
+    """The same about the mirror direction."""
 
 
 @dataclass(frozen=True)
@@ -213,8 +214,8 @@ class Refraction(Closure):
     normal: Expression | None = None
 
 
-WIDE = (Diffuse, Translucent, Sheen, Velvet)
-"""Closures that scatter into a whole hemisphere, whatever their sockets hold."""
+WIDE = (Diffuse, Translucent, Sheen, Velvet, Toon)
+"""Closures that scatter into directions about the normal, whatever their sockets hold, and GlossyToon."""
 
 
 @dataclass(frozen=True)

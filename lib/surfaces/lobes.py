@@ -45,6 +45,7 @@ from ..scene.materials import (
     Diffuse,
     Glass,
     Glossy,
+    GlossyToon,
     Metallic,
     Refraction,
     Sheen,
@@ -309,7 +310,7 @@ def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.nd
 
 def _toon(closure: Toon, site: Site) -> tuple[Lobe, np.ndarray]:
     size, smooth = site.read(closure.size), site.read(closure.smooth)
-    return ToonLobe(site.wo, size, smooth, closure.component == "GLOSSY"), site.read(closure.color)
+    return ToonLobe(site.wo, size, smooth, isinstance(closure, GlossyToon)), site.read(closure.color)
 
 
 def _masking(options: Options) -> str:
@@ -339,4 +340,5 @@ _BUILDERS: dict[type[Closure], Callable[..., tuple[Lobe, np.ndarray]]] = {
     Sheen: lambda closure, site: (SheenLobe(site.wo, site.read(closure.roughness)), site.read(closure.color)),
     Velvet: lambda closure, site: (VelvetLobe(site.wo, site.read(closure.sigma)), site.read(closure.color)),
     Toon: _toon,
+    GlossyToon: _toon,
 }

@@ -11,7 +11,7 @@ from ..effects.facts import adding_lobes, is_zero
 from ..effects.families import FAMILIES
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
-from ..scene.materials import WIDE, Closure, Emission, Glass, Material, Refraction, Toon, Translucent, Transparent
+from ..scene.materials import WIDE, Closure, Emission, Glass, GlossyToon, Material, Refraction, Translucent, Transparent
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
@@ -77,10 +77,9 @@ class PreparedMaterial:
         """
         found = np.full((len(self._scattering), points.size), np.inf)
         for k, (_, closure) in enumerate(self._scattering):
-            if isinstance(closure, Toon):
-                if closure.component == "GLOSSY":
-                    size, smooth = (self._evaluate(one, points) for one in (closure.size, closure.smooth))
-                    found[k] = np.tan(0.5 * cone_half_angle(size, smooth))
+            if isinstance(closure, GlossyToon):
+                size, smooth = (self._evaluate(one, points) for one in (closure.size, closure.smooth))
+                found[k] = np.tan(0.5 * cone_half_angle(size, smooth))
             elif not isinstance(closure, WIDE):
                 found[k] = np.clip(self._evaluate(closure.roughness, points), 0.0, 1.0) ** 2
         return found

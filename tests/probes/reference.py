@@ -114,7 +114,8 @@ def _sheen(probe, read):
 
 
 def _toon(probe, read):
-    return mt.Toon(probe.distribution, read("Color", GREY), read("Size", 0.5), read("Smooth", 0.0), read.normal)
+    kind = mt.GlossyToon if probe.distribution == "GLOSSY" else mt.Toon
+    return kind(read("Color", GREY), read("Size", 0.5), read("Smooth", 0.0), read.normal)
 
 
 def _times(weight, factor):

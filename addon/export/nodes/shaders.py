@@ -83,8 +83,9 @@ def _sheen(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.
 
 
 def _toon(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
+    kind = mt.GlossyToon if node.component == "GLOSSY" else mt.Toon
     sockets = (reader.read(node, name, scope) for name in ("Color", "Size", "Smooth"))
-    return [reader.lobe(mt.Toon(node.component, *sockets, reader.normal(node, scope)), weight)]
+    return [reader.lobe(kind(*sockets, reader.normal(node, scope)), weight)]
 
 
 def _emission(
