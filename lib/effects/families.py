@@ -4,11 +4,28 @@
 from __future__ import annotations
 
 from ..film.light_passes import Family
-from ..scene.materials import Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
+from ..scene.materials import (
+    Closure,
+    Diffuse,
+    Glass,
+    Glossy,
+    GlossyToon,
+    Metallic,
+    Refraction,
+    Sheen,
+    Specular,
+    Toon,
+    Translucent,
+    Velvet,
+)
 
 FAMILIES: dict[type[Closure], tuple[Family, ...]] = {
     Diffuse: (Family.DIFFUSE,),
     Translucent: (Family.DIFFUSE,),
+    Sheen: (Family.DIFFUSE,),
+    Toon: (Family.DIFFUSE,),
+    GlossyToon: (Family.GLOSSY,),
+    Velvet: (Family.GLOSSY,),
     Glossy: (Family.GLOSSY,),
     Metallic: (Family.GLOSSY,),
     Specular: (Family.GLOSSY,),

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..bsdfs.films import make_film
 from ..bsdfs.layered import beneath_layer, coat_tint
+from ..bsdfs.sheen import beneath_sheen
 from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
 from ..scene.sky import Sky
@@ -128,7 +130,9 @@ def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     cos_wo = _cos_wo(node.normal, read)
     tables, ior = tables_with(node.tables), float(node.ior.value)
-    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless)
+    thickness, index = (float(one.value) for one in (node.film_thickness, node.film_ior))
+    film = make_film(thickness, index, node.film_by_table)
+    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless, film)
 
 
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:
@@ -165,6 +169,9 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.LayerWeight: _layer_weight,
     ex.Gamma: _gamma,
     ex.BeneathLayer: _beneath_layer,
+    ex.BeneathSheen: lambda node, read: beneath_sheen(
+        read(node.tint), read(node.roughness), read(node.weight), _cos_wo(node.normal, read)
+    ),
     ex.CoatTint: lambda node, read: coat_tint(
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),

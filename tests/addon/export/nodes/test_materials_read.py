@@ -280,21 +280,29 @@ def test_textured_dispersion_of_multiscatter_glass_is_refused():
 def inside_group(tree):
     group = bpy.data.node_groups.new("Brass", "ShaderNodeTree")
     group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketShader")
-    group.links.new(node(group, "BsdfToon"), group.nodes.new("NodeGroupOutput").inputs[0])
+    group.links.new(node(group, "BsdfRayPortal"), group.nodes.new("NodeGroupOutput").inputs[0])
     use = tree.nodes.new("ShaderNodeGroup")
     use.node_tree = group
     return use.outputs[0]
 
 
+def film_that_varies(tree):
+    return node(tree, "BsdfPrincipled", {"Thin Film Thickness": node(tree, "LayerWeight")})
+
+
+FILMS = (
+    {"Principled BSDF), sockets 'Thin Film' (textured) above a diffuse base": film_that_varies}
+    if bpy.app.version >= (5, 0, 0)
+    else {"Principled BSDF), socket 'Thin Film Thickness' in Blender before 5.0": principled(Thin_Film_Thickness=200.0)}
+)
 REFUSED = {
     "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
         t, node(t, "Value")
     ),
-    "Sheen BSDF": lambda t: node(t, "BsdfSheen"),
-    "group 'Group', node 'Toon BSDF'": inside_group,
+    "Subsurface Scattering": lambda t: node(t, "SubsurfaceScattering"),
+    "group 'Group', node 'Ray Portal BSDF'": inside_group,
     "Principled BSDF), socket 'Subsurface Weight'": principled(Subsurface_Weight=0.5),
-    "Principled BSDF), socket 'Sheen Weight'": principled(Sheen_Weight=0.5),
-    "Principled BSDF), socket 'Thin Film Thickness'": principled(Thin_Film_Thickness=200.0),
+    **FILMS,
     "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
     "Gabor Texture": colored(lambda t: node(t, "TexGabor")),
@@ -381,7 +389,9 @@ def test_opaque_shadows_of_transparent_surfaces_are_refused():
 
 
 def test_all_refusals_come_together():
-    found = refused(lambda t: node(t, "AddShader", {"Shader": node(t, "BsdfSheen"), "Shader_001": node(t, "BsdfHair")}))
+    found = refused(
+        lambda t: node(t, "AddShader", {"Shader": node(t, "BsdfRayPortal"), "Shader_001": node(t, "BsdfHair")})
+    )
     assert len(found) == 2
 
 
