@@ -255,6 +255,13 @@ class CoatTint(Expression):
 
 
 @dataclass(frozen=True)
+class Wireframe(Expression):
+    """1 within half of |`size`| metres of an edge of the point's triangle, else 0 (a value). Blender's diagonals count, too."""
+
+    size: Expression
+
+
+@dataclass(frozen=True)
 class Backfacing(Expression):
     """1 where the ray meets the back of the face, else 0 (a value)."""
 

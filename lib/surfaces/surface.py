@@ -222,6 +222,17 @@ class SurfacePoints:
         points.position = self.position + direction * step
         return points
 
+    def edge_distance(self) -> np.ndarray:
+        """Distance in metres from the nearest line through two corners of the triangle, (n,)."""
+        mesh = self.tables.mesh
+        corners = [np.take(mesh.vertices, k, axis=1) for k in np.take(mesh.triangles, self.triangle, axis=1)]
+        nearest = np.full(self.size, np.inf)
+        for k in range(3):
+            edge = corners[k] - corners[k - 1]
+            area = cross(edge, self.position - corners[k])
+            nearest = np.minimum(nearest, np.sqrt(dot(area, area) / dot(edge, edge)))
+        return nearest
+
     def object_info(self) -> np.ndarray:
         """Location, colour, alpha, index and random number of the object, (9, n)."""
         return np.take(self.tables.object_info, np.take(self.tables.mesh.object_index, self.triangle), axis=1)

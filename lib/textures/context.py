@@ -35,6 +35,10 @@ class Context(Protocol):
         """Location (3), colour (3), alpha, index and random number of the object, (9, n)."""
         ...
 
+    def edge_distance(self) -> np.ndarray:
+        """Distance in metres from the nearest line through two corners of the point's triangle, (n,)."""
+        ...
+
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
         ...

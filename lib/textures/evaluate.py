@@ -198,6 +198,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.CoatTint: lambda node, read: coat_tint(
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),
+    ex.Wireframe: lambda node, read: (read.context.edge_distance() < 0.5 * np.abs(read(node.size))).astype(np.float64),
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.ColorToValue: lambda node, read: as_value(luminance(read(node.color))),
     ex.VectorToValue: _vector_to_value,

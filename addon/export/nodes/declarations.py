@@ -338,6 +338,7 @@ DECLARATIONS: Mapping[str, Declaration] = {
         reads=("Vector", "Center", "Axis", "Angle", "Rotation"),
         properties={"rotation_type": ("AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ"), "invert": None},
     ),
+    "ShaderNodeWireframe": Declaration(reads=("Size",), properties={"use_pixel_size": None}),
     "ShaderNodeVertexColor": Declaration(properties={"layer_name": None}),
 }
 """Node type by Blender's identifier -> what its reader knows of it."""

@@ -134,6 +134,14 @@ def _object_info(reader: TreeReader, node: bpy.types.Node, output: str, scope: S
     return ex.ObjectInfo(_OBJECT_INFO.get(output, output.upper()))
 
 
+def _wireframe(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    if node.use_pixel_size:
+        reader.refuse(node, scope, ", option 'Pixel Size',", "switch it off")
+    return ex.Wireframe(reader.read(node.inputs["Size"], scope))
+
+
 def _geometry(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
     known = {} if reader.is_world else _GEOMETRY
     if output not in known:
@@ -248,6 +256,7 @@ TEXTURES = {
     "ShaderNodeUVMap": _uv_map,
     "ShaderNodeNewGeometry": _geometry,
     "ShaderNodeObjectInfo": _object_info,
+    "ShaderNodeWireframe": _wireframe,
     "ShaderNodeNormalMap": _normal_map,
     "ShaderNodeBump": _bump,
     "ShaderNodeVertexColor": _vertex_color,

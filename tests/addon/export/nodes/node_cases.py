@@ -247,6 +247,8 @@ CASES = {
         for output in ("Fresnel", "Facing")
         for name, side in (("front", TILTED), ("back", BEHIND))
     },
+    "wireframe": (lambda t: node(t, "Wireframe", {"Size": 0.3}), FACING),
+    "wireframe, linked size": (lambda t: node(t, "Wireframe", {"Size": linear(t, 0.8, -0.2)}), FACING),
     "backfacing front": (backfacing, TILTED),
     "backfacing back": (backfacing, BEHIND),
     "checker unlinked": (lambda t: node(t, "TexChecker", {"Scale": 3.3}), FACING),

@@ -142,6 +142,11 @@ class Points:
     def coordinates(self, kind, uv_map):
         return self._coordinates[kind]
 
+    def edge_distance(self):
+        """In a quad of one metre that faces the camera, whose diagonal runs from (0, 0) to (1, 1)."""
+        u, v = self._coordinates["UV"][:2]
+        return np.minimum(np.where(u > v, np.minimum(v, 1.0 - u), np.minimum(u, 1.0 - v)), np.abs(u - v) * np.sqrt(0.5))
+
 
 def tabulated(expression):
     """The expression with the tables that Cycles has of curves."""

@@ -159,7 +159,8 @@ def test_a_changed_input_of_a_shader_changes_the_export_or_is_idle(kind):
 
             if export(kind, change, **properties) == before:
                 silent.append(name)
-    assert set(silent) <= set(DECLARATIONS[kind].idle)
+    refused = set() if bpy.app.version >= (5, 0, 0) else {"Thin Film IOR"}  # where a film is refused by its thickness
+    assert set(silent) <= set(DECLARATIONS[kind].idle) | refused
 
 
 @pytest.mark.parametrize("name", ["Anisotropy", "Transmission Dispersion Scale", "Thin Film Thickness", "Thin Wall"])
