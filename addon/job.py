@@ -40,6 +40,7 @@ from .cycles.renderer import CyclesRenderer, neutral
 from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
+from .export.refusals import refuse_smoke
 from .export.render_depsgraph import with_render_depsgraph
 from .export.view_transform import export_view_transform
 from .host.blender_at_hand import require_readable_file
@@ -55,6 +56,7 @@ def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
     Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
     """
     require_readable_file()
+    refuse_smoke(scene)
     return render_skies(with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial)))
 
 

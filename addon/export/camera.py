@@ -40,7 +40,9 @@ def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refu
     if kind is None:
         refusals.append(Refusal(owner, f"the lens type {data.type}", "make it perspective, orthographic or panoramic"))
     matrix = affine(camera.matrix_world)
-    if is_sheared(matrix):
+    if not np.linalg.norm(matrix[:, :3], axis=0).all():
+        refusals.append(Refusal(owner, "a scale of 0 along an axis", "give it a scale above 0"))
+    elif is_sheared(matrix):
         refusals.append(Refusal(owner, "a sheared matrix", "apply the scale of its parents"))
     if len(refusals) > before:
         return None

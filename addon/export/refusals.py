@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from ...lib.errors import Refusal
+from ...lib.errors import Refusal, Refused
 from .properties.declared import refuse_undeclared
 
 # Object types that Cycles renders and the reference does not.
@@ -160,12 +160,23 @@ def _unsupported_kind(thing: bpy.types.Object) -> str | None:
     """What kind of thing it is, when Cycles or Blender would show it and the reference would not."""
     if thing.type in _TYPES:
         return _TYPES[thing.type]
-    for modifier in thing.modifiers:
-        if modifier.type == "FLUID" and modifier.show_render and modifier.fluid_type == "DOMAIN":
-            settings = modifier.domain_settings
-            if settings is not None and settings.domain_type == "GAS":
-                return "smoke"
-    return None
+    return "smoke" if _is_smoke(thing) else None
+
+
+def refuse_smoke(scene: bpy.types.Scene) -> None:
+    """Raise Refused where `scene` renders smoke. Ask before it is evaluated: Blender can crash on a simulation without its cache."""
+    smoky = [thing for thing in scene.objects if not thing.hide_render and _is_smoke(thing)]
+    if smoky:
+        raise Refused([Refusal(f"object '{thing.name}'", "smoke", "do not render it") for thing in smoky])
+
+
+def _is_smoke(thing: bpy.types.Object) -> bool:
+    domains = [
+        one.domain_settings
+        for one in thing.modifiers
+        if one.type == "FLUID" and one.show_render and one.fluid_type == "DOMAIN"
+    ]
+    return any(settings is not None and settings.domain_type == "GAS" for settings in domains)
 
 
 def _has_strands(thing: bpy.types.Object) -> bool:

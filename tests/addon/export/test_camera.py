@@ -129,6 +129,11 @@ def test_what_no_raster_can_show_is_refused(studio):
     studio.camera.rotation_euler = (0.0, 0.0, 0.5)
     with pytest.raises(Refused, match="a sheared matrix"):
         studio.export()
+    parent.scale = (0.0, 0.0, 0.0)
+    with pytest.raises(
+        Refused, match="camera 'camera': a scale of 0 along an axis is not simulated; give it a scale above 0"
+    ):
+        studio.export()
 
 
 def test_a_lamp_as_camera_is_bad_input(studio):

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
+from etalon.addon import job
 from etalon.addon.export import export_scene, refusals
 from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.scene import expressions as ex
@@ -405,3 +406,14 @@ def test_the_properties_of_instances_are_checked_once_per_object(studio, monkeyp
         studio.export()
     assert {refusal.owner for refusal in refused.value.refusals} == {"mesh 'two'"}
     assert checks["mesh", "mesh 'one'"] == checks["mesh", "mesh 'two'"] == 1
+
+
+def test_smoke_is_refused_before_blender_evaluates_it(studio, monkeypatch):
+    domain = studio.quad().modifiers.new("smoke", "FLUID")
+    domain.fluid_type = "DOMAIN"
+    monkeypatch.setattr(job, "with_render_depsgraph", lambda *_: pytest.fail("the scene was evaluated"))
+    with pytest.raises(Refused, match="object 'quad': smoke is not simulated"):
+        job.export(studio.scene)
+    domain.show_render = False
+    with pytest.raises(pytest.fail.Exception):
+        job.export(studio.scene)
