@@ -78,7 +78,7 @@ _IMAGE = {
     "exr_codec": "NONE",
     "color_management": "FOLLOW_SCENE",
 }
-VIEW_LAYER = {"use_sky": True, "use_solid": True}
+VIEW_LAYER = {"use_solid": True}
 OBJECT = {
     # moves the origins of shadow rays on smooth meshes
     "shadow_terminator_geometry_offset": 0.0,
@@ -95,7 +95,7 @@ _MODIFIER = {"use_adaptive_subdivision": False}
 MATERIAL = {"use_transparent_shadow": True}
 MATERIAL_CYCLES = {"use_bump_map_correction": False}
 LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
-LIGHT_CYCLES = {"max_bounces": 1024, "use_multiple_importance_sampling": True, "is_caustics_light": False}
+LIGHT_CYCLES = {"use_multiple_importance_sampling": True, "is_caustics_light": False}
 WORLD_CYCLES = {"max_bounces": 1024, "is_caustics_light": False}
 
 

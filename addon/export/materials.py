@@ -8,6 +8,7 @@ import bpy
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
+from ...lib.scene.rays import RAY_NAMES, SEEN
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, is_constant, walk
@@ -61,12 +62,10 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
     refuse_undeclared(owner, "world", world, refusals)
     refuse_undeclared(owner, "world.cycles", world.cycles, refusals)
     refuse_undeclared(owner, "world.cycles_visibility", world.cycles_visibility, refusals)
-    for ray in ("camera", "diffuse", "glossy", "transmission"):
-        if not getattr(world.cycles_visibility, ray):
-            refusals.append(Refusal(owner, f"ray visibility without '{ray}'", "switch all rays on"))
+    rays = sum(bit for name, bit in RAY_NAMES.items() if bit & SEEN and getattr(world.cycles_visibility, name))
     if not _uses_nodes(world):
         r, g, b = world.color
-        return World(ex.Constant((r, g, b)), _NO_TABLE)
+        return World(ex.Constant((r, g, b)), _NO_TABLE, rays)
     folder = Folder()
     radiance = ex.BLACK
     for lobe in _read_tree(world.node_tree, owner, True, images, refusals):
@@ -75,7 +74,7 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
         glow = ex.Mix(ex.ONE, lobe.closure.color, strength, blend="MULTIPLY")
         radiance = glow if radiance is ex.BLACK else ex.Mix(ex.ONE, radiance, glow, blend="ADD")
     radiance = folder(radiance)
-    return World(radiance, _table_resolution(radiance, images))
+    return World(radiance, _table_resolution(radiance, images), rays)
 
 
 def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:

@@ -11,10 +11,12 @@ import numpy as np
 class Lobe(ABC):
     """One way in which a surface scatters light; see the folder's docstring.
 
-    `delta`: it sends light into single directions, has density inf and evaluates to nothing.
+    `delta`: it sends light into single directions, has density inf and evaluates to nothing. `diffuse`: rays that it sends out are
+    diffuse ones to what only some kinds of rays meet, else glossy ones (scene/rays.py).
     """
 
     delta: bool = False
+    diffuse: bool = False
 
     @property
     def estimate(self) -> np.ndarray | float:
@@ -32,6 +34,10 @@ class Lobe(ABC):
     def widening(self, wi: np.ndarray) -> np.ndarray:
         """Return by what factor a delta lobe widens a solid angle from wo to `wi`, (n,): reflection keeps it."""
         return np.ones(wi.shape[1])
+
+    def crosses(self, wi: np.ndarray) -> np.ndarray:
+        """Return whether light along `wi` passed through the surface, (n,) bool."""
+        return wi[2] < 0.0
 
     @abstractmethod
     def part(self, index: np.ndarray) -> Lobe:
@@ -54,7 +60,7 @@ class Wrapper(Lobe):
 
     def __init__(self, lobe: Lobe) -> None:
         self._lobe = lobe
-        self.delta = lobe.delta
+        self.delta, self.diffuse = lobe.delta, lobe.diffuse
 
     @property
     def estimate(self) -> np.ndarray | float:
@@ -64,6 +70,10 @@ class Wrapper(Lobe):
     def widening(self, wi: np.ndarray) -> np.ndarray:
         """Return the wrapped lobe's own, (n,)."""
         return self._lobe.widening(wi)
+
+    def crosses(self, wi: np.ndarray) -> np.ndarray:
+        """Return the wrapped lobe's own, (n,)."""
+        return self._lobe.crosses(wi)
 
 
 def to_rgb(value: np.ndarray) -> np.ndarray:

@@ -10,24 +10,28 @@ from .lobe import Lobe
 
 
 class Mixture:
-    """Coloured `lobes`; their `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour."""
+    """Coloured `lobes`; their `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour.
+
+    `shares` (lobes, n) are the chances of the pick.
+    """
 
     def __init__(self, lobes: list[Lobe], colors: list[np.ndarray], size: int) -> None:
-        self.lobes, self.colors, self._size = lobes, colors, size
+        self.lobes, self.colors, self.size = lobes, colors, size
         self.all_delta = all(lobe.delta for lobe in lobes)
+        self.shares = np.broadcast_to(1.0, (1, size))
         if len(lobes) > 1:
             guesses = [np.abs(c).mean(axis=0) * lobe.estimate for lobe, c in zip(lobes, colors, strict=True)]
             weight = np.stack([np.broadcast_to(guess, (size,)) for guess in guesses])
             total = weight.sum(axis=0)
-            self._share = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
+            self.shares = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value f |cos| (3, n) and the density (n,) of `sample`, deltas left out."""
         if len(self.lobes) == 1:
             value, pdf = self.lobes[0].evaluate(wi)
             return self.colors[0] * value, pdf
-        value, pdf = np.zeros_like(wi), np.zeros(self._size)
-        for lobe, color, share in zip(self.lobes, self.colors, self._share, strict=True):
+        value, pdf = np.zeros_like(wi), np.zeros(self.size)
+        for lobe, color, share in zip(self.lobes, self.colors, self.shares, strict=True):
             if not lobe.delta:
                 one, density = lobe.evaluate(wi)
                 value += color * one
@@ -39,8 +43,8 @@ class Mixture:
         if len(self.lobes) == 1:
             wi, weight, pdf = self.lobes[0].sample(u1, u2)
             return wi, self.colors[0] * weight, pdf
-        wi, weight, pdf = np.zeros((3, self._size)), np.zeros((3, self._size)), np.zeros(self._size)
-        chosen = (pick >= np.cumsum(self._share, axis=0)[:-1]).sum(axis=0)
+        wi, weight, pdf = np.zeros((3, self.size)), np.zeros((3, self.size)), np.zeros(self.size)
+        chosen = (pick >= np.cumsum(self.shares, axis=0)[:-1]).sum(axis=0)
         for k, lobe in enumerate(self.lobes):
             index = np.flatnonzero(chosen == k)
             if index.size:
@@ -57,8 +61,8 @@ class Mixture:
     ) -> None:
         """Sample lobe `k` where it was picked, and weigh the direction by all lobes; fills `out` at `index`."""
         direction, factor, density = lobe.sample(*uniforms)
-        color = _at(self.colors[k], index)
-        share = self._share[k, index]
+        color = take_color(self.colors[k], index)
+        share = self.shares[k, index]
         if lobe.delta:
             total_weight, total_pdf = color * factor / share, density
         else:
@@ -67,8 +71,8 @@ class Mixture:
             for j, other in enumerate(self.lobes):
                 if j != k and not other.delta:
                     one, other_density = other.part(index).evaluate(direction)
-                    others += _at(self.colors[j], index) * one
-                    total_pdf += self._share[j, index] * other_density
+                    others += take_color(self.colors[j], index) * one
+                    total_pdf += self.shares[j, index] * other_density
             divisor = np.where(total_pdf > 0.0, total_pdf, 1.0)
             # Beside black lobes the first quotient is 1, and the weight is exactly the lobe's own.
             total_weight = color * (factor * (density / divisor)) + others / divisor
@@ -77,5 +81,6 @@ class Mixture:
             put(whole, index, part)
 
 
-def _at(color: np.ndarray, index: np.ndarray) -> np.ndarray:
+def take_color(color: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """A colour (3, 1) or (3, n) at the points `index`."""
     return color if color.shape[1] == 1 else np.take(color, index, axis=1)

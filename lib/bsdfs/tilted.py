@@ -34,6 +34,10 @@ class Tilted(Wrapper):
         """The lobe's own, (n,)."""
         return self._lobe.widening((self._rows * wi).sum(axis=1))
 
+    def crosses(self, wi: np.ndarray) -> np.ndarray:
+        """The lobe's own, (n,)."""
+        return self._lobe.crosses((self._rows * wi).sum(axis=1))
+
     def part(self, index: np.ndarray) -> Tilted:
         """The same lobe at fewer points."""
         return Tilted(self._lobe.part(index), np.take(self._rows, index, axis=2))

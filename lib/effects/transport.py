@@ -34,12 +34,6 @@ def lens(facts: Facts) -> Answer:
     return True, f"the camera's lens has a radius of {aperture.radius:.4g} m"
 
 
-def hidden_objects(facts: Facts) -> Answer:
-    """Whether camera rays miss what others meet."""
-    hidden = [item.name for item in facts.scene.mesh.objects if not item.visible_camera]
-    return named(hidden, "the camera does not see object", "the camera may see every object")
-
-
 def transparency(facts: Facts) -> Answer:
     """Whether light passes faces."""
     return named(facts.transparent, "material", "no material that is seen has such a lobe")

@@ -16,6 +16,7 @@ from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, I
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .mesh import Mesh
+from .rays import EVERY
 from .scene import Scene
 from .sky import Sky, SunDisc
 
@@ -30,6 +31,8 @@ def validate(scene: Scene) -> None:
     _check_camera(scene.camera)
     for light in scene.lights:
         _check_light(light)
+        _check_rays(f"light '{light.name}'", light.rays)
+    _check_rays("world", scene.world.rays)
     for image in scene.images:
         _check_image(image)
     for material in scene.materials:
@@ -47,6 +50,10 @@ def _demand(holds: bool | np.bool_, owner: str, defect: str) -> None:
         raise SceneError(f"{owner}: {defect}; repair it and export again")
 
 
+def _check_rays(owner: str, rays: int) -> None:
+    _demand(isinstance(rays, int) and 0 <= rays <= EVERY, owner, f"its mask of rays is {rays}, not of 0 to {EVERY}")
+
+
 def _check_array(owner: str, name: str, array: np.ndarray, shape: tuple[int, ...], kinds: str) -> None:
     """Demand `shape`, one of the dtype `kinds`, and finite numbers."""
     _demand(array.shape == shape, owner, f"{name} has shape {array.shape}, not {shape}")
@@ -58,6 +65,7 @@ def _check_mesh(mesh: Mesh, materials: int) -> None:
     v, t = mesh.vertices.shape[-1], mesh.triangle_count
     for thing in mesh.objects:
         _check_array(f"object '{thing.name}'", "its transform", thing.world_from_object, (3, 4), "f")
+        _check_rays(f"object '{thing.name}'", thing.rays)
     _check_array("mesh", "object_index", mesh.object_index, (t,), "i")
     _check_range("mesh", "object_index", mesh.object_index, len(mesh.objects))
     _check_array("mesh", "triangles", mesh.triangles, (3, t), "i")

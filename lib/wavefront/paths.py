@@ -16,7 +16,8 @@ class Paths:
     sampled, inf for camera rays and delta lobes. The next four are kept only where surfaces can be transparent, else
     None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. The next
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
-    its colour (bool). `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that
+    its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different things. `left`, the
+    triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that
     these are the camera rays themselves.
     """
 
@@ -32,6 +33,7 @@ class Paths:
     passed: np.ndarray | None = None
     wavelength: np.ndarray | None = None
     awaits_color: np.ndarray | None = None
+    ray_class: np.ndarray | None = None
     left: np.ndarray | None = None
     at_camera: bool = False
 

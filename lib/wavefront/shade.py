@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..bsdfs.classed import ClassedMixture
 from ..bsdfs.mixture import Mixture
 from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
@@ -20,13 +21,15 @@ class Shaded:
     """Results for the points of one material.
 
     direct (3, n): f |cos| L / pdf by light sampling with its weight, before visibility and throughput, or None. wi (3, n) the next direction in
-    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on.
+    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on. ray_class (n,) is the class of the next ray, None
+    where all that is scattered is of one class (sight.py).
     """
 
     direct: np.ndarray | None
     wi: np.ndarray | None = None
     weight: np.ndarray | None = None
     pdf: np.ndarray | None = None
+    ray_class: np.ndarray | None = None
 
 
 def shade_all(
@@ -47,7 +50,9 @@ def shade_all(
         return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
     direct = None if light is None else made((3, size))
-    onward = None if uniforms is None else (made((3, size)), made((3, size)), made(size))
+    onward = None if uniforms is None else [made((3, size)), made((3, size)), made(size)]
+    if onward is not None and kernel.sight.splits:
+        onward.append(np.zeros(size, np.intp))
     for material, a, b in groups:
         if kernel.materials[material].scatters:
             here = frame[0][:, a:b], frame[1][:, a:b]
@@ -57,7 +62,7 @@ def shade_all(
             if direct is not None:
                 direct[:, a:b] = shaded.direct
             if onward is not None:
-                for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf), strict=True):
+                for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf, shaded.ray_class), strict=False):
                     whole[..., a:b] = one
     return Shaded(direct, *(onward or ()))
 
@@ -74,16 +79,21 @@ def _shade(
     """Shade points of one material in the frame (t, s, n)."""
     wo = to_local(points.wo, *frame, points.n)
     mixture = kernel.materials[material].mixture(points, wo, *frame)
-    direct = None
+    if kernel.sight.splits:
+        mixture = ClassedMixture(mixture, kernel.sight.class_of)
+    direct = ray_class = None
     if light is not None:
         direct = np.zeros_like(wo) if mixture.all_delta else _direct(kernel, sampling, points, frame, mixture, light)
     if uniforms is None:
         return Shaded(direct)
-    local, weight, pdf = mixture.sample(*uniforms)
+    if kernel.sight.splits:
+        local, weight, pdf, ray_class = mixture.sample_classes(*uniforms)
+    else:
+        local, weight, pdf = mixture.sample(*uniforms)
     wi = to_world(local, *frame, points.n)
     if not kernel.tables.all_flat:  # both normals must see wi on the same side
         weight = weight * (local[2] * dot(points.ng, wi) > 0.0)
-    return Shaded(direct, wi, weight, pdf)
+    return Shaded(direct, wi, weight, pdf, ray_class)
 
 
 def _direct(
@@ -95,19 +105,30 @@ def _direct(
     light: LightChoice,
 ) -> np.ndarray:
     """One light's contribution by light sampling, weighed against BSDF sampling; (3, n)."""
-    sample = light.sample
+    sample, sight = light.sample, kernel.sight
     toward = to_local(sample.wi, *frame, points.n)
-    value, pdf = mixture.evaluate(toward)
-    density = sample.pdf * light.probability
-    if sampling.weighs:
-        factor = cutoff_power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
-        factor /= density
-    elif sampling.by_lobes:
-        factor = np.where(light.delta, 1.0 / density, 0.0)
+    if isinstance(mixture, ClassedMixture):
+        value = np.zeros_like(toward)
+        for ray_class, part, pdf in mixture.evaluate_classes(toward):
+            value += part * (_factor(sampling, light, pdf) * sight.sees[ray_class, light.number])
     else:
-        factor = 1.0 / density
+        value, pdf = mixture.evaluate(toward)
+        value = value * _factor(sampling, light, pdf)
+        if sight.class_of is not None and not sight.sees[1].all():
+            value *= sight.sees[1, light.number]
     if not kernel.tables.all_flat and not sampling.below_faces:
-        factor *= toward[2] * dot(points.ng, sample.wi) > 0.0
-    value = value * factor
+        value *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value *= sample.radiance
     return value
+
+
+def _factor(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:
+    """The weight of light samples over their density, where lobe sampling has density `pdf` (n,)."""
+    density = light.sample.pdf * light.probability
+    if sampling.weighs:
+        factor = cutoff_power_heuristic(density, np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf)
+        factor /= density
+        return factor
+    if sampling.by_lobes:
+        return np.where(light.alone, 1.0 / density, 0.0)
+    return 1.0 / density

@@ -24,7 +24,7 @@ def transmittance(
     `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the light, meet only what the
     camera sees, and pass faces as the camera sees them.
     """
-    caster = kernel.camera_caster if to_camera else kernel.caster
+    caster = kernel.sight.camera if to_camera else kernel.sight.shadow
     viewer = 1.0 if to_camera else -1.0
     unknown = np.empty(0, np.intp)
     if not transparent:

@@ -69,7 +69,7 @@ BLENDER_GROUPS: Mapping[str, Group] = {
         },
     ),
     "view_layer": Group(
-        read="material_override world_override use_motion_blur use_freestyle layer_collection objects depsgraph",
+        read="use_sky material_override world_override use_motion_blur use_freestyle layer_collection objects depsgraph",
         neutral={
             _PASS: "use_pass_* pass_* aovs active_aov active_aov_index lightgroups active_lightgroup active_lightgroup_index",
             _OFF: "samples use_ao use_strand use_volumes use_grease_pencil freestyle_settings",
