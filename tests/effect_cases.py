@@ -102,6 +102,7 @@ HIDING = hiding(CROWDED, rays.CAMERA)
 SHADOWLESS = replace(AREA, casts_shadow=False)
 NEAR_ONLY = replace(AREA, max_bounces=0)
 UNREFLECTED = replace(AREA, rays=rays.DIFFUSE)
+OPAQUE_SHADOW = replace(material(Transparent(color(0.8))), transparent_shadows=False)
 COATED = [material(Diffuse(color(0.5)), Glossy("GGX", color(0.3), HALF)), diffuse(0.8)]
 LAMP = of(Emission(color(1.0)))
 CROWDED_LAMP = scene(CROWD, [diffuse(0.5), emission(1.0)], CAMERA)
@@ -271,6 +272,7 @@ CASES = {
         [
             hiding(replace(CROWDED, lights=(AREA,)), rays.SHADOW),
             hiding(replace(CROWDED, lights=(AREA,)), rays.DIFFUSE),
+            scene(CROWD, [diffuse(0.5), OPAQUE_SHADOW], CAMERA, (AREA,)),
         ],
         [PLAIN, replace(CROWDED, lights=(AREA,)), HIDING],
     ),

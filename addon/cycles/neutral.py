@@ -92,7 +92,6 @@ OBJECT_CYCLES = {
     "is_caustics_caster": False,
 }
 _MODIFIER = {"use_adaptive_subdivision": False}
-MATERIAL = {"use_transparent_shadow": True}
 MATERIAL_CYCLES = {"use_bump_map_correction": False}
 LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
 LIGHT_CYCLES = {"use_multiple_importance_sampling": True, "is_caustics_light": False}
@@ -193,7 +192,6 @@ def _set_data(changes: Changes) -> None:
     changes.set_all("object", data.objects, OBJECT)
     changes.set_all("object.cycles", (o.cycles for o in data.objects), OBJECT_CYCLES)
     changes.set_all("modifier", (m for o in data.objects for m in o.modifiers), _MODIFIER)
-    changes.set_all("material", data.materials, MATERIAL)
     changes.set_all("material.cycles", (m.cycles for m in data.materials), MATERIAL_CYCLES)
     changes.set_all("light", data.lights, LIGHT)
     changes.set_all("light.cycles", (light.cycles for light in data.lights), LIGHT_CYCLES)

@@ -7,7 +7,7 @@ import bpy
 
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
-from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
+from ...lib.scene.materials import Diffuse, Emission, Material, Specular, WeightedClosure
 from ...lib.scene.rays import RAY_NAMES, SEEN
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
@@ -49,9 +49,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
     bump_only = material.displacement_method == "BUMP"
     lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
-    if not material.use_transparent_shadow and any(isinstance(lobe.closure, Transparent) for lobe in lobes):
-        refusals.append(Refusal(owner, "'Transparent Shadows' switched off", "switch it on in the material's settings"))
-    return Material(material.name, tuple(lobes))
+    return Material(material.name, tuple(lobes), transparent_shadows=material.use_transparent_shadow)
 
 
 def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list[Refusal]) -> World:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from ..scene.materials import Material, Transparent
 from ..scene.rays import EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
 from .facts import Facts
 from .geometry import Answer
@@ -25,8 +26,15 @@ def ray_kinds(facts: Facts) -> Answer:
 
 def shadows_apart(facts: Facts) -> Answer:
     """Whether shadow rays meet other faces than the rays that lobes choose."""
-    objects = [item.name for item in facts.scene.mesh.objects if tells_shadows_apart(item.rays)]
-    return named(objects, "shadow rays and scattered rays differ on", "shadow rays meet what scattered rays meet")
+    things = [item.name for item in facts.scene.mesh.objects if tells_shadows_apart(item.rays)]
+    things += [m.name for m in facts.materials if shades_transparently(m)]
+    return named(things, "shadow rays and scattered rays differ on", "shadow rays meet what scattered rays meet")
+
+
+def shades_transparently(material: Material) -> bool:
+    """Whether shadow rays take for opaque what scattered rays pass."""
+    passes = any(isinstance(lobe.closure, Transparent) for lobe in material.lobes)
+    return passes and not material.transparent_shadows
 
 
 def lights_without_shadows(facts: Facts) -> Answer:

@@ -20,6 +20,7 @@ from .surface import SurfacePoints
 class PreparedMaterial:
     """One material, ready to be asked at points. With `prunes` lobes that add nothing are left out.
 
+    `shadows`: shadow rays take it for opaque.
     `tables`: those of Cycles, by which multiple scattering departs, or None.
     """
 
@@ -34,6 +35,7 @@ class PreparedMaterial:
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
+        self.shadows = not material.transparent_shadows
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
         self.disperses = any(isinstance(x, Glass) and not is_zero(x.dispersion) for _, x in self._scattering)

@@ -125,12 +125,12 @@ class Kernel:
         radiance = evaluate(self.scene.world.radiance, Directions(direction), self.images)
         return np.broadcast_to(radiance, direction.shape)
 
-    def transparency(self, points: SurfacePoints) -> np.ndarray:
-        """Straight-through factor at points of any materials, (3, n)."""
+    def shadow_transparency(self, points: SurfacePoints) -> np.ndarray:
+        """What shadow rays carry straight through points of any materials, (3, n)."""
         factor = np.zeros((3, points.size))
         material = np.take(self.material_of, points.triangle)
         for k in np.unique(material):
-            if self.materials[k].transparent:
+            if self.materials[k].transparent and not self.materials[k].shadows:
                 index = np.flatnonzero(material == k)
                 factor[:, index] = self.materials[k].transparency(points.at(index))
         return factor

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..effects.masks import shades_transparently
 from ..effects.names import Effect
 from ..effects.plan import Plan
 from ..scene.lights import Switches
@@ -43,7 +44,8 @@ class Sight:
         self.casts_shadow = self.max_bounces = self.class_of = None
         self.alone = delta.copy()
         if plan.needs(Effect.SHADOWS_APART):
-            self.alone |= any(tells_shadows_apart(thing.rays) for thing in scene.mesh.objects)
+            apart = any(tells_shadows_apart(thing.rays) for thing in scene.mesh.objects)
+            self.alone |= apart or any(map(shades_transparently, scene.materials))
         if plan.needs(Effect.LIGHTS_WITHOUT_SHADOWS):
             self.casts_shadow = np.array([light.casts_shadow for light in switches], bool)
             self.alone |= ~self.casts_shadow

@@ -44,7 +44,7 @@ def transmittance(
         point = start[:, met] + along * hits.distance[met]
         placed, ng, offset = kernel.caster.on_plane(triangle, point)
         points = SurfacePoints(kernel.tables, triangle, hits.u[met], hits.v[met], placed, ng, viewer * along)
-        through[:, active] *= kernel.transparency(points)
+        through[:, active] *= kernel.shadow_transparency(points)
         start = placed + ng * np.copysign(offset, dot(ng, along))
         left = left[met] - hits.distance[met] - offset
         alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
@@ -64,7 +64,7 @@ def coplanar_transmittance(kernel: Kernel, points: SurfacePoints, direction: np.
     position = np.take(points.position, met.ray, axis=1)
     placed, ng, _ = kernel.caster.on_plane(met.triangle, position)
     others = SurfacePoints(kernel.tables, met.triangle, met.u, met.v, placed, ng, -np.take(direction, met.ray, axis=1))
-    passing = kernel.transparency(others)
+    passing = kernel.shadow_transparency(others)
     for row, factor in zip(through, passing, strict=True):
         np.multiply.at(row, met.ray, factor)
     return through

@@ -43,7 +43,13 @@ def dim(things):
     things[2].data.cycles.max_bounces = 0
 
 
+def darken(things):
+    """A card that is half transparent, but not to shadow rays."""
+    things[0].data.materials[0].use_transparent_shadow = False
+
+
 CASES = {
+    "a half transparent card with an opaque shadow": darken,
     "a card hidden from diffuse rays": hide(0, "visible_diffuse"),
     "a card hidden from glossy rays": hide(0, "visible_glossy"),
     "a card hidden from transmission rays": hide(0, "visible_transmission"),
@@ -66,6 +72,8 @@ def test_what_is_hidden_from_some_rays_is_hidden_as_in_cycles(studio, case):
     things = stage(studio)
     if "card" in case or "lamp" in case:  # the broad panel would make Cycles' image depend on how it is sampled
         bpy.data.objects.remove(things[1])
+    if "transparent" in case:
+        things[0].data.materials[0] = shader("half", "BsdfTransparent", Color=(0.5, 0.6, 0.7, 1))
     unaware = studio.export()
     CASES[case](things)
     assert np.sqrt((apart(studio, studio.export()) ** 2).mean()) < 1.5

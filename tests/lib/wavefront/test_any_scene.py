@@ -170,7 +170,9 @@ def scenes(draw):
     )
     sky = draw(st.one_of(colors, st.just(EnvironmentTexture(Coordinates("GENERATED"), 1))))
     transport = Transport(draw(st.integers(0, 4)), draw(st.integers(0, 3)))
-    return Scene("any", mesh, coats, several, World(sky, (8, 4), draw(masks)), draw(cameras(scale, offset)), transport, images)
+    return Scene(
+        "any", mesh, coats, several, World(sky, (8, 4), draw(masks)), draw(cameras(scale, offset)), transport, images
+    )
 
 
 def assert_film(scene, strategy):

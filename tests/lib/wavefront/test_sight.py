@@ -12,11 +12,11 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.light_tracing.render import LightTracingRenderer
 from etalon.lib.scene.expressions import Constant
 from etalon.lib.scene.lights import AreaLight, PointLight
-from etalon.lib.scene.materials import Diffuse, Glass, Glossy, Translucent
+from etalon.lib.scene.materials import Diffuse, Glass, Glossy, Translucent, Transparent
 from etalon.lib.scene.rays import CAMERA, DIFFUSE, EVERY, GLOSSY, SCATTERED, SEEN, SHADOW, TRANSMISSION
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
-from etalon.tests.lib.wavefront.test_direct_light import DIRECT, PRECISION, from_polygon, over_pixels
+from etalon.tests.lib.wavefront.test_direct_light import ALBEDO, DIRECT, PRECISION, from_polygon, over_pixels
 from etalon.tests.lib.wavefront.test_direct_light import lit as under
 from etalon.tests.replicates import assert_mean, assert_same, replicates
 from etalon.tests.scenes import color, diffuse, emission, floor, material, orthographic, quad, scene
@@ -67,6 +67,22 @@ def test_lamps_without_shadows_shine_through_everything(direct, seed):
     hidden = masked(under([replace(AREA, casts_shadow=False)], [SCREEN], [diffuse(0.5)]), EVERY, EVERY & ~CAMERA)
     exact = 3.0 * over_pixels(from_polygon(CORNERS))
     assert_mean(replicates(hidden, 8, 256, direct=direct, seed=seed), exact, PRECISION[direct], rounding=1e-3)
+
+
+@DIRECT
+def test_opaque_shadows_of_what_is_transparent(direct, seed):
+    """A lamp above a clear screen lights nothing below it; a mirror there shows the lamp through the screen, and so does the sky."""
+    clear = replace(material(Transparent(color(0.5))), transparent_shadows=False)
+    screened = under([AREA], [SCREEN], [clear])
+    assert not replicates(screened, 2, 64, direct=direct, seed=seed).any()
+    shown = replace(
+        screened, materials=(material(Glossy("GGX")), clear), camera=orthographic(1, 1, 0.01, (0.3, 0.2, 0.9))
+    )
+    np.testing.assert_allclose(replicates(shown, 2, 16, direct=direct, seed=seed), 0.5 * 3.0, rtol=1e-9)
+    sky = replace(screened, lights=(), world=World(color(1.0), (1, 1)))
+    wide = quad((-4000.0, -4000.0, 1.2), (8000.0, 0.0, 0.0), (0.0, 8000.0, 0.0), 1)
+    sky = replace(sky, mesh=under([], [wide], [clear]).mesh)
+    assert_mean(replicates(sky, 4, 256, direct=direct, seed=seed), 0.5 * ALBEDO, 0.01, rounding=1e-3)
 
 
 def test_a_furnace_that_the_camera_does_not_see(seed):
