@@ -20,6 +20,7 @@ from etalon.lib.scene.expressions import (
     ImageTexture,
     Math,
     NormalMap,
+    RayFlag,
     ValueToColor,
     VectorToValue,
 )
@@ -132,6 +133,16 @@ CASES = {
             hiding(scene(CROWD, COATED, CAMERA), rays.GLOSSY),
         ],
         [PLAIN, CROWDED, HIDING, replace(CROWDED, lights=(AREA,))],
+    ),
+    "ray flags": (
+        [
+            of(Diffuse(ValueToColor(RayFlag("CAMERA")))),
+            scene(
+                CROWD, [diffuse(0.5), material(Diffuse(ValueToColor(RayFlag("DIFFUSE"))))], CAMERA, (AREA,), bounces=1
+            ),
+            replace(CROWDED, world=World(ValueToColor(RayFlag("DIFFUSE")), (8, 4))),
+        ],
+        [PLAIN, CROWDED, of(Diffuse(color(0.5)), Emission(ValueToColor(RayFlag("CAMERA")), ZERO))],
     ),
     "smooth normals": (
         [scene(icosphere(smooth=True), diffuse(0.5), CAMERA)],

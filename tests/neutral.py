@@ -131,6 +131,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "depth of field": _lens,
     "hidden objects": _as_it_is,
     "ray kinds": _as_it_is,
+    "ray flags": _as_it_is,
     "smooth normals": _smooth,
     "several materials": _several_materials,
     "several lobes": _lobe(Diffuse()),

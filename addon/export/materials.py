@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import bpy
 
+from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.materials import Diffuse, Emission, Material, Specular, WeightedClosure
-from ...lib.scene.rays import RAY_NAMES, SEEN
+from ...lib.scene.rays import RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
-from ...lib.textures.fold import Folder, is_constant, walk
+from ...lib.textures.fold import Folder, inputs, is_constant, walk
 from .nodes.displacement import read_bump, refuse_beside_bump
 from .nodes.images import ImageTable
 from .nodes.shaders import make_shader_reader
@@ -49,6 +50,8 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
     bump_only = material.displacement_method == "BUMP"
     lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
+    flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
+    _refuse_flags(owner, flags, "its emission", refusals)
     return Material(material.name, tuple(lobes), transparent_shadows=material.use_transparent_shadow)
 
 
@@ -72,7 +75,16 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
         glow = ex.Mix(ex.ONE, lobe.closure.color, strength, blend="MULTIPLY")
         radiance = glow if radiance is ex.BLACK else ex.Mix(ex.ONE, radiance, glow, blend="ADD")
     radiance = folder(radiance)
+    if not all(isinstance(leaf, ex.Constant | ex.RayFlag) for leaf in walk(radiance) if not inputs(leaf)):
+        _refuse_flags(owner, flags_in(World(radiance)), "a world that depends on the direction", refusals)
     return World(radiance, _table_resolution(radiance, images), rays)
+
+
+def _refuse_flags(owner: str, flags: set[str], where: str, refusals: list[Refusal]) -> None:
+    """Append the kinds of rays that light may not depend on: Cycles' light samples have none, so that its image depends on how it samples."""
+    for flag in sorted(flags - set(STEADY_FLAGS)):
+        what = f"'Is {flag.title()} Ray' of a Light Path node in {where}"
+        refusals.append(Refusal(owner, what, "use Is Camera Ray or ray visibility"))
 
 
 def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:

@@ -42,6 +42,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.DEPTH_OF_FIELD, Stage.CAMERA, transport.lens),
     Entry(Effect.HIDDEN_OBJECTS, Stage.INTERSECT, masks.hidden_objects),
     Entry(Effect.RAY_KINDS, Stage.INTERSECT, masks.ray_kinds),
+    Entry(Effect.RAY_FLAGS, Stage.SURFACE, masks.ray_flags),
     # Surfaces: normals, materials, lobes.
     Entry(Effect.SMOOTH_NORMALS, Stage.SURFACE, surface.smooth_normals),
     Entry(Effect.SEVERAL_MATERIALS, Stage.SURFACE, surface.several_materials),

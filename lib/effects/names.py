@@ -12,6 +12,7 @@ class Effect(StrEnum):
     DEPTH_OF_FIELD = "depth of field"
     HIDDEN_OBJECTS = "hidden objects"
     RAY_KINDS = "ray kinds"
+    RAY_FLAGS = "ray flags"
 
     SMOOTH_NORMALS = "smooth normals"
     SEVERAL_MATERIALS = "several materials"

@@ -12,11 +12,12 @@ import numpy as np
 
 from ..errors import SceneError
 from .camera import PANORAMAS, Camera
-from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture
+from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture, RayFlag
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
+from .materials import Emission, WeightedClosure
 from .mesh import Mesh
-from .rays import EVERY
+from .rays import EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
 
@@ -37,6 +38,8 @@ def validate(scene: Scene) -> None:
         _check_image(image)
     for material in scene.materials:
         _check_expressions(f"material '{material.name}'", material, scene)
+        for lobe in material.lobes:
+            _check_emission(f"material '{material.name}'", lobe)
     _check_expressions("world", scene.world, scene)
     _demand(min(scene.world.table_resolution) >= 1, "world", "its sampling table is empty")
     _demand(scene.transport.max_bounces >= 0, scene.name, "its number of bounces is negative")
@@ -173,12 +176,22 @@ def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
             _demand(0 <= node.image < len(scene.images), owner, f"image {node.image} is not in the scene")
         elif isinstance(node, Constant):
             _demand(all(map(math.isfinite, _numbers(node))), owner, "a constant is not finite")
+        elif isinstance(node, RayFlag):
+            _demand(node.flag in FLAGS, owner, f"no ray is called '{node.flag}'")
         elif isinstance(node, Attribute):
             _demand(node.name in scene.mesh.attributes, owner, f"attribute '{node.name}' is missing")
         elif isinstance(node, Coordinates) and root is not scene.world:
             _demand(node.kind != "UV" or node.uv_map in scene.mesh.uvs, owner, f"UV map '{node.uv_map}' is missing")
             there = scene.mesh.generated.shape[-1] > 0 or scene.mesh.triangle_count == 0
             _demand(node.kind != "GENERATED" or there, owner, "generated coordinates are missing")
+
+
+def _check_emission(owner: str, lobe: WeightedClosure) -> None:
+    """Demand that light samples and the rays that lobes choose see the same emission."""
+    flags = (
+        {node.flag for node in _nodes(lobe) if isinstance(node, RayFlag)} if isinstance(lobe.closure, Emission) else ()
+    )
+    _demand(set(flags) <= set(STEADY_FLAGS), owner, "its emission depends on the kind of ray")
 
 
 def _nodes(root: Any) -> Iterator[Any]:

@@ -35,6 +35,22 @@ OBJECT_BITS = (CAMERA, DIFFUSE, GLOSSY, TRANSMISSION, TRANSMISSION)
 LIGHT_BITS = (CAMERA, DIFFUSE, GLOSSY, TRANSMISSION, TRANSMISSION | DIFFUSE)
 """By kind: the bits that the mask of a light or of the world must have for the ray to meet it."""
 
+_REFLECTED, _SINGULAR = 32, 64
+FLAGS = {
+    "CAMERA": 1,
+    "SHADOW": 2,
+    "DIFFUSE": 4,
+    "GLOSSY": 8,
+    "TRANSMISSION": 16,
+    "REFLECTION": _REFLECTED,
+    "SINGULAR": _SINGULAR,
+}
+"""What shaders can ask of the ray that meets a point (Blender's Light Path node), as bits. Light samples have none of them."""
+STEADY_FLAGS = ("CAMERA", "SHADOW")
+"""Flags that light samples and the rays that lobes choose agree on."""
+FLAGS_BY_KIND = (1, 4 | _REFLECTED, 8 | _REFLECTED, 8 | 16, 4 | 16)
+"""By kind: its flags. What a rough interface transmits is glossy and transmitted, as in Cycles (`path_state_next`)."""
+
 
 def has_bits(mask: int, bits: int) -> bool:
     """Whether a mask has all of the bits."""

@@ -80,7 +80,7 @@ class Emitters:
             self._sums.add(paths.pixel[escaped], throughput * kernel.sky)
             return
         direction = np.take(paths.direction, escaped, axis=1)
-        throughput *= kernel.world(direction)
+        throughput *= kernel.world(direction, kernel.sight.flags_of(paths, escaped))
         if kernel.environment is not None:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
             throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)

@@ -18,7 +18,7 @@ from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
 from ..microfacets.cycles_tables import cycles_tables
 from ..scene.lights import Light, Switches
-from ..scene.rays import SCATTERED
+from ..scene.rays import FLAGS, SCATTERED
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from ..surfaces.materials import PreparedMaterial
@@ -120,14 +120,15 @@ class Kernel:
         unknown = np.array([material.unknown for material in self.materials])
         return np.take(unknown, np.take(self.material_of, triangle))
 
-    def world(self, direction: np.ndarray) -> np.ndarray:
-        """The world's radiance from unit directions (3, n)."""
-        radiance = evaluate(self.scene.world.radiance, Directions(direction), self.images)
+    def world(self, direction: np.ndarray, flags: np.ndarray | int = 0) -> np.ndarray:
+        """The world's radiance from unit directions (3, n), as rays of these `flags` see it."""
+        radiance = evaluate(self.scene.world.radiance, Directions(direction, flags), self.images)
         return np.broadcast_to(radiance, direction.shape)
 
     def shadow_transparency(self, points: SurfacePoints) -> np.ndarray:
         """What shadow rays carry straight through points of any materials, (3, n)."""
         factor = np.zeros((3, points.size))
+        points.flags = FLAGS["SHADOW"]
         material = np.take(self.material_of, points.triangle)
         for k in np.unique(material):
             if self.materials[k].transparent and not self.materials[k].shadows:

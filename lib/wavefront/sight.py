@@ -13,13 +13,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..effects.masks import shades_transparently
+from ..effects.masks import reads_flags, shades_transparently
 from ..effects.names import Effect
 from ..effects.plan import Plan
 from ..scene.lights import Switches
-from ..scene.rays import CAMERA, LIGHT_BITS, OBJECT_BITS, SHADOW, Kind, has_bits, tells_shadows_apart
+from ..scene.rays import (
+    CAMERA,
+    FLAGS,
+    FLAGS_BY_KIND,
+    LIGHT_BITS,
+    OBJECT_BITS,
+    SHADOW,
+    Kind,
+    has_bits,
+    tells_shadows_apart,
+)
 from ..scene.scene import Scene
 from .casters import Casters
+from .paths import Paths
 from .raycaster import Hits
 
 
@@ -28,8 +39,9 @@ class Sight:
 
     `camera`, `shadow`: the casters of camera rays and shadow rays. `class_of` (kinds,): the class of each kind of ray, or None where all
     scattered rays see everything. `sees` (classes, lights) bool: which lights each class sees; `sees_world` (classes,) bool.
-    `shows` (lights,) bool: which lights camera rays see. `alone` (lights,) bool: which ones light sampling alone finds.
-    `casts_shadow` (lights,) bool and `max_bounces` (lights,) int are None where no light has such a switch.
+    `shows` (lights,) bool: which lights camera rays see. `alone` (lights,) bool: which ones light sampling alone finds. `reads_flags`:
+    shaders ask of what kind rays are. `casts_shadow` (lights,) bool and `max_bounces` (lights,) int are None where no light has such a
+    switch.
     """
 
     def __init__(
@@ -52,6 +64,8 @@ class Sight:
         if plan.needs(Effect.LIGHT_BOUNCES):
             self.max_bounces = np.array([light.max_bounces for light in switches], np.intp)
             self.alone |= self.max_bounces < scene.transport.max_bounces
+        asked = told and plan.needs(Effect.RAY_FLAGS)
+        self.reads_flags = asked and any(map(reads_flags, (scene.world, *scene.materials)))
         if told:
             self._tell_apart(scene, casters, lights)
 
@@ -61,18 +75,28 @@ class Sight:
         for kind in Kind:
             bits = [OBJECT_BITS[kind] if faces else LIGHT_BITS[kind] for _, faces in lights]
             row = tuple(has_bits(light.rays, b) for (light, _), b in zip(lights, bits, strict=True))
-            seen[kind] = casters.for_bits(OBJECT_BITS[kind]), row, has_bits(scene.world.rays, LIGHT_BITS[kind])
+            sees_world = has_bits(scene.world.rays, LIGHT_BITS[kind])
+            # Where shaders ask for the kind, each kind is a class of its own, with its number.
+            seen[kind] = casters.for_bits(OBJECT_BITS[kind]), row, sees_world, kind if self.reads_flags else None
         scattered = list(dict.fromkeys(seen[kind] for kind in Kind if kind != Kind.CAMERA))
         self.class_of = np.array([0, *(1 + scattered.index(seen[kind]) for kind in Kind if kind != Kind.CAMERA)])
         classes = [seen[Kind.CAMERA], *scattered]
-        self._casters = [caster for caster, _, _ in classes]
-        self.sees = np.array([row for _, row, _ in classes], bool).reshape(len(classes), len(lights))
-        self.sees_world = np.array([world for _, _, world in classes], bool)
+        self._casters = [caster for caster, _, _, _ in classes]
+        self.sees = np.array([row for _, row, _, _ in classes], bool).reshape(len(classes), len(lights))
+        self.sees_world = np.array([world for _, _, world, _ in classes], bool)
 
     @property
     def splits(self) -> bool:
         """Whether what lobes scatter is of several classes, so that they cannot stand in for each other."""
         return self.class_of is not None and self.class_of.max() > 1
+
+    def flags_of(self, paths: Paths, index: np.ndarray | None = None) -> np.ndarray | int:
+        """The flags of rays, (n,) int, or 0 where no shader asks for them; `index` of some of them."""
+        if not self.reads_flags:
+            return 0
+        kind, pdf = (x if index is None else x[index] for x in (paths.ray_class, paths.pdf))
+        singular = np.isinf(pdf) & (kind != Kind.CAMERA)
+        return np.array(FLAGS_BY_KIND)[kind] | FLAGS["SINGULAR"] * singular
 
     def closest(self, ray_class: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> Hits:
         """First triangle along rays (3, n) of the classes `ray_class` (n,)."""

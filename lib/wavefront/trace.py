@@ -146,6 +146,7 @@ class Tracer:
         placed, ng, offset = self._kernel.caster.on_plane(triangle, paths.origin + paths.direction * distance)
         u, v = (np.take(x, order).astype(np.float64) for x in (hits.u, hits.v))
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
+        points.flags = self._kernel.sight.flags_of(paths)
         self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:

@@ -48,7 +48,41 @@ def darken(things):
     things[0].data.materials[0].use_transparent_shadow = False
 
 
+def flagged(name, blend, of="red"):
+    """The card's material, or another, mixed by a flag of the ray with another shader."""
+
+    def change(_):
+        tree = bpy.data.materials[of].node_tree
+        out, path = tree.nodes["Material Output"], tree.nodes.new("ShaderNodeLightPath")
+        mix, other = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new(f"ShaderNode{blend}")
+        tree.links.new(path.outputs[f"Is {name} Ray"], mix.inputs[0])
+        tree.links.new(out.inputs["Surface"].links[0].from_socket, mix.inputs[1])
+        tree.links.new(other.outputs[0], mix.inputs[2])
+        tree.links.new(mix.outputs[0], out.inputs["Surface"])
+
+    return change
+
+
+def sky_by(name):
+    """The world's strength by a flag of the ray."""
+
+    def change(_):
+        tree = bpy.data.worlds["sky"].node_tree
+        path = tree.nodes.new("ShaderNodeLightPath")
+        tree.links.new(path.outputs[f"Is {name} Ray"], tree.nodes["Background"].inputs["Strength"])
+
+    return change
+
+
+FLAGS = ("Camera", "Diffuse", "Glossy", "Singular", "Reflection", "Transmission")
 CASES = {
+    **{
+        f"a card that is clear to {name.lower()} rays": flagged(name, "BsdfTransparent")
+        for name in ("Shadow", "Glossy")
+    },
+    "a wall that glows to the camera beside a card": flagged("Camera", "Emission", "wall"),
+    "a card that is translucent to diffuse rays": flagged("Diffuse", "BsdfTranslucent"),
+    **{f"a world for {name.lower()} rays": sky_by(name) for name in FLAGS},
     "a half transparent card with an opaque shadow": darken,
     "a card hidden from diffuse rays": hide(0, "visible_diffuse"),
     "a card hidden from glossy rays": hide(0, "visible_glossy"),
@@ -112,6 +146,23 @@ def test_an_environment_left_out_of_the_view_layer_is_black(studio):
     exported = studio.export()
     assert np.sqrt((apart(studio, exported) ** 2).mean()) < 1.5
     assert not np.any(exported.world.radiance.value)
+
+
+@pytest.mark.parametrize("output", ["Ray Depth", "Ray Length", "Transparent Depth"])
+def test_other_outputs_of_a_light_path_are_refused(studio, output):
+    stage(studio)
+    tree = bpy.data.materials["red"].node_tree
+    path = tree.nodes.new("ShaderNodeLightPath")
+    tree.links.new(path.outputs[output], tree.nodes["Diffuse BSDF"].inputs["Roughness"])
+    with pytest.raises(Refused, match=f"node 'Light Path' .*, output '{output}', is not simulated"):
+        studio.export()
+
+
+def test_emission_by_the_kind_of_ray_is_refused(studio):
+    things = stage(studio)
+    flagged("Glossy", "Emission")(things)
+    with pytest.raises(Refused, match="'Is Glossy Ray' of a Light Path node in its emission is not simulated"):
+        studio.export()
 
 
 def test_linked_lights_are_refused_still(studio):

@@ -8,18 +8,28 @@ import pytest
 from etalon.lib.bsdfs.classed import ClassedMixture
 from etalon.lib.bsdfs.lambert import Lambert, LambertTransmission
 from etalon.lib.bsdfs.mixture import Mixture
-from etalon.lib.errors import EtalonError
+from etalon.lib.errors import EtalonError, SceneError
 from etalon.lib.light_tracing.render import LightTracingRenderer
-from etalon.lib.scene.expressions import Constant
+from etalon.lib.scene.checks import validate
+from etalon.lib.scene.expressions import ONE, ZERO, Constant, Math, RayFlag, ValueToColor
 from etalon.lib.scene.lights import AreaLight, PointLight
-from etalon.lib.scene.materials import Diffuse, Glass, Glossy, Translucent, Transparent
+from etalon.lib.scene.materials import (
+    Diffuse,
+    Emission,
+    Glass,
+    Glossy,
+    Material,
+    Translucent,
+    Transparent,
+    WeightedClosure,
+)
 from etalon.lib.scene.rays import CAMERA, DIFFUSE, EVERY, GLOSSY, SCATTERED, SEEN, SHADOW, TRANSMISSION
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
 from etalon.tests.lib.wavefront.test_direct_light import ALBEDO, DIRECT, PRECISION, from_polygon, over_pixels
 from etalon.tests.lib.wavefront.test_direct_light import lit as under
 from etalon.tests.replicates import assert_mean, assert_same, replicates
-from etalon.tests.scenes import color, diffuse, emission, floor, material, orthographic, quad, scene
+from etalon.tests.scenes import color, diffuse, emission, floor, glass, material, orthographic, quad, scene
 
 HALF = Constant(0.5)
 POINT = PointLight("point", (0.3, -0.2, 1.5), (2.0, 3.0, 4.0))
@@ -195,3 +205,82 @@ def test_seen_lamps_are_seen_by_the_camera_alone(seed):
     lit = replace(shown, camera=CAMERA_AT)
     assert not replicates(lit, 2, 64, seed=seed).any()
     assert replicates(replace(lit, lights=(replace(AREA, rays=SEEN),)), 2, 64, seed=seed).any()
+
+
+def flag(name):
+    return ValueToColor(RayFlag(name))
+
+
+MIRROR = material(Glossy("GGX"))
+DOWN = orthographic(1, 1, 0.01, (0.0, 0.0, 3.0))
+FLAGGED = {  # what the camera sees of a sky of that flag: directly, by a mirror, by a rough mirror, by Lambert
+    "CAMERA": (1.0, 0.0, 0.0, 0.0),
+    "SHADOW": (0.0, 0.0, 0.0, 0.0),
+    "DIFFUSE": (0.0, 0.0, 0.0, 1.0),
+    "GLOSSY": (0.0, 1.0, 1.0, 0.0),
+    "REFLECTION": (0.0, 1.0, 1.0, 1.0),
+    "SINGULAR": (0.0, 1.0, 0.0, 0.0),
+    "TRANSMISSION": (0.0, 0.0, 0.0, 0.0),
+}
+
+
+@pytest.mark.parametrize("name", FLAGGED)
+def test_a_sky_that_only_rays_of_a_kind_see(name, seed):
+    world = World(flag(name), (8, 4))
+    up = orthographic(1, 1, 0.01, (0.0, 0.0, 3.0), (0.0, 0.0, 1.0))
+    coats = MIRROR, MIRROR, material(Glossy("GGX", roughness=HALF)), diffuse(1.0)
+    for shown, coat, camera in zip(FLAGGED[name], coats, (up, DOWN, DOWN, DOWN), strict=True):
+        image = replicates(scene(floor(3.0), coat, camera, world=world), 4, 256, seed=seed)
+        full = replicates(scene(floor(3.0), coat, camera, world=1.0), 4, 256, seed=seed)
+        np.testing.assert_allclose(image, shown * full, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("coat", "shown"), [(glass(1.0), "GLOSSY"), (material(Translucent()), "DIFFUSE")])
+def test_transmitted_rays_are_glossy_or_diffuse_too(coat, shown, seed):
+    """Below a pane the sky shows by transmission, and by the family of the lobe that transmits."""
+    below = orthographic(1, 1, 0.01, (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+    for name in ("TRANSMISSION", "GLOSSY", "DIFFUSE", "REFLECTION"):
+        image = replicates(scene(floor(3.0), coat, below, world=World(flag(name), (8, 4))), 2, 64, seed=seed)
+        np.testing.assert_allclose(image, float(name in ("TRANSMISSION", shown)), rtol=1e-9)
+
+
+@DIRECT
+def test_shadow_rays_pass_what_is_transparent_to_them_alone(direct, seed):
+    """The way in which glass is often made clear to lamps: opaque to all other rays, it takes nothing from the light below."""
+    pane = Material(
+        "pane",
+        (
+            WeightedClosure(Transparent(), RayFlag("SHADOW")),
+            WeightedClosure(Diffuse(color(0.5)), Math("SUBTRACT", ONE, RayFlag("SHADOW"), ZERO)),
+        ),
+    )
+    exact = 3.0 * over_pixels(from_polygon(CORNERS))
+    images = replicates(under([AREA], [SCREEN], [pane]), 8, 256, direct=direct, seed=seed)
+    assert_mean(images, exact, PRECISION[direct], rounding=1e-3)
+
+
+def test_a_face_that_only_the_camera_sees_shine_lights_nothing(seed):
+    panel = quad((-0.3, -0.2, 1.5), (1.2, 0.0, 0.0), (0.0, 0.8, 0.0), 1)
+    glow = material(Emission(flag("CAMERA")))
+    beneath = orthographic(1, 1, 0.01, (0.3, 0.2, 0.9))
+    assert not replicates(scene([floor(3.0), panel], [diffuse(0.5), glow], beneath), 4, 64, seed=seed).any()
+    above = orthographic(1, 1, 0.01, (0.0, 0.0, 3.0))
+    image = replicates(scene([floor(3.0), panel], [diffuse(0.5), glow], above), 2, 16, seed=seed)
+    np.testing.assert_allclose(image, 1.0, rtol=1e-12)
+
+
+def test_colours_by_the_ray_that_meets_them(seed):
+    """A wall that is white to diffuse rays and black to the camera lights the floor as a white one does."""
+    room = [floor(3.0), quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0), 1)]
+
+    def render(coat):
+        return replicates(scene(room, [diffuse(0.8), coat], CAMERA_AT, [POINT], bounces=1), 8, 256, seed=seed)
+
+    assert_same(render(material(Diffuse(flag("DIFFUSE")))), render(diffuse(1.0)), 0.02)
+    assert_same(render(material(Diffuse(flag("GLOSSY")))), render(diffuse(0.0)), 0.02)
+
+
+def test_emission_by_kinds_that_light_samples_do_not_have_is_refused():
+    glow = material(Emission(flag("DIFFUSE")))
+    with pytest.raises(SceneError, match="its emission depends on the kind of ray"):
+        validate(scene(floor(), glow, CAMERA_AT))
