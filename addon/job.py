@@ -18,9 +18,11 @@ from ..lib.comparison.departures import alternatives
 from ..lib.comparison.memory import require_memory
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
+from ..lib.effects.light_passes import light_passes
 from ..lib.errors import EtalonError, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
+from ..lib.film.light_passes import is_asked
 from ..lib.film.view_transform import ViewTransform
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
@@ -76,6 +78,8 @@ def judge(
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
+        passes = [name for name in light_passes(scene, reference.plan) if is_asked(name, settings.passes)]
+        reference, candidate = reference.with_passes(passes), candidate.with_passes(passes)
         verdict, divisor, run = settings.part(CompareOptions), 1, TimedRun(settings.time, progress)
         progress.begin("timing the renderers")
         if may_shrink and settings.size == "auto" and settings.samples is None:
@@ -83,7 +87,7 @@ def judge(
         if divisor > 1:
             size = scene.camera.width // divisor, scene.camera.height // divisor
             reference, candidate = reference.at_size(*size), candidate.at_size(*size)
-        require_memory(reference.scene.camera.width, reference.scene.camera.height)
+        require_memory(reference.scene.camera.width, reference.scene.camera.height, len(passes))
         progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
         # What choosing the size and scouting took is part of the time.
@@ -99,6 +103,7 @@ def judge(
             reached(reference) if reference.kernel.has_unknown else None,
             divisor,
             scouted,
+            passes,
         )
         about = {"options": settings.part(CompareOptions), "findings": check_scene(scene)}
         comparison = replace(comparison, **about, scene=name or comparison.scene)

@@ -31,12 +31,16 @@ from etalon.lib.scene.materials import (
     Emission,
     Glass,
     Glossy,
+    GlossyToon,
     Material,
     Metallic,
     Refraction,
+    Sheen,
     Specular,
+    Toon,
     Translucent,
     Transparent,
+    Velvet,
     WeightedClosure,
 )
 from etalon.lib.scene.scene import Transport
@@ -194,6 +198,13 @@ CASES = {
         [of(Glass(ior=Constant(1.5), dispersion=Constant(0.05)))],
         [of(Glass(ior=Constant(1.5))), of(Glass(color(0.0), ior=Constant(1.5), dispersion=HALF)), PLAIN],
     ),
+    "thin films": (
+        [of(Metallic("GGX", roughness=HALF, film_thickness=Constant(200.0)))],
+        [of(Metallic("GGX", roughness=HALF, film_thickness=Constant(0.1))), PLAIN],
+    ),
+    "sheen": ([of(Sheen(roughness=HALF))], [of(Sheen(color(0.0), HALF)), of(Velvet())]),
+    "velvet": ([of(Velvet())], [of(Velvet(color(0.0))), of(Sheen(roughness=HALF))]),
+    "toon": ([of(Toon()), of(GlossyToon(size=HALF))], [of(Toon(color=color(0.0))), PLAIN]),
     "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
     "glass": (
         [of(Glass(ior=Constant(1.5)))],

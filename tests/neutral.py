@@ -29,9 +29,12 @@ from etalon.lib.scene.materials import (
     Glossy,
     Metallic,
     Refraction,
+    Sheen,
     Specular,
+    Toon,
     Translucent,
     Transparent,
+    Velvet,
     WeightedClosure,
 )
 from etalon.lib.scene.scene import Scene
@@ -151,6 +154,10 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "rough interfaces": _lobe(Glass(ior=IOR, roughness=HALF)),
     "dispersion": _lobe(Glass(ior=IOR, dispersion=ZERO)),
     "translucency": _lobe(Translucent()),
+    "thin films": _lobe(Metallic("GGX", roughness=HALF, film_thickness=Constant(200.0))),
+    "sheen": _lobe(Sheen(roughness=HALF)),
+    "velvet": _lobe(Velvet()),
+    "toon": _lobe(Toon()),
     "transparent surfaces": _lobe(Transparent(color(0.0))),
     "emission": _lobe(Emission(strength=ZERO)),
     "image textures": _sockets("color", _unused(ImageTexture(Coordinates("UV"), 0))),

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
+import numpy as np
 
 from ...lib.errors import EtalonError
 
@@ -92,6 +93,8 @@ OBJECT_CYCLES = {
     "is_caustics_caster": False,
 }
 _MODIFIER = {"use_adaptive_subdivision": False}
+# Cycles takes a Bump node's slope from a difference over this share of a pixel, the default; files from before Blender 4.5 have 1.
+BUMP_FILTER_WIDTH = float(np.float32(0.1))
 MATERIAL_CYCLES = {"use_bump_map_correction": False}
 LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
 LIGHT_CYCLES = {"use_multiple_importance_sampling": True, "is_caustics_light": False}
@@ -192,10 +195,19 @@ def _set_data(changes: Changes) -> None:
     changes.set_all("object", data.objects, OBJECT)
     changes.set_all("object.cycles", (o.cycles for o in data.objects), OBJECT_CYCLES)
     changes.set_all("modifier", (m for o in data.objects for m in o.modifiers), _MODIFIER)
+    changes.set_all("Bump node.Filter Width", _filter_widths(), {"default_value": BUMP_FILTER_WIDTH})
     changes.set_all("material.cycles", (m.cycles for m in data.materials), MATERIAL_CYCLES)
     changes.set_all("light", data.lights, LIGHT)
     changes.set_all("light.cycles", (light.cycles for light in data.lights), LIGHT_CYCLES)
     changes.set_all("world.cycles", (w.cycles for w in data.worlds), WORLD_CYCLES)
+
+
+def _filter_widths() -> Iterator[bpy.types.NodeSocket]:
+    """The sockets Filter Width of all Bump nodes; there are none before Blender 4.5."""
+    trees = (*(material.node_tree for material in bpy.data.materials), *bpy.data.node_groups)
+    for node in (node for tree in trees if tree is not None for node in tree.nodes):
+        if node.bl_idname == "ShaderNodeBump" and "Filter Width" in node.inputs:
+            yield node.inputs["Filter Width"]
 
 
 def _mute_animation(changes: Changes) -> None:

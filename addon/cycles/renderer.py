@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from pathlib import Path
@@ -16,12 +16,14 @@ import numpy as np
 from ...lib.errors import EtalonError
 from ...lib.files.ownership import temporary_folder
 from ...lib.film.exr import read_exr
+from ...lib.film.light_passes import LightPass
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
 from ...lib.progress import NO_PROGRESS, Progress
 from ...lib.sampling.streams import CYCLES_REPLICATES
 from ..host.frame import full_frame, rendered_region
 from ..host.quiet import quiet
+from .light_passes import ask_for_passes, combined, read_pass
 from .neutral import SEQUENCE, Changes, neutral
 
 __all__ = ["CyclesRenderer", "neutral"]
@@ -54,6 +56,7 @@ class CyclesRenderer:
         self._layer = layers[0]
         self._neutral = {"max_bounces": max_bounces, "threads": threads}
         self._size: tuple[int, int] | None = None
+        self.passes: tuple[LightPass, ...] = ()
         with neutral(scene, **self._neutral) as changes:
             build = f"{_text(bpy.app.build_hash)}, {_text(bpy.app.build_date)}"
             self.settings: dict[str, Any] = {
@@ -70,6 +73,12 @@ class CyclesRenderer:
         smaller = copy(self)
         smaller._size = width, height
         return smaller
+
+    def with_passes(self, passes: Sequence[LightPass]) -> CyclesRenderer:
+        """The same, whose images come with light passes; the view layer's own settings of them return."""
+        more = copy(self)
+        more.passes = tuple(passes)
+        return more
 
     def render(
         self,
@@ -92,6 +101,7 @@ class CyclesRenderer:
             left, bottom, width, height = rendered_region(self.scene.render, *full_frame(self.scene.render))
             whole = Windows((height, width), ((0, 0, width - 1, height - 1),))
             total, nonfinite = np.zeros((height, width, 3)), np.zeros((height, width), np.int32)
+            passes = {name: np.zeros((height, width, 3)) for name in self.passes}
             work = list(self._calls(whole if windows is None else windows, samples))
             for number, (box, done, count) in enumerate(work):
                 progress.check()
@@ -101,13 +111,16 @@ class CyclesRenderer:
                 part = slice(box[1], box[3] + 1), slice(box[0], box[2] + 1)
                 if not done:  # what an overlapping rectangle left there is the same
                     total[part] = nonfinite[part] = 0
-                _add(path, count / samples, total[part], nonfinite[part])
+                    for image in passes.values():
+                        image[part] = 0
+                here = {name: image[part] for name, image in passes.items()}
+                _add(path, count / samples, total[part], nonfinite[part], here)
                 reading += time.perf_counter() - start
                 progress.report((number + 1) / len(work))
         settings = time.perf_counter() - begin - rendering - reading
         stages = {"render": rendering, "read": reading, "settings": settings}
         pixels = (whole if windows is None else windows).pixels
-        return Rendering(total, nonfinite, rendering, stages, pixels * samples, windows=windows)
+        return Rendering(total, nonfinite, rendering, stages, pixels * samples, windows=windows, passes=passes)
 
     @contextmanager
     def _state(self) -> Iterator[None]:
@@ -120,6 +133,8 @@ class CyclesRenderer:
                     changes.set(render, "resolution_x", self._size[0])
                     changes.set(render, "resolution_y", self._size[1])
                     changes.set(render, "resolution_percentage", 100)
+                if self.passes:
+                    ask_for_passes(changes, self.scene, self._layer, self.passes)
                 yield
             finally:
                 changes.undo()
@@ -191,8 +206,10 @@ class CyclesRenderer:
             changes.undo()
 
 
-def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray) -> None:
-    """Add the image that Cycles wrote to `radiance` (height, width, 3), times `weight`, and count what is not finite."""
+def _add(
+    path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray, passes: dict[LightPass, np.ndarray]
+) -> None:
+    """Add what Cycles wrote, times `weight`, to `radiance` and each of `passes` (height, width, 3), and count what is not finite."""
     try:
         channels = read_exr(path)
     except EtalonError as error:
@@ -200,11 +217,11 @@ def _add(path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray)
             f"Cycles' image cannot be read back from {path.parent}; make room there, or set TMPDIR to another folder"
         ) from error
     path.unlink()
-    finite = True
-    for k, name in enumerate("RGB"):
-        radiance[..., k] += np.multiply(channels[name], weight, dtype=np.float64)
-        finite = finite & np.isfinite(channels[name])
-    nonfinite += ~finite
+    image = combined(channels) if passes else np.stack([channels[name] for name in "RGB"], axis=2)
+    radiance += np.multiply(image, weight, dtype=np.float64)
+    nonfinite += ~np.isfinite(image).all(axis=2)
+    for name, light in passes.items():
+        light += read_pass(channels, name) * weight
 
 
 def _text(value: bytes) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from copy import copy as shallow_copy
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ import numpy as np
 
 from ...lib.batch.process import end, find_blender, send, start
 from ...lib.errors import EtalonError, Refusal, Refused
+from ...lib.film.light_passes import LightPass
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Windows
 from ...lib.progress import NO_PROGRESS, Progress
@@ -35,6 +36,7 @@ class SecondBlender:
         self.name = "Cycles"
         self.settings: dict[str, Any] = {}
         self._size: tuple[int, int] | None = None
+        self.passes: tuple[LightPass, ...] = ()
         self._log = copy.with_name("second_blender.log")
         request = {"scene": scene, "settings": settings.to_json(), "folder": str(copy.parent)}
         # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
@@ -64,6 +66,12 @@ class SecondBlender:
         smaller._size = width, height
         return smaller
 
+    def with_passes(self, passes: Sequence[LightPass]) -> SecondBlender:
+        """The same process, whose images come with light passes."""
+        more = shallow_copy(self)
+        more.passes = tuple(passes)
+        return more
+
     def render(
         self,
         replicate: int,
@@ -77,7 +85,8 @@ class SecondBlender:
         """
         try:
             part = windows and [windows.shape, windows.boxes]
-            self._send({"replicate": replicate, "samples": samples, "windows": part, "size": self._size})
+            wanted = {"replicate": replicate, "samples": samples, "windows": part, "size": self._size}
+            self._send(wanted | {"passes": self.passes})
             for reply in self._replies():
                 if "error" in reply:
                     raise EtalonError(reply["error"])
@@ -88,7 +97,8 @@ class SecondBlender:
             progress.check()
             raise
         with np.load(reply.pop("images")) as images:
-            return Rendering(radiance=images["radiance"], nonfinite=images["nonfinite"], windows=windows, **reply)
+            passes = {name: images[name] for name in self.passes}
+            return Rendering(images["radiance"], images["nonfinite"], windows=windows, passes=passes, **reply)
 
     def show(self, box: tuple[int, int, int, int], names: list[str], path: Path) -> None:
         """Have a small scene written that shows a difference without a known cause; raises EtalonError where that fails."""

@@ -50,8 +50,10 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
-    names = ("errors", "progress", "scene.archive", "film.windows", "settings.comparison")
-    errors, progress, archive, windows, options = (importlib.import_module(f"{package}.lib.{name}") for name in names)
+    names = ("errors", "progress", "scene.archive", "film.windows", "film.light_passes", "settings.comparison")
+    errors, progress, archive, windows, light_passes, options = (
+        importlib.import_module(f"{package}.lib.{name}") for name in names
+    )
     quiet = importlib.import_module(f"{package}.addon.host.quiet")
     importlib.import_module(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
@@ -79,10 +81,11 @@ def _serve(request: dict[str, Any], package: str) -> None:
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
                 sized = renderer.at_size(*wanted["size"]) if wanted["size"] else renderer
+                sized = sized.with_passes([light_passes.LightPass(name) for name in wanted["passes"]])
                 done = sized.render(
                     wanted["replicate"], wanted["samples"], progress.Progress(lambda f: say(progress=f)), part
                 )
-                np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite)
+                np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite, **done.passes)
                 say(
                     images=str(folder / "images.npz"),
                     seconds=done.seconds,

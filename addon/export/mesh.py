@@ -9,8 +9,22 @@ import bpy
 import numpy as np
 
 from ...lib.errors import SceneError
+from ...lib.plural import plural
+from ...lib.scene.mesh import FARTHEST, near
 from ...lib.scene.placements import LocalMesh
 from .mesh_attributes import read_attribute
+
+
+def finish_edited_meshes(depsgraph: bpy.types.Depsgraph) -> None:
+    """Have Blender write out the meshes of objects in Edit Mode, which show no faces before.
+
+    A file that was saved in Edit Mode opens in it, and Cycles renders what is edited.
+    """
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        if isinstance(thing.data, bpy.types.Mesh) and thing.data.is_editmode:
+            thing.to_mesh()  # fills thing.data as well
+            thing.to_mesh_clear()
 
 
 def read_mesh(
@@ -20,19 +34,20 @@ def read_mesh(
 
     `uv_maps` are the maps wanted ('' is the active render map), `attributes` the others ('' is the active render colour); one that
     the mesh lacks is zero, as in Cycles.
-    Raises SceneError when a vertex is not finite.
+    Raises SceneError when a vertex is not finite, or a face uses one that is not there.
     """
     triangles = _transposed(_read(mesh.loop_triangles, "vertices", np.int32, 3))
     positions = _transposed(_read(mesh.vertices, "co", np.float32, 3))
-    # Blender stores an infinity that it is given as the largest number it has.
-    finite = np.abs(positions) < np.finfo(np.float32).max
-    if not finite.all():
-        count = int((~finite.all(axis=0)).sum())
+    bad = int((~near(positions)).sum())
+    if bad:
         raise SceneError(
-            f"{name}: {count} vertices are not finite numbers; repair the mesh or the modifier that made it"
+            f"{name}: {plural(bad, 'coordinate')} of vertices not finite or beyond {FARTHEST:g}; "
+            "repair the mesh or the modifier that made it"
         )
     corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
     polygon = _read(mesh.loop_triangle_polygons, "value", np.int32)
+    for index, count in ((triangles, len(mesh.vertices)), (corners, len(mesh.loops)), (polygon, len(mesh.polygons))):
+        require_indices(index, count, name)
     smooth = _smooth(mesh, polygon)
     return LocalMesh(
         positions=positions,
@@ -44,6 +59,14 @@ def read_mesh(
         generated=_generated(mesh) if generated else None,
         attributes={wanted: read_attribute(mesh, wanted, corners, triangles, polygon) for wanted in attributes},
     )
+
+
+def require_indices(index: np.ndarray, count: int, name: str) -> None:
+    """Raise SceneError unless every index is one of `count`; in a damaged file they may be anything."""
+    if index.size and (index.min() < 0 or index.max() >= count):
+        raise SceneError(
+            f"{name}: faces of its mesh use corners that are not there; remove the object, or make its mesh anew"
+        )
 
 
 def _read(collection: bpy.types.bpy_prop_collection, attribute: str, dtype: type, width: int = 1) -> np.ndarray:

@@ -52,16 +52,22 @@ def _refuse_layer_collections(collection: bpy.types.LayerCollection, refusals: l
 
 
 def refuse_object(
-    instance: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]
+    instance: bpy.types.DepsgraphObjectInstance,
+    depsgraph: bpy.types.Depsgraph,
+    checked: set[tuple[int, ...]],
+    refusals: list[Refusal],
 ) -> None:
-    """Append what of an object, mesh or not, or of its instancer is not simulated."""
+    """Append what of an object, mesh or not, or of its instancer is not simulated.
+
+    `checked` collects the objects whose properties were checked: thousands of instances of one object are checked once.
+    """
     thing = instance.object
     owner = f"object '{thing.name}'"
     if instance.show_particles and _has_strands(thing):
         refusals.append(Refusal(owner, "particle hair", "convert it to a mesh, or do not render it"))
     if not instance.show_self:
         return
-    _refuse_properties(instance, owner, refusals)
+    _refuse_properties(instance, owner, checked, refusals)
     kind = _unsupported_kind(thing)
     if kind:
         refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it"))
@@ -69,9 +75,17 @@ def refuse_object(
         refusals.extend(Refusal(owner, what, remedy) for what, remedy in _object_flags(instance, depsgraph))
 
 
-def _refuse_properties(instance: bpy.types.DepsgraphObjectInstance, owner: str, refusals: list[Refusal]) -> None:
+def _refuse_properties(
+    instance: bpy.types.DepsgraphObjectInstance, owner: str, checked: set[tuple[int, ...]], refusals: list[Refusal]
+) -> None:
     """Append the properties of an object, its mesh and its instancer that are in no table and changed."""
     thing = instance.object
+    # Blender shows each instance as a temporary copy of its object: only the original and the data have addresses that last.
+    lasting = (thing.original, thing.data, instance.parent and instance.parent.original)
+    key = tuple(0 if one is None else one.as_pointer() for one in lasting)
+    if key in checked:
+        return
+    checked.add(key)
     refuse_undeclared(owner, "object", thing, refusals)
     refuse_undeclared(owner, "object.cycles", thing.cycles, refusals)
     if instance.parent is not None:

@@ -19,7 +19,7 @@ from ...lib.textures.requirements import requirements
 from .camera import read_camera
 from .lights import read_light
 from .materials import DEFAULT_MATERIAL, read_material, read_world
-from .mesh import read_mesh
+from .mesh import finish_edited_meshes, read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings
@@ -45,6 +45,7 @@ def export_scene(
     camera = scene.camera if camera is None else camera.evaluated_get(depsgraph)
     if camera is None:
         raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
+    finish_edited_meshes(depsgraph)
     bounces = scene.cycles.max_bounces if max_bounces is None else max_bounces
     refusals: list[Refusal] = []
     refuse_settings(scene, layer, refusals)
@@ -127,6 +128,7 @@ def _read_things(
 ) -> tuple[Light, ...]:
     """The lights; on the way, every object's refusals and materials."""
     lights: list[Light] = []
+    checked: set[tuple[int, ...]] = set()
     for instance in depsgraph.object_instances:
         thing = instance.object
         if instance.show_self and thing.type == "LIGHT":
@@ -137,7 +139,7 @@ def _read_things(
             continue
         if is_invisible(instance):
             continue
-        refuse_object(instance, depsgraph, refusals)
+        refuse_object(instance, depsgraph, checked, refusals)
         if instance.show_self and isinstance(thing.data, bpy.types.Mesh):
             materials.of_slots(thing)
     return tuple(lights)

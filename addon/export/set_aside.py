@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import bpy
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ...lib.plural import plural
 from ...lib.scene.findings import Finding, list_names
 from ...lib.scene.mesh import Mesh
+from ..cycles.neutral import BUMP_FILTER_WIDTH
 
 # By release: the object's own properties, or those that Cycles adds to it. The first moves shadow rays, the others darken less near the edge.
 _TERMINATOR = (
@@ -26,7 +27,13 @@ _MOST_FILES = 20
 def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding, ...]:
     """The settings of the scene's objects and lights that are compared in their neutral state."""
     things = [instance.object for instance in depsgraph.object_instances if instance.show_self]
-    found = (_motion_blur(depsgraph), _terminator(things, mesh), _soft_falloff(things), _light_sampling(things))
+    found = (
+        _motion_blur(depsgraph),
+        _terminator(things, mesh),
+        _soft_falloff(things),
+        _light_sampling(things),
+        _bump_filter(things),
+    )
     return tuple(finding for finding in found if finding is not None)
 
 
@@ -103,3 +110,30 @@ def _soft_falloff(things: list[bpy.types.Object]) -> Finding | None:
         "With it, a lamp is a disk turned to each point, and objects close to it are lit otherwise than compared here.",
         "Switch Soft Falloff off in the light's settings to render what is compared.",
     )
+
+
+def _bump_filter(things: list[bpy.types.Object]) -> Finding | None:
+    materials = dict.fromkeys(slot.material for thing in things for slot in thing.material_slots)
+    names = [one.name for one in materials if one is not None and one.node_tree and any(_wide_bumps(one.node_tree))]
+    if not names:
+        return None
+    return Finding(
+        "bump filter width",
+        f"The Filter Width of Bump nodes is {BUMP_FILTER_WIDTH:g} pixels on both sides, in {plural(len(names), 'material')}:"
+        f" {list_names(names)}.",
+        "A larger one smooths bumps that are smaller than a pixel. Blender gives 1 to files from before 4.5.",
+        f"Set it to {BUMP_FILTER_WIDTH:g} to render what is compared.",
+    )
+
+
+def _wide_bumps(tree: bpy.types.NodeTree) -> Iterator[bpy.types.Node]:
+    """The Bump nodes of a node tree and its groups that do something and have another Filter Width than the neutral state."""
+    for node in tree.nodes:
+        if node.mute:
+            continue
+        if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+            yield from _wide_bumps(node.node_tree)
+        elif node.bl_idname == "ShaderNodeBump" and node.inputs["Height"].is_linked:
+            width = node.inputs.get("Filter Width")
+            if width is not None and width.default_value != BUMP_FILTER_WIDTH:
+                yield node

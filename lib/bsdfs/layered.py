@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from ..microfacets.albedo import directional_albedo
 from ..microfacets.cycles_tables import Tables, layer_share_cycles
-from ..microfacets.layers import layer_albedo
+from ..microfacets.layers import layer_albedo, read_albedo, tabulate_albedo
+from ..microfacets.thin_film import cycles_sensitivity, exact_sensitivity
 from .compensated import albedos_of, multiple_scattering
-from .fresnels import tinted_dielectric
+from .films import Film, FilmDielectric
+from .fresnels import reflectance_at_normal, tinted_dielectric
 
 
 def layer_reflectance(
@@ -51,6 +55,43 @@ def layer_reflectance_cycles(
     return albedo * scattering * tables.directional_albedo(cos_o, alpha)
 
 
+def film_layer_reflectance(
+    cos_o: np.ndarray,
+    alpha: np.ndarray,
+    eta: float,
+    tint: np.ndarray,
+    compensated: bool,
+    film: Film,
+    tables: Tables | None = None,
+) -> np.ndarray:
+    """The same for a layer under a thin film, whose thickness and index are single numbers.
+
+    With `tables` as Cycles takes it: the reflectance of a smooth surface, in place of the mean over facets.
+    """
+    curve = FilmDielectric(film, np.float64(eta), np.clip(reflectance_at_normal(np.float64(eta)) * tint, 0.0, 1.0))
+    if tables is not None:
+        albedo = curve(np.clip(cos_o, 0.0, 1.0))
+        if not compensated:
+            return albedo
+        scattering = multiple_scattering(cos_o, alpha, curve.average_cycles, albedos_of(tables))
+        return albedo * scattering * tables.directional_albedo(cos_o, alpha)
+    how = float(eta), float(film.thickness), float(film.index), film.to.orders is None
+    albedo = np.stack([read_albedo(table, cos_o, alpha) for table in _film_tables(*how, 0)])
+    if np.any(curve.tint != 1.0):
+        tinted = np.stack([read_albedo(table, cos_o, alpha) for table in _film_tables(*how, 1)])
+        albedo = albedo + (curve.tint - 1.0) * tinted
+    return albedo * multiple_scattering(cos_o, alpha, curve.average) if compensated else albedo
+
+
+@functools.lru_cache(maxsize=32)
+def _film_tables(eta: float, thickness: float, index: float, exact: bool, part: int) -> list[np.ndarray]:
+    """For each colour the albedo of one of `FilmDielectric.parts`, which are interpolated between 4,097 cosines."""
+    film = Film(np.float64(thickness), np.float64(index), exact_sensitivity() if exact else cycles_sensitivity())
+    cosines = np.linspace(0.0, 1.0, 4097)
+    curves = FilmDielectric(film, np.float64(eta), reflectance_at_normal(np.full((3, 1), eta))).parts(cosines)[part]
+    return [tabulate_albedo(functools.partial(np.interp, xp=cosines, fp=curve)) for curve in curves]
+
+
 def beneath_layer(
     distribution: str,
     eta: float,
@@ -60,15 +101,18 @@ def beneath_layer(
     cos_wo: np.ndarray,
     tables: Tables | None = None,
     lossless: bool = False,
+    film: Film | None = None,
 ) -> np.ndarray:
-    """1 - weight times the largest colour of the layer's albedo, (n,), at least 0.
+    """1 - weight times the largest colour of the layer's albedo, (n,), at least 0; under a `film`, if one is given.
 
     The largest, so that a tinted layer leaves no tint of its complement below (Blender's choice). With `tables` the albedo is Cycles'
     estimate; `lossless` as in `layer_reflectance`.
     """
     alpha = np.clip(roughness, 0.0, 1.0) ** 2
     compensated = distribution == "MULTI_GGX"
-    if tables is None:
+    if film is not None:
+        albedo = film_layer_reflectance(cos_wo, alpha, eta, tint, compensated, film, tables)
+    elif tables is None:
         albedo = layer_reflectance(cos_wo, alpha, eta, tint, compensated, lossless)
     else:
         albedo = layer_reflectance_cycles(cos_wo, alpha, eta, tint, compensated, lossless, tables)

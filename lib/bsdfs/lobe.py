@@ -35,9 +35,9 @@ class Lobe(ABC):
         """Return by what factor a delta lobe widens a solid angle from wo to `wi`, (n,): reflection keeps it."""
         return np.ones(wi.shape[1])
 
-    def crosses(self, wi: np.ndarray) -> np.ndarray:
-        """Return whether light along `wi` passed through the surface, (n,) bool."""
-        return wi[2] < 0.0
+    def reflects(self, wi: np.ndarray) -> np.ndarray:
+        """Return whether light from `wi` (3, n) arrives on the side of the lobe's normal, (n,) bool."""
+        return wi[2] > 0.0
 
     @abstractmethod
     def part(self, index: np.ndarray) -> Lobe:
@@ -70,10 +70,6 @@ class Wrapper(Lobe):
     def widening(self, wi: np.ndarray) -> np.ndarray:
         """Return the wrapped lobe's own, (n,)."""
         return self._lobe.widening(wi)
-
-    def crosses(self, wi: np.ndarray) -> np.ndarray:
-        """Return the wrapped lobe's own, (n,)."""
-        return self._lobe.crosses(wi)
 
 
 def to_rgb(value: np.ndarray) -> np.ndarray:

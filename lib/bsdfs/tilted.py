@@ -34,9 +34,9 @@ class Tilted(Wrapper):
         """The lobe's own, (n,)."""
         return self._lobe.widening((self._rows * wi).sum(axis=1))
 
-    def crosses(self, wi: np.ndarray) -> np.ndarray:
-        """The lobe's own, (n,)."""
-        return self._lobe.crosses((self._rows * wi).sum(axis=1))
+    def reflects(self, wi: np.ndarray) -> np.ndarray:
+        """By the lobe's own normal, (n,)."""
+        return (self._rows[2] * wi).sum(axis=0) > 0.0
 
     def part(self, index: np.ndarray) -> Tilted:
         """The same lobe at fewer points."""

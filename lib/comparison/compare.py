@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import math
-import platform
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
-import scipy
 
 from ..blender_versions import Release
 from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
+from ..film.light_passes import LightPass
 from ..film.regions import BLOCK, Coverage, Regions, image_regions
 from ..film.windows import Windows
 from ..light_tracing.scouting import Scouted
@@ -27,10 +27,10 @@ from ..verdict.attribution import ATTRIBUTION_SHARE
 from ..verdict.boundaries import EXPECTED_LOOKS, count_looks, next_look
 from ..verdict.causes import Explanation
 from ..verdict.outcome import Outcome
+from ..verdict.passes import PASSES_SHARE, PassTest, PassVerdict
 from ..verdict.rare import describe_tails, room_for_rare_light
 from ..verdict.sequential import ALL_AGREE, SequentialTest
 from ..verdict.verdict import Verdict, conclude
-from ..version import VERSION
 from .caustics import caustics_in
 from .departures import Alternatives
 from .focus import focus, weigh_round
@@ -39,6 +39,7 @@ from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
 from .sides import Renderer, Side
+from .versions import versions
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
 
@@ -71,7 +72,7 @@ class Comparison:
     all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at each
     look. `divisor` says how many times narrower and lower the images are than the scene asks for. `caustics` (K,) is the part of
     each region's light that arrives by caustics, at most, where a scouting pass was made. `findings` are those of the scene check, where the
-    caller made one.
+    caller made one. `passes` is what is claimed of light passes, where they were compared.
     """
 
     scene: str
@@ -95,6 +96,7 @@ class Comparison:
     divisor: int
     caustics: np.ndarray | None
     findings: tuple[Finding, ...] = ()
+    passes: PassVerdict | None = None
 
 
 def compare(
@@ -108,6 +110,7 @@ def compare(
     left_out: np.ndarray | None = None,
     divisor: int = 1,
     scouted: Scouted | None = None,
+    passes: Sequence[LightPass] = (),
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
@@ -119,8 +122,9 @@ def compare(
     is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no
     region, nor do those whose paths meet a material that is not known; EtalonError is raised where none is left. `divisor` is how many
     times narrower and lower the image is than the user's, for the record. `scouted` tells of light that path tracing can hardly find.
+    `passes` are the light passes to compare, which the images of both renderers have to come with.
     """
-    loop = _Loop(scene, (reference, candidate), options, progress, among, scouted)
+    loop = _Loop(scene, (reference, candidate), options, progress, among, scouted, passes)
     loop.time_calls()
     loop.lay_out(coverage, left_out)
     while loop.stopped is None:
@@ -143,13 +147,14 @@ class _Loop:
         progress: Progress,
         among: Alternatives | None,
         scouted: Scouted | None,
+        passes: Sequence[LightPass],
     ) -> None:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._renderers, self._options = scene, renderers, options
         self._seeks_causes = among is not None
         self._among = among if among is not None and among.departures else None
         self._meter = Meter(options, progress, ASIDE_SHARE if self._among else 0.0)
-        self._scouted = scouted
+        self._scouted, self._asked = scouted, tuple(passes)
         self._history: list[BoundAt] = []
         # Replicates rendered before those that count now, by the first look.
         self._before = 0
@@ -193,18 +198,24 @@ class _Loop:
         self._regions = image_regions(*self._left_out.shape, self._coverage, layout.blocks, self._compared)
         self._caustics = caustics_in(self._scouted, self._regions) if self._scouted is not None else None
         reference, candidate = (
-            Side.empty(renderer, self._regions, samples)
+            Side.empty(renderer, self._regions, samples, self._asked)
             for renderer, samples in zip(self._renderers, layout.samples, strict=True)
         )
         self._sides = reference, candidate
         for side in self._sides:
             side.exclude(self._excluded | self._left_out, None)
-        held_back = ATTRIBUTION_SHARE if self._among else 0.0
+        of_passes = PASSES_SHARE if self._asked else 0.0
+        of_causes = ATTRIBUTION_SHARE - of_passes
+        held_back = ATTRIBUTION_SHARE if self._among else of_passes
         options = self._options
+        self._pass_test = None
+        if self._asked:
+            of_named = self._regions.named.families
+            self._pass_test = PassTest(self._asked, of_named, options.tolerance, options.confidence, layout.looks)
         self._test = SequentialTest(
             len(self._regions), options.tolerance, options.confidence, held_back, self._regions.families, layout.looks
         )
-        self._search = Search(self._among, self._test, self._meter, self._regions) if self._among else None
+        self._search = Search(self._among, self._test, self._meter, self._regions, of_causes) if self._among else None
         self._meter.mark(0)
 
     def render_round(self) -> None:
@@ -253,6 +264,9 @@ class _Loop:
         of_reference, of_candidate = (side.regions.moments for side in self._sides)
         self._test.fix_floor(of_reference)
         self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light())
+        if self._pass_test is not None:
+            sides = tuple(side.passes for side in self._sides)
+            self._pass_test.look(*sides, self._layout.samples, self._test.floor, self._is_last)
         bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)
         self._meter.progress.tell(_describe(bound))
@@ -350,6 +364,7 @@ class _Loop:
             history=tuple(self._history),
             caustics=self._caustic_shares(),
             divisor=divisor,
+            passes=self._pass_test and self._pass_test.conclude(*(side.passes for side in self._sides)),
         )
 
     def _caustic_shares(self) -> np.ndarray | None:
@@ -376,14 +391,3 @@ def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:
             f"{scene.name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces"
         )
     return left_out
-
-
-def versions() -> dict[str, str]:
-    """What a report says about the software it was made with."""
-    return {
-        "etalon": VERSION,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "system": platform.platform(),
-    }

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..film.regions import Regions
-from ..verdict.attribution import ATTRIBUTION_SHARE, PAIRS, Attribution
+from ..verdict.attribution import PAIRS, Attribution
 from ..verdict.causes import Explanation, nothing_found
 from ..verdict.explain import explain
 from ..verdict.outcome import Outcome
@@ -17,10 +17,13 @@ from .sides import Side
 
 
 class Search:
-    """Attribution while sampling goes on: it asks for the effects of departures when a region is found to differ."""
+    """Attribution while sampling goes on: it asks for the effects of departures when a region is found to differ.
 
-    def __init__(self, among: Alternatives, test: SequentialTest, meter: Meter, regions: Regions) -> None:
-        level = ATTRIBUTION_SHARE * (1 - test.confidence)
+    Its claims have a `share` of the error level, 1 - confidence.
+    """
+
+    def __init__(self, among: Alternatives, test: SequentialTest, meter: Meter, regions: Regions, share: float) -> None:
+        level = share * (1 - test.confidence)
         self._attribution = Attribution(among.departures, test, level, lambda: regions.inside)
         self._effects = PairedEffects(
             among, meter.render_aside, lambda: meter.has_time_aside(self._last), meter.seconds_aside

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 
 from ..film.film import Film
+from ..film.light_passes import LightPass
+from ..film.moments import Moments
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..film.windows import Windows
@@ -20,7 +23,7 @@ class Renderer(Protocol):
 
     `render` gives replicate number `replicate`, independent of all others, with `samples` per pixel, or of the pixels in `windows`
     alone. It raises Cancelled once `progress` says that the work is to end. `at_size` gives a renderer of the same view with fewer
-    pixels, whose numbers divide its own.
+    pixels, whose numbers divide its own; `with_passes` one whose images come with light passes.
     """
 
     name: str
@@ -39,21 +42,36 @@ class Renderer(Protocol):
     def at_size(self, width: int, height: int) -> Renderer:
         """The same view on a smaller raster."""
 
+    def with_passes(self, passes: Sequence[LightPass]) -> Renderer:
+        """The same, with light passes."""
+
 
 @dataclass(eq=False)
 class Side:
-    """One renderer's part: its `name` and `settings`, its film, and the moments of its regions."""
+    """One renderer's part: its `name` and `settings`, its film, and the moments of its regions.
+
+    Of each light pass that is compared, `passes` are the moments of the image and of the regions with a name, `pass_films` those of the pixels.
+    """
 
     name: str
     settings: dict[str, Any]
     film: Film
     regions: RegionMoments
+    passes: dict[LightPass, RegionMoments] = field(default_factory=dict)
+    pass_films: dict[LightPass, Moments] = field(default_factory=dict)
 
     @classmethod
-    def empty(cls, renderer: Renderer, regions: Regions, samples: int) -> Side:
+    def empty(cls, renderer: Renderer, regions: Regions, samples: int, passes: Sequence[LightPass] = ()) -> Side:
         """A side before its first replicate."""
         film = Film.empty(*regions.shape, samples)
-        return cls(renderer.name, dict(renderer.settings), film, RegionMoments(regions))
+        return cls(
+            renderer.name,
+            dict(renderer.settings),
+            film,
+            RegionMoments(regions),
+            {name: RegionMoments(regions.named) for name in passes},
+            {name: Moments.empty((*regions.shape, 3)) for name in passes},
+        )
 
     @property
     def replicates(self) -> int:
@@ -68,8 +86,14 @@ class Side:
     def exclude(self, pixels: np.ndarray, of: np.ndarray | None) -> None:
         """Leave `pixels` (height, width) out of the regions `of` (K,), or of all."""
         self.regions.exclude(pixels, self.film.moments, of)
+        for name, regions in self.passes.items():
+            regions.exclude(pixels, self.pass_films[name], None if of is None else of[: len(regions.regions)])
 
     def add(self, rendering: Rendering, of: np.ndarray | None, weight: int = 1) -> None:
         """Take one replicate more, with `weight` times the usual samples, for the regions `of` (K,), or for all."""
         self.film.add(rendering, weight)
         self.regions.add(rendering.radiance, of, weight)
+        where = None if rendering.windows is None else rendering.windows.mask
+        for name, regions in self.passes.items():
+            regions.add(rendering.passes[name], None if of is None else of[: len(regions.regions)], weight)
+            self.pass_films[name].add(rendering.passes[name], where, weight)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..blender_versions import Versions, format_release
+from ..effects.surface import has_film
 from ..errors import EtalonError
 from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
@@ -226,7 +227,8 @@ DEPARTURES: tuple[Departure, ...] = (
         "layer albedo table",
         "What a glossy layer leaves to those beneath it is estimated from a table that leaves masking between facets out, with "
         "16 x 16 x 16 nodes up to Blender 5.2 and 32 x 32 x 32 from 5.3 on: light is taken from below that the layer itself does not "
-        "give, or the other way round. An index below 1 is read as its reciprocal, without total reflection, so that light is made.",
+        "give, or the other way round. Under a thin film it is that of a smooth surface. "
+        "An index below 1 is read as its reciprocal, without total reflection, so that light is made.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=lambda scene: any(isinstance(n, BeneathLayer) for n in _nodes(scene)),
     ),
@@ -237,6 +239,22 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf.h",
         Versions("5.3"),
         lambda scene: any(isinstance(n, BeneathLayer) and n.coat for n in _nodes(scene)),
+    ),
+    Departure(
+        "thin film series",
+        "What a thin film reflects is summed to the third order of interference, from a table with an entry for every 18.7 nm of path "
+        "difference: up to 2 % of white off on metals, 0.4 % on dielectrics, most near grazing.",
+        "kernel/closure/bsdf_util.h",
+        Versions("5.0"),
+        lambda scene: any(map(has_film, _closures(scene))),
+    ),
+    Departure(
+        "thin film from inside",
+        "From inside glass, the path of light in a film on it is counted in wavelengths of the glass, as if the film were thinner by the "
+        "glass's index: it has other colours than from outside.",
+        "kernel/closure/bsdf_microfacet.h",
+        Versions("5.0"),
+        lambda scene: any(isinstance(c, Glass) and has_film(c) for c in _closures(scene)),
     ),
     Departure(
         "Oren-Nayar without multiple scattering",

@@ -87,6 +87,7 @@ _NODES: dict[str, Callable[[Expression], Expression]] = {
     "colour-ramp table": lambda node: tabulated_ramp(node) if isinstance(node, ColorRamp) else node,
     "curve table": lambda node: tabulated_curves(node) if isinstance(node, Curves) else node,
     "lossless coat albedo": lossless_coat,
+    "thin film series": lambda node: replace(node, film_by_table=True) if isinstance(node, BeneathLayer) else node,
 }
 
 

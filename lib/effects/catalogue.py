@@ -17,8 +17,11 @@ from ..scene.materials import (
     Glossy,
     Metallic,
     Refraction,
+    Sheen,
     Specular,
+    Toon,
     Translucent,
+    Velvet,
 )
 from ..textures.patterns import PATTERNS
 from . import masks, surface, transport
@@ -63,6 +66,10 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.ROUGH_INTERFACES, Stage.SHADE, closure((Glass, Refraction), is_rough)),
     Entry(Effect.DISPERSION, Stage.SHADE, closure(Glass, lambda c: not is_zero(c.dispersion))),
     Entry(Effect.TRANSLUCENCY, Stage.SHADE, closure(Translucent)),
+    Entry(Effect.THIN_FILMS, Stage.SHADE, closure((Metallic, Specular, Glass), surface.has_film)),
+    Entry(Effect.SHEEN, Stage.SHADE, closure(Sheen)),
+    Entry(Effect.VELVET, Stage.SHADE, closure(Velvet)),
+    Entry(Effect.TOON, Stage.SHADE, closure(Toon)),
     Entry(Effect.TRANSPARENT_SURFACES, Stage.PASS_THROUGH, transport.transparency),
     Entry(Effect.EMISSION, Stage.EMISSION, transport.emission),
     # Nodes that sockets read.

@@ -33,6 +33,10 @@ class Effect(StrEnum):
     ROUGH_INTERFACES = "rough interfaces"
     DISPERSION = "dispersion"
     TRANSLUCENCY = "translucency"
+    THIN_FILMS = "thin films"
+    SHEEN = "sheen"
+    VELVET = "velvet"
+    TOON = "toon"
     TRANSPARENT_SURFACES = "transparent surfaces"
     EMISSION = "emission"
 

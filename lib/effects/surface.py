@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..microfacets.thin_film import LEAST_THICKNESS
 from ..plural import plural
-from ..scene.expressions import BeneathLayer, CoatTint, Expression, FresnelFactor, LayerWeight
+from ..scene.expressions import BeneathLayer, CoatTint, Constant, Expression, FresnelFactor, LayerWeight
 from ..scene.materials import Closure, Glass, Metallic, Specular
 from ..textures.fold import walk
 from .facts import Facts, is_smooth, is_zero, scatters
@@ -38,6 +39,14 @@ def closure(kind: type | tuple[type, ...], test: Callable[[Closure], bool] = lam
 def is_rough(closure: Closure) -> bool:
     """Whether the roughness is anything but the constant zero."""
     return not is_zero(closure.roughness)
+
+
+def has_film(closure: Closure) -> bool:
+    """Whether a closure may lie under a thin film anywhere."""
+    if not isinstance(closure, Metallic | Specular | Glass):
+        return False
+    thickness = closure.film_thickness
+    return not isinstance(thickness, Constant) or float(thickness.value) > LEAST_THICKNESS
 
 
 def distribution(*names: str) -> Question:

@@ -129,18 +129,26 @@ def _describe(spec: OpenImageIO.ImageSpec, meaning: Meaning) -> None:
 
 
 def read_exr(path: Path | str) -> dict[str, np.ndarray]:
-    """Channels of an image file, name -> (height, width) float32 array, row 0 on top; EtalonError where it cannot be read."""
+    """Channels of an image file, name -> (height, width) float32 array, row 0 on top; EtalonError where it cannot be read.
+
+    The channels of all its parts, where the file has several.
+    """
     file = OpenImageIO.ImageInput.open(str(path))
     if file is None:
         raise _failure(path, file, "cannot be read", "check the path, or write it again")
+    channels: dict[str, np.ndarray] = {}
     try:
-        names = file.spec().channelnames
-        pixels = file.read_image(0, 0, 0, len(names), "float")
+        part = 0
+        while file.seek_subimage(part, 0):
+            names = file.spec().channelnames
+            pixels = file.read_image(part, 0, 0, len(names), "float")
+            if pixels is None:
+                raise _failure(path, file, "cannot be read", "write it again")
+            channels |= {name: pixels[..., i] for i, name in enumerate(names)}
+            part += 1
     finally:
         file.close()
-    if pixels is None:
-        raise _failure(path, file, "cannot be read", "write it again")
-    return {name: pixels[..., i] for i, name in enumerate(names)}
+    return channels
 
 
 def _failure(path: Path | str, file: Any, what: str, remedy: str) -> EtalonError:

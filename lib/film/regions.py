@@ -56,6 +56,19 @@ class Regions:
         kept = common.data >= whole[column] * (1.0 - 1e-9)
         return sparse.csr_array((np.ones(kept.sum()), (row[kept], column[kept])), shape=common.shape)
 
+    @cached_property
+    def named(self) -> Regions:
+        """The image and what the user named, without the grids; they stand first."""
+        count = int((self.families <= 1).sum())
+        return Regions(
+            self.shape,
+            self.kinds[:count],
+            self.names[:count],
+            self.families[:count],
+            self.boxes[:count],
+            self.weights[:count],
+        )
+
     def indices(self, kind: str) -> np.ndarray:
         """The numbers of the regions of one kind."""
         return np.flatnonzero(np.array(self.kinds) == kind)

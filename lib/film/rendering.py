@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .light_passes import LightPass
 from .windows import Windows
 
 
@@ -17,7 +18,7 @@ class Rendering:
     radiance (height, width, 3) float64, W m^-2 sr^-1; nonfinite (height, width) int, the non-finite samples of each pixel;
     seconds it took, and `stages` the same by stage; camera_samples and rays it traced. With `windows`, only their pixels were
     rendered, and the others hold nothing. `unknown` (height, width) counts, where the scene has materials that are not known, how
-    often a pixel's paths met one.
+    often a pixel's paths met one. `passes` are the parts (height, width, 3) of the radiance by light pass, those that were asked for.
     """
 
     radiance: np.ndarray
@@ -28,3 +29,4 @@ class Rendering:
     rays: int = 0
     windows: Windows | None = None
     unknown: np.ndarray | None = None
+    passes: dict[LightPass, np.ndarray] = field(default_factory=dict)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ..scene.expressions import Constant
-from ..scene.materials import Closure, Diffuse, Emission, Glass, Refraction, Translucent, Transparent
+from ..scene.materials import WIDE, Closure, Emission, Glass, Refraction, Transparent
 
 # Generous against the limits below which lobes are built as mirrors: alpha^2 of 2e-10, an index within 1e-4 of 1.
 _LEAST_ROUGHNESS, _LEAST_CONTRAST = 0.01, 1e-3
@@ -12,7 +12,7 @@ _LEAST_ROUGHNESS, _LEAST_CONTRAST = 0.01, 1e-3
 
 def may_be_dirac(closure: Closure) -> bool:
     """Whether a closure is smooth anywhere, or bends nothing; True where a texture decides."""
-    if isinstance(closure, Diffuse | Translucent | Emission | Transparent):
+    if isinstance(closure, (*WIDE, Emission, Transparent)):
         return False
     if getattr(closure, "distribution", None) == "ASHIKHMIN_SHIRLEY":
         return False
@@ -25,4 +25,4 @@ def may_be_dirac(closure: Closure) -> bool:
 
 def varies(closure: Closure) -> bool:
     """Whether the roughness of a glossy closure depends on the place."""
-    return not isinstance(closure, Diffuse) and not isinstance(getattr(closure, "roughness", Constant(0.0)), Constant)
+    return not isinstance(closure, WIDE) and not isinstance(getattr(closure, "roughness", Constant(0.0)), Constant)

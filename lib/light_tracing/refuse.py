@@ -8,11 +8,15 @@ import numpy as np
 from ..effects.names import Effect
 from ..errors import EtalonError, Refusal, Refused
 from ..scene.camera import PANORAMAS
+from ..scene.expressions import Constant
 from ..scene.lights import SphereLight, SpotLight
+from ..scene.materials import Sheen, Toon
 from ..wavefront.kernel import Kernel
 from .dirac import may_be_dirac, varies
 
 _REMEDY = "render with a strategy of path tracing"
+# Below it sheen has no lobe for some directions: seen from there, what it sends to others would never be sampled.
+_LEAST_SHEEN = 0.15
 
 
 def refuse_unsupported(kernel: Kernel) -> None:
@@ -51,11 +55,20 @@ def _of_material(material: object) -> list[str]:
     if material.unknown:
         found.append(material.unknown)
     closures = [lobe.closure for lobe in material.lobes]
+    if any(isinstance(closure, Toon) for closure in closures):
+        found.append("light tracing of the Toon BSDF, which sends light where its own samples do not go")
+    if any(isinstance(closure, Sheen) and not _has_lobe_everywhere(closure) for closure in closures):
+        found.append(f"light tracing of sheen whose roughness may be below {_LEAST_SHEEN}")
     if any(varies(closure) for closure in closures):
         found.append("light tracing with a textured roughness, which may reach 0")
     elif any(may_be_dirac(x) and getattr(x, "normal", None) is not None for x in closures):
         found.append("light tracing of a smooth lobe under a normal map or bumps")
     return found
+
+
+def _has_lobe_everywhere(closure: Sheen) -> bool:
+    """Whether sheen reflects light from every direction."""
+    return isinstance(closure.roughness, Constant) and float(closure.roughness.value) >= _LEAST_SHEEN
 
 
 def _is_entered(kernel: Kernel, light: SphereLight | SpotLight) -> bool:

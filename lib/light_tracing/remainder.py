@@ -42,7 +42,7 @@ class _RemainderTracer(Tracer):
 
     def _selected(self, paths: Paths, shaded: Shaded) -> Shaded:
         """At the first scattering, what Dirac lobes scatter; after it everything."""
-        first = np.full(paths.size, paths.at_camera) if paths.scatterings is None else paths.scatterings == 0
+        first = np.broadcast_to(np.equal(paths.scatterings, 0), (paths.size,))
         direct = None if shaded.direct is None else np.where(first, 0.0, shaded.direct)
         weight = shaded.weight
         if weight is not None:

@@ -25,7 +25,7 @@ from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import SCOUTING
 from ..scene.camera import PANORAMAS
 from ..scene.expressions import Constant
-from ..scene.materials import Diffuse, Material, Translucent
+from ..scene.materials import WIDE, GlossyToon, Material
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
@@ -196,8 +196,8 @@ def _around(targets: list[Ball], kernel: Kernel) -> Ball:
 def _may_have(material: Material, narrow: float, wide: bool) -> bool:
     """Whether a material may have a wide lobe, or a narrow one."""
     for lobe in material.lobes:
-        if isinstance(lobe.closure, Diffuse | Translucent):
-            if wide:
+        if isinstance(lobe.closure, WIDE):
+            if wide or isinstance(lobe.closure, GlossyToon):
                 return True
         elif (roughness := getattr(lobe.closure, "roughness", None)) is not None:
             known = isinstance(roughness, Constant)

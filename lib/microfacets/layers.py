@@ -33,7 +33,7 @@ def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.n
     second. `cos_o` (n,) and `alpha`, () or (n,), in [0, 1]; `eta` > 0.
     """
     from_normal, to_grazing = _layer_tables(float(eta))
-    return _read(from_normal, cos_o, alpha), _read(to_grazing, cos_o, alpha)
+    return read_albedo(from_normal, cos_o, alpha), read_albedo(to_grazing, cos_o, alpha)
 
 
 def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
@@ -52,7 +52,7 @@ def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
 
 def glass_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:
     """What a white interface of index `eta` reflects and refracts together after one scattering, (n,)."""
-    return _read(_glass_table(float(eta))[0], cos_o, alpha)
+    return read_albedo(_glass_table(float(eta))[0], cos_o, alpha)
 
 
 def average_glass_albedo(alpha: np.ndarray, eta: float) -> np.ndarray:
@@ -60,8 +60,13 @@ def average_glass_albedo(alpha: np.ndarray, eta: float) -> np.ndarray:
     return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, _CELLS + 1), _glass_table(float(eta))[1])
 
 
-def _read(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
-    """The table over roughness sqrt(alpha) and the root of the cosine, bilinear."""
+def tabulate_albedo(reflectance: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """The albedo of GGX facets with a `reflectance` of the cosine, for `read_albedo`; to 1e-4."""
+    return _tabulated(lambda mu, alpha: integrate_albedo(mu, alpha, reflectance=reflectance))
+
+
+def read_albedo(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """A table over roughness sqrt(alpha) and the root of the cosine, bilinear, (n,); `cos_o` (n,), `alpha` () or (n,), in [0, 1]."""
     column = np.sqrt(np.clip(cos_o, 0.0, 1.0)) * _CELLS
     row = np.broadcast_to(np.sqrt(alpha), column.shape) * _CELLS
     i = np.minimum(row.astype(np.intp), _CELLS - 1)
@@ -94,9 +99,7 @@ def _layer_tables(eta: float) -> tuple[np.ndarray, np.ndarray]:
     def share(cos: np.ndarray) -> np.ndarray:
         return np.clip((dielectric(cos, eta) - normal) / max(1.0 - normal, 1e-12), 0.0, 1.0)
 
-    grazing = _tabulated(lambda mu, alpha: integrate_albedo(mu, alpha, reflectance=share))
-    from_normal = _tabulated(lambda mu, alpha: integrate_albedo(mu, alpha, reflectance=lambda cos: 1.0 - share(cos)))
-    return from_normal, grazing
+    return tabulate_albedo(lambda cos: 1.0 - share(cos)), tabulate_albedo(share)
 
 
 @functools.lru_cache(maxsize=64)
@@ -106,7 +109,7 @@ def _glass_table(eta: float) -> tuple[np.ndarray, np.ndarray]:
     x, weight = roots_legendre(64)
     root = 0.5 + 0.5 * x
     weight = 2.0 * weight * root * root * root
-    average = [(weight * _read(table, root * root, r * r)).sum() for r in np.linspace(0.0, 1.0, _CELLS + 1)]
+    average = [(weight * read_albedo(table, root * root, r * r)).sum() for r in np.linspace(0.0, 1.0, _CELLS + 1)]
     return table, np.array(average)
 
 

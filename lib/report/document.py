@@ -16,12 +16,13 @@ from ..verdict.causes import Shares, State
 from ..verdict.outcome import Outcome
 from .bound import level_names
 from .causes import cause_sentences, headline, is_shown, proof_seconds, strongest, unexplained
+from .passes import pass_figures
 from .summary import summarize
 from .words import forecast_seconds, sentences, worst_channel
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 7
+VERSION = 8
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -39,6 +40,8 @@ CHANGES = {
     "regions of the kind 'cell' are those of coarser grids, and claims on all regions are tested together.",
     7: "Version 7: `scene_check` lists what in the scene is likely not meant or was set aside; each region has a `reason`: every difference is "
     "put down to departures, to the scene, or is 'unexplained'; `attribution.state` may be 'explained by rounding'.",
+    8: "Version 8: `passes` says of each light pass, in the image and in every region with a name, whether it differs; "
+    "null where none was compared.",
 }
 
 
@@ -67,6 +70,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
                 "interval": [verdict.low[0, channel], verdict.high[0, channel]],
             },
             "regions": [_region(comparison, k) for k in range(len(comparison.regions))],
+            "passes": pass_figures(comparison),
             "departures": _departures(comparison),
             "attribution": _attribution(comparison),
             "unexplained": len(unexplained(comparison)),

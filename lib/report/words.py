@@ -15,6 +15,7 @@ from ..verdict.outcome import Outcome
 from .bound import blind_sentence, both_names, bound_title, level_sentence, setting_sentences
 from .causes import cause_sentences, unexplained
 from .language import listed, place
+from .passes import pass_sentences
 
 FURTHEST = 5
 _ENDED = {
@@ -51,6 +52,7 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
         said.append(unchecked)
     if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
+    said += pass_sentences(comparison)
     said += cause_sentences(comparison)
     said += [f"{reason[0].upper()}{reason[1:]}." for reason in verdict.reasons if verdict.outcome is Outcome.UNDECIDED]
     if verdict.outcome is not Outcome.UNDECIDED and np.any(comparison.excluded):

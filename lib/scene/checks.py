@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
+from ..plural import plural
 from .camera import PANORAMAS, Camera
 from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture, RayFlag
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .materials import Emission, WeightedClosure
-from .mesh import Mesh
+from .mesh import FARTHEST, Mesh, near
 from .rays import EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
@@ -93,9 +94,10 @@ def _check_mesh(mesh: Mesh, materials: int) -> None:
 
 
 def _name_bad_vertices(mesh: Mesh) -> None:
-    bad = ~np.isfinite(mesh.vertices).all(axis=0)
+    bad = ~near(mesh.vertices)
     if bad.any():
-        _demand(False, _owner(mesh, bad[mesh.triangles].any(axis=0)), f"{int(bad.sum())} vertices are not finite")
+        what = f"{plural(int(bad.sum()), 'coordinate')} of vertices not finite or beyond {FARTHEST:g}"
+        _demand(False, _owner(mesh, bad.any(axis=0)[mesh.triangles].any(axis=0)), what)
 
 
 def _owner(mesh: Mesh, triangles: np.ndarray) -> str:

@@ -182,17 +182,19 @@ class Gamma(Expression):
 
 @dataclass(frozen=True)
 class FresnelFactor(Expression):
-    """Exact unpolarised dielectric reflectance at |n.wo|; the index is inverted on back faces."""
+    """Exact unpolarised dielectric reflectance at |n.wo| of `normal`, or the shading normal; the index is inverted on back faces."""
 
     ior: Expression
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
 class LayerWeight(Expression):
-    """Blender's Layer Weight. `output`: 'FRESNEL' or 'FACING'."""
+    """Blender's Layer Weight, at |n.wo| of `normal`, or the shading normal. `output`: 'FRESNEL' or 'FACING'."""
 
     blend: Expression
     output: str = "FRESNEL"
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -200,9 +202,9 @@ class BeneathLayer(Expression):
     """What a glossy layer leaves for the layers below it, a value: 1 - `weight` times the largest colour of its albedo at |n.wo|.
 
     The layer is a `lib.scene.materials.Specular` of the same `ior`, `tint`, `roughness` and `distribution`; the first must be
-    constant. Anisotropy leaves the albedo's estimate as it is. `coat`: the layer is a coat of Blender's Principled BSDF. Two departures
-    (lib/departures): `tables`, the nodes along each axis of the tables from which Cycles estimates the albedo (0: the integral itself), and
-    `lossless`, as if no light were lost between facets.
+    constant, and what describes a film on the layer, too. Anisotropy leaves the albedo's estimate as it is. `coat`: the layer is a coat of
+    Blender's Principled BSDF. Departures (lib/departures): `tables`, the nodes along each axis of the tables from which Cycles estimates the
+    albedo (0: the integral itself), `lossless`, as if no light were lost between facets, and `film_by_table`.
     """
 
     ior: Constant
@@ -214,6 +216,22 @@ class BeneathLayer(Expression):
     coat: bool = False
     tables: int = 0
     lossless: bool = False
+    film_thickness: Expression = Constant(0.0)
+    film_ior: Expression = Constant(1.0)
+    film_by_table: bool = False
+
+
+@dataclass(frozen=True)
+class BeneathSheen(Expression):
+    """What sheen leaves for the layers below it, a value: 1 - its albedo at n.wo times the largest colour of `weight` `tint`.
+
+    The sheen is a `lib.scene.materials.Sheen` of the same `roughness` and `normal`.
+    """
+
+    tint: Expression
+    roughness: Expression
+    weight: Expression
+    normal: Expression | None = None
 
 
 @dataclass(frozen=True)

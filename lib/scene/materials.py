@@ -23,7 +23,10 @@ class Closure:
 
 
 class Anisotropic(Closure):
-    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`; no dataclass, so each says its own defaults."""
+    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`; no dataclass, so each says its own defaults.
+
+    Those that reflect by a Fresnel curve may lie under a film of `film_thickness` nm and the index `film_ior`.
+    """
 
     distribution: str
     roughness: Expression
@@ -92,6 +95,8 @@ class Metallic(Anisotropic):
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
     normal: Expression | None = None
+    film_thickness: Expression = ZERO
+    film_ior: Expression = ONE
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,8 @@ class Specular(Anisotropic):
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
     normal: Expression | None = None
+    film_thickness: Expression = ZERO
+    film_ior: Expression = ONE
 
 
 @dataclass(frozen=True)
@@ -135,6 +142,42 @@ class Translucent(Closure):
 
 
 @dataclass(frozen=True)
+class Sheen(Closure):
+    """A layer of upright fibers (Blender's Sheen BSDF 'Microfiber', Principled BSDF); lib/bsdfs/sheen.py.
+
+    `roughness` in [0, 1] is Blender's.
+    """
+
+    color: Expression = WHITE
+    roughness: Expression = ZERO
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
+class Velvet(Closure):
+    """Ashikhmin's velvet (Blender's Sheen BSDF 'Ashikhmin', Velvet BSDF of older files); `sigma` in [0, 1] is the node's Roughness."""
+
+    color: Expression = WHITE
+    sigma: Expression = ONE
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
+class Toon(Closure):
+    """A cone of light about the normal (Blender's Toon BSDF); `size` and `smooth` in [0, 1] are parts of a right angle."""
+
+    color: Expression = WHITE
+    size: Expression = ONE
+    smooth: Expression = ZERO
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
+class GlossyToon(Toon):
+    """The same about the mirror direction."""
+
+
+@dataclass(frozen=True)
 class Glass(Anisotropic):
     """Dielectric interface with exact Fresnel; smooth where `roughness` is 0.
 
@@ -156,6 +199,8 @@ class Glass(Anisotropic):
     tangent: Tangent = Tangent()
     dispersion: Expression = ZERO
     normal: Expression | None = None
+    film_thickness: Expression = ZERO
+    film_ior: Expression = ONE
 
 
 @dataclass(frozen=True)
@@ -167,6 +212,10 @@ class Refraction(Closure):
     roughness: Expression = ZERO
     distribution: str = "GGX"
     normal: Expression | None = None
+
+
+WIDE = (Diffuse, Translucent, Sheen, Velvet, Toon)
+"""Closures that scatter into directions about the normal, whatever their sockets hold, and GlossyToon."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,14 @@ import numpy as np
 from .overlaps import Overlaps, find_overlaps
 from .rays import EVERY
 
+FARTHEST = 1e18
+"""Coordinates beyond this are refused: their squares leave single precision, in which both renderers look for hits."""
+
+
+def near(positions: np.ndarray) -> np.ndarray:
+    """Whether each coordinate is a number that is no larger than FARTHEST."""
+    return np.abs(positions) <= FARTHEST
+
 
 @dataclass(frozen=True)
 class Object:

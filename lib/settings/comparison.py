@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..errors import EtalonError
+from ..film.light_passes import Family, LightPass
 from .common import Seeded
 from .declaration import Panel, option
 from .reference import Options
 from .units import Choice, FilePath, Flag, Seconds, Share, Whole, WholeOrPair
 
 SIZES = ("auto", "full")
+PASSES = ("none", "all", *(str(family) for family in Family), str(LightPass.EMISSION), str(LightPass.ENVIRONMENT))
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,7 @@ class Settings(CompareOptions, Options):
 
     tolerance, confidence, time, samples, replicates: as in CompareOptions. strategy, direct, masking, sampler, departures,
     russian_roulette, seed, threads: as in Options.
+    passes: the light passes that are compared beside the image: 'none', 'all', or those of one name.
     size: whether a smaller image may be compared, 'auto', or not, 'full'.
     partial: compare what can be compared where materials are not supported. out: folder for the results.
     Raises EtalonError for a value out of range.
@@ -91,6 +94,12 @@ class Settings(CompareOptions, Options):
         "auto: compare a smaller image of the same view where the whole one gives no useful answer in time; full: never",
         advanced=True,
         panel=Panel("Image size"),
+    )
+    passes: str = option(
+        PASSES[0],
+        Choice("PASSES", "light passes", PASSES),
+        f"light passes to compare beside the image, which say in which light it differs: {', '.join(PASSES)}",
+        panel=Panel("Light passes"),
     )
     partial: bool = option(
         False,

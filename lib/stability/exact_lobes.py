@@ -39,6 +39,12 @@ def ashikhmin_shirley_half_vector(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
     return c * sine, s * sine, cosine
 
 
+def inverted_gaussian(x: mpf, y: mpf, z: mpf, sigma: mpf) -> Values:
+    """Ashikhmin, Premoze and Shirley 2000, section 5, without the constant term, over the integral of D cos."""
+    sine2 = x * x + y * y
+    return (mp.exp(-z * z / (sine2 * sigma**2)) / (mp.pi * (sigma * sine2) ** 2) if sine2 else mpf(0),)
+
+
 def oren_nayar(*w: mpf) -> Values:
     """Portsmouth et al. 2024, eq. 8 to 15, times |i.n|, of wi, wo, roughness and colour."""
     wi, wo, roughness, color = w[:3], w[3:6], w[6], w[7]

@@ -8,6 +8,7 @@ import numpy as np
 from ..bsdfs.ashikhmin_shirley import AshikhminShirley, exponent, sample_half_vector
 from ..bsdfs.fresnels import TintedDielectric
 from ..bsdfs.oren_nayar import OrenNayar
+from ..bsdfs.velvet import LEAST_SIGMA, inverted_gaussian
 from ..microfacets import fresnel
 from . import closed_forms, domain, exact, exact_lobes, inversions
 from .measure import Function
@@ -58,6 +59,11 @@ def _rough(rng: np.random.Generator, count: int) -> np.ndarray:
     return np.concatenate([opposite(rng, count), roughness, rng.random((1, count))])
 
 
+def _velvets(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Normals and sigma."""
+    return np.concatenate([domain.directions(rng, count), rng.uniform(LEAST_SIGMA, 1.0, (1, count))])
+
+
 def _dim_layers(rng: np.random.Generator, count: int) -> np.ndarray:
     """Cosines and indices of a dielectric, some next to the critical angle, and f0 down to 1e-30."""
     f0 = np.where(rng.random((1, count)) < 0.5, 10.0 ** rng.uniform(-30.0, 0.0, (1, count)), rng.random((1, count)))
@@ -102,6 +108,15 @@ def lobes() -> list[Function]:
             _half_vector,
             exact_lobes.ashikhmin_shirley_half_vector,
             inversions.BOUND,
+        ),
+        Function(
+            FAMILY,
+            "velvet, normals",
+            ("m.x", "m.y", "m.z", "sigma"),
+            _velvets,
+            lambda a: inverted_gaussian(a[:3], a[3]),
+            exact_lobes.inverted_gaussian,
+            bound,
         ),
         Function(
             FAMILY,

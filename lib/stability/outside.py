@@ -9,7 +9,9 @@ function and class of these rooms is either here or called by a row of the atlas
 
 from __future__ import annotations
 
-_QUADRATURE = "a quadrature, or a table made by one: tests/lib/microfacets compare it with an integral"
+_QUADRATURE = (
+    "a quadrature, or a table made by one: tests/lib/microfacets and bsdfs compare it with an integral or random walks"
+)
 _TABLE_OF_CYCLES = "a table of Cycles' own, read for a departure: tests/lib/departures compare it with Cycles"
 _INTEGERS = "integer arithmetic, exact: tests/lib/sampling/test_sobol.py"
 _SEARCH = "a search in a table of sums: tests/lib/sampling/test_tables.py compares frequencies"
@@ -35,6 +37,24 @@ OUTSIDE: dict[str, str] = {
             "bsdfs.layered.layer_reflectance",
             "bsdfs.layered.beneath_layer",
             "bsdfs.fresnels.Conductor",
+            "bsdfs.layered.film_layer_reflectance",
+            "bsdfs.films.Film",
+            "bsdfs.films.FilmConductor",
+            "bsdfs.films.FilmDielectric",
+            "bsdfs.films.FilmF82",
+            "bsdfs.films.Tabulated",
+            "bsdfs.films.make_film",
+            "bsdfs.films.under_film",
+            "microfacets.layers.read_albedo",
+            "microfacets.layers.tabulate_albedo",
+            "microfacets.thin_film.Sensitivity",
+            "microfacets.thin_film.amplitudes",
+            "microfacets.thin_film.cosine_in_film",
+            "microfacets.thin_film.exact_sensitivity",
+            "microfacets.thin_film.film_color",
+            "microfacets.thin_film.film_index",
+            "bsdfs.sheen.sheen_coefficients",
+            "bsdfs.sheen.beneath_sheen",
         ),
         _QUADRATURE,
     ),
@@ -42,6 +62,7 @@ OUTSIDE: dict[str, str] = {
         (
             "microfacets.albedo.directional_albedo_cycles",
             "microfacets.albedo.average_albedo_cycles",
+            "microfacets.thin_film.cycles_sensitivity",
             "microfacets.cycles_tables.Tables",
             "microfacets.cycles_tables.cycles_tables",
             "microfacets.cycles_tables.tables_with",
@@ -95,9 +116,13 @@ OUTSIDE: dict[str, str] = {
             "bsdfs.lambert.LambertTransmission",
             "bsdfs.mixture.Mixture",
             "bsdfs.rotated.Rotated",
+            "bsdfs.sheen.Sheen",
             "bsdfs.specular.Mirror",
             "bsdfs.specular.SmoothDielectric",
             "bsdfs.tilted.Tilted",
+            "bsdfs.toon.Toon",
+            "bsdfs.toon.cone_half_angle",
+            "bsdfs.velvet.Velvet",
             "sampling.warps.regular_polygon",
         ),
         _FACTORS,

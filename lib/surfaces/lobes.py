@@ -11,6 +11,7 @@ import numpy as np
 
 from ..bsdfs.compensated import Compensated, albedos_of, multiple_scattering
 from ..bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
+from ..bsdfs.films import Film, FilmConductor, FilmDielectric, FilmF82, make_film, under_film
 from ..bsdfs.fresnels import (
     F82,
     Conductor,
@@ -26,8 +27,11 @@ from ..bsdfs.microfacet import MicrofacetReflection
 from ..bsdfs.oren_nayar import OrenNayar
 from ..bsdfs.reflected import Reflected
 from ..bsdfs.rotated import Rotated, rotate_in
+from ..bsdfs.sheen import Sheen as SheenLobe
 from ..bsdfs.specular import Mirror, SmoothDielectric
 from ..bsdfs.tilted import Tilted
+from ..bsdfs.toon import Toon as ToonLobe
+from ..bsdfs.velvet import Velvet as VelvetLobe
 from ..departures.closures import ashikhmin_shirley_form, distribution_form, oren_nayar_form, with_stated_density
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
@@ -35,7 +39,21 @@ from ..microfacets.distribution import Distribution
 from ..microfacets.distributions import distribution_by_name
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..sampling.wavelengths import NODES
-from ..scene.materials import Anisotropic, Closure, Diffuse, Glass, Glossy, Metallic, Refraction, Specular, Translucent
+from ..scene.materials import (
+    Anisotropic,
+    Closure,
+    Diffuse,
+    Glass,
+    Glossy,
+    GlossyToon,
+    Metallic,
+    Refraction,
+    Sheen,
+    Specular,
+    Toon,
+    Translucent,
+    Velvet,
+)
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator
 from ..vectors import dot, orthonormal_basis, to_local
@@ -102,11 +120,19 @@ def _metallic(closure: Metallic, site: Site) -> tuple[Lobe, np.ndarray]:
         curve = Conductor(np.maximum(base, 0.0), np.maximum(edge, 0.0))
     else:
         curve = F82(np.clip(base, 0.0, 1.0), np.clip(edge, 0.0, 1.0))
+    film = _film(closure, site)
+    if film is not None and isinstance(curve, Conductor):
+        curve = under_film(FilmConductor(film, curve.eta, curve.k))
+    elif film is not None:
+        curve = under_film(FilmF82(film, curve.f0, curve.tint))
     return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
 
 
 def _specular(closure: Specular, site: Site) -> tuple[Lobe, np.ndarray]:
-    curve = tinted_dielectric(np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0))
+    ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
+    curve, film = tinted_dielectric(ior, tint), _film(closure, site)
+    if film is not None:
+        curve = under_film(FilmDielectric(film, ior, curve.f0))
     return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
 
 
@@ -191,9 +217,25 @@ def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
     disperses = wavelength is not None and np.any(dispersion)
     index = cauchy_index(ior, dispersion, wavelength) if disperses else ior
     eta = np.where(site.points.backfacing, 1.0 / index, index)
-    if disperses and "undispersed reflectance" in site.options.departures:
+    undispersed = disperses and "undispersed reflectance" in site.options.departures
+    film = _film(closure, site)
+    if film is not None:
+        outside = np.where(site.points.backfacing, index, 1.0)
+        film = replace(film, index=film.index / outside)
+        if "thin film from inside" not in site.options.departures:
+            film = replace(film, outside=outside)
+        return eta, FilmDielectric(
+            film, eta, np.clip(reflectance_at_normal(ior if undispersed else eta) * tint, 0.0, 1.0)
+        )
+    if undispersed:
         return eta, TintedDielectric(eta, np.clip(reflectance_at_normal(ior) * tint, 0.0, 1.0))
     return eta, Dielectric(eta) if np.all(tint == 1.0) else tinted_dielectric(eta, tint)
+
+
+def _film(closure: Metallic | Specular | Glass, site: Site) -> Film | None:
+    """The film that lies on a closure, if there is one anywhere; its index is that over the index outside."""
+    by_table = "thin film series" in site.options.departures
+    return make_film(site.read(closure.film_thickness), site.read(closure.film_ior), by_table)
 
 
 def _refraction(closure: Refraction, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -266,6 +308,11 @@ def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.nd
     return factor
 
 
+def _toon(closure: Toon, site: Site) -> tuple[Lobe, np.ndarray]:
+    size, smooth = site.read(closure.size), site.read(closure.smooth)
+    return ToonLobe(site.wo, size, smooth, isinstance(closure, GlossyToon)), site.read(closure.color)
+
+
 def _masking(options: Options) -> str:
     """The form of masking, by departure or by choice."""
     return "correlated" if "correlated masking" in options.departures else options.masking
@@ -290,4 +337,8 @@ _BUILDERS: dict[type[Closure], Callable[..., tuple[Lobe, np.ndarray]]] = {
     Translucent: lambda closure, site: (LambertTransmission(), site.read(closure.color)),
     Glass: _glass,
     Refraction: _refraction,
+    Sheen: lambda closure, site: (SheenLobe(site.wo, site.read(closure.roughness)), site.read(closure.color)),
+    Velvet: lambda closure, site: (VelvetLobe(site.wo, site.read(closure.sigma)), site.read(closure.color)),
+    Toon: _toon,
+    GlossyToon: _toon,
 }

@@ -6,10 +6,12 @@ from __future__ import annotations
 import numpy as np
 
 from ..bsdfs.mixture import Mixture
+from ..bsdfs.toon import cone_half_angle
 from ..effects.facts import adding_lobes, is_zero
+from ..effects.families import FAMILIES
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
-from ..scene.materials import Closure, Diffuse, Emission, Glass, Material, Refraction, Translucent, Transparent
+from ..scene.materials import WIDE, Closure, Emission, Glass, GlossyToon, Material, Refraction, Translucent, Transparent
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
@@ -33,6 +35,7 @@ class PreparedMaterial:
         self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
+        self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
         self.shadows = not material.transparent_shadows
@@ -70,10 +73,16 @@ class PreparedMaterial:
         return total
 
     def alphas(self, points: SurfacePoints) -> np.ndarray:
-        """Roughness squared of each scattering lobe, (lobes, n), as in `mixture`; inf for diffuse ones."""
+        """Roughness squared of each scattering lobe, (lobes, n), as in `mixture`; inf for diffuse ones.
+
+        For a cone about the mirror direction the tangent of half its half angle: of the facets that would reflect so far.
+        """
         found = np.full((len(self._scattering), points.size), np.inf)
         for k, (_, closure) in enumerate(self._scattering):
-            if not isinstance(closure, Diffuse | Translucent):
+            if isinstance(closure, GlossyToon):
+                size, smooth = (self._evaluate(one, points) for one in (closure.size, closure.smooth))
+                found[k] = np.tan(0.5 * cone_half_angle(size, smooth))
+            elif not isinstance(closure, WIDE):
                 found[k] = np.clip(self._evaluate(closure.roughness, points), 0.0, 1.0) ** 2
         return found
 

@@ -26,7 +26,7 @@ _BY_COMPONENT = {name: name for name in OPERATIONS} | {"FRACTION": "FRACT"}
 
 def as_value(row: np.ndarray) -> np.ndarray:
     """A value of shape (n,), or () where there is one for all points."""
-    return row if row.size > 1 else row[0]
+    return row[0] if row.size == 1 else row
 
 
 def map_range(

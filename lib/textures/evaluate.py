@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..bsdfs.films import make_film
 from ..bsdfs.layered import beneath_layer, coat_tint
+from ..bsdfs.sheen import beneath_sheen
 from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
 from ..scene.rays import FLAGS
@@ -83,7 +85,7 @@ def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
     rgba = read.images.sample(node.image, u, v, node.interpolation, node.extension, node.association)
     if node.output == "COLOR":
         return rgba[:3]
-    return rgba[3] if rgba.shape[1] > 1 else rgba[3, 0]
+    return as_value(rgba[3])
 
 
 def _environment_texture(node: ex.EnvironmentTexture, read: Evaluator) -> np.ndarray:
@@ -103,10 +105,10 @@ def _mix(node: ex.Mix, read: Evaluator) -> np.ndarray:
 
 
 def _layer_weight(node: ex.LayerWeight, read: Evaluator) -> np.ndarray:
-    blend, context = read(node.blend), read.context
+    blend, cos_wo = read(node.blend), _slant(node.normal, read)
     if node.output == "FRESNEL":
-        return layer_weight_fresnel(blend, context.cos_wo, context.backfacing)
-    return layer_weight_facing(blend, context.cos_wo)
+        return layer_weight_fresnel(blend, cos_wo, read.context.backfacing)
+    return layer_weight_facing(blend, cos_wo)
 
 
 def _gamma(node: ex.Gamma, read: Evaluator) -> np.ndarray:
@@ -120,11 +122,18 @@ def _cos_wo(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
     return read.context.cos_wo if normal is None else np.maximum(dot(read(normal), read.context.wo), 0.0)
 
 
+def _slant(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
+    """|n.wo| of the shading normal, or of a turned normal on either side of wo."""
+    return read.context.cos_wo if normal is None else np.abs(dot(read(normal), read.context.wo))
+
+
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     cos_wo = _cos_wo(node.normal, read)
     tables, ior = tables_with(node.tables), float(node.ior.value)
-    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless)
+    thickness, index = (float(one.value) for one in (node.film_thickness, node.film_ior))
+    film = make_film(thickness, index, node.film_by_table)
+    return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless, film)
 
 
 def _value_to_color(node: ex.ValueToColor, read: Evaluator) -> np.ndarray:
@@ -155,10 +164,15 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.Math: lambda node, read: math(node.operation, read(node.a), read(node.b), read(node.c), node.clamp),
     ex.Mix: _mix,
     ex.ColorRamp: lambda node, read: color_ramp(node, read(node.factor)),
-    ex.FresnelFactor: lambda node, read: fresnel_factor(read(node.ior), read.context.cos_wo, read.context.backfacing),
+    ex.FresnelFactor: lambda node, read: fresnel_factor(
+        read(node.ior), _slant(node.normal, read), read.context.backfacing
+    ),
     ex.LayerWeight: _layer_weight,
     ex.Gamma: _gamma,
     ex.BeneathLayer: _beneath_layer,
+    ex.BeneathSheen: lambda node, read: beneath_sheen(
+        read(node.tint), read(node.roughness), read(node.weight), _cos_wo(node.normal, read)
+    ),
     ex.CoatTint: lambda node, read: coat_tint(
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),

@@ -70,7 +70,7 @@ class SequentialTest:
 
     `held_back` is the share of the error level, 1 - `confidence`, that claims made elsewhere may spend. `families` (N,) numbers the
     families of regions in the order in which they are claimed; without it all are one. `expected` is the number of looks that the level is
-    shared among. `floor` (3,) is what a difference is relative to where the reference is darker; None until the first look fixes it.
+    shared among. `floor` (3,) is what a difference is relative to where the reference is darker; the first look fixes it, unless it is set.
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class SequentialTest:
 
     def fix_floor(self, reference: Moments) -> None:
         """Settle the floor from the moments (N, 3) of the first look; later ones change nothing."""
-        if not self.looks:
+        if not self.looks and not self.floor.any():
             self.floor = find_floor(reference.mean, self.families)
 
     def look(self, reference: Moments, candidate: Moments, last: bool, rare: np.ndarray | float = 0.0) -> None:

@@ -6,11 +6,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..effects.names import Effect
+from ..film.light_passes import LightPass
 from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .kernel import Kernel
 from .light_choice import LightSampling
+from .pass_sums import Index
 from .paths import Paths
 from .raycaster import Hits
 from .sums import PixelSums
@@ -66,7 +68,7 @@ class Emitters:
             density = light.pdf(np.take(start, at, axis=1), np.take(direction, at, axis=1), distance[at])
             arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
             arriving *= self._weight(paths.pdf[index], k, density)
-            self._sums.add(paths.pixel[index], arriving)
+            self._add(paths, index, arriving, LightPass.EMISSION)
 
     def sky(self, paths: Paths, escaped: np.ndarray) -> None:
         """The world, for the rays at `escaped` that left the scene."""
@@ -77,14 +79,14 @@ class Emitters:
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
         if kernel.sky is not None:  # no light sampling competes for a constant sky
-            self._sums.add(paths.pixel[escaped], throughput * kernel.sky)
+            self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT)
             return
         direction = np.take(paths.direction, escaped, axis=1)
         throughput *= kernel.world(direction, kernel.sight.flags_of(paths, escaped))
         if kernel.environment is not None:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
             throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
-        self._sums.add(paths.pixel[escaped], throughput)
+        self._add(paths, escaped, throughput, LightPass.ENVIRONMENT)
 
     def faces(
         self, paths: Paths, points: SurfacePoints, distance: np.ndarray, start: int, stop: int, material: int
@@ -99,4 +101,10 @@ class Emitters:
             for sampler in kernel.emissive:  # each has a density for its own faces, and none for the others
                 density = sampler.pdf_of_hit(points.triangle, reach, facing)
                 arriving *= self._weight(pdf, kernel.lights.index(sampler), density)
-        self._sums.add(paths.pixel[start:stop], arriving)
+        self._add(paths, slice(start, stop), arriving, LightPass.EMISSION)
+
+    def _add(self, paths: Paths, index: Index, arriving: np.ndarray, seen: LightPass) -> None:
+        """Add what arrives (3, n) along the paths at `index`; `seen` is its light pass where these come straight from the camera."""
+        self._sums.add(paths.pixel[index], arriving)
+        if self._sums.passes is not None:
+            self._sums.passes.add_emission(paths, index, arriving, seen)

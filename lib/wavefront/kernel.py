@@ -7,10 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
+from ..bsdfs.split import Split
 from ..departures.catalogue import refuse_absent
 from ..departures.scene import departed
 from ..effects.names import Effect
 from ..effects.plan import Plan
+from ..film.light_passes import Family
 from ..lights.build import light_sampler
 from ..lights.environment import EnvironmentSampler
 from ..lights.light import LightSampler
@@ -109,6 +111,18 @@ class Kernel:
         if suns:
             return SunnySampler(self.world, world.table_resolution, suns, self.caster.radius)
         return EnvironmentSampler(self.world, world.table_resolution, self.caster.radius)
+
+    @cached_property
+    def families(self) -> tuple[Family, ...]:
+        """The families that the lobes of the materials belong to."""
+        found = {family for material in self.materials for families in material.families for family in families}
+        return tuple(family for family in Family if family in found)
+
+    def split(self, material: int, size: int) -> Split:
+        """What parts the light of so many points of a material by family."""
+        numbers = {family: k for k, family in enumerate(self.families)}
+        lobes = [tuple(numbers[family] for family in families) for families in self.materials[material].families]
+        return Split(lobes, len(numbers), size)
 
     @cached_property
     def has_unknown(self) -> bool:

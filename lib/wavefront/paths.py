@@ -13,8 +13,9 @@ class Paths:
     """Rays to be traced and what they carry; all arrays over the same n paths.
 
     pixel, sample: indices within the tile, intp. origin, direction, throughput (3, n). pdf (n,): the density with which the direction was
-    sampled, inf for camera rays and delta lobes. The next four are kept only where surfaces can be transparent, else
-    None: the point of the last scattering, the distance travelled since, the number of scatterings and of surfaces passed. The next
+    sampled, inf for camera rays and delta lobes. `scatterings`: how often each has scattered, one number where all have as often.
+    The next three are kept only where surfaces can be transparent, else
+    None: the point of the last scattering, the distance travelled since, the number of surfaces passed. The next
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
     its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different things. `left`, the
     triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that
@@ -27,9 +28,9 @@ class Paths:
     direction: np.ndarray
     throughput: np.ndarray
     pdf: np.ndarray
+    scatterings: np.ndarray | int = 0
     scatter_origin: np.ndarray | None = None
     travelled: np.ndarray | None = None
-    scatterings: np.ndarray | None = None
     passed: np.ndarray | None = None
     wavelength: np.ndarray | None = None
     awaits_color: np.ndarray | None = None
@@ -55,4 +56,5 @@ class Paths:
             return second
         pairs = {k: (a, getattr(second, k)) for k, a in vars(first).items()}
         both = {k: np.concatenate(ab, axis=-1) for k, ab in pairs.items() if isinstance(ab[0], np.ndarray)}
-        return Paths(**both, at_camera=first.at_camera and second.at_camera)
+        same = {} if "scatterings" in both else {"scatterings": first.scatterings}
+        return Paths(**both, **same, at_camera=first.at_camera and second.at_camera)

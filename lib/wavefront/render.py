@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from copy import copy
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
 from ..effects.plan import Plan, make_plan
+from ..film.light_passes import LightPass
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
@@ -19,6 +21,7 @@ from ..scene.camera import smaller_camera
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from .kernel import Kernel
+from .pass_sums import PassSums
 from .sums import PixelSums, StageClock
 from .trace import Tracer
 from .tuning import give_back_memory
@@ -46,8 +49,14 @@ def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
             yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
 
 
+_Done = tuple[Tile, PixelSums, StageClock, int]
+
+
 class ReferenceRenderer:
-    """The scene by the book. One object renders any number of replicates; each has its own scrambling."""
+    """The scene by the book. One object renders any number of replicates; each has its own scrambling.
+
+    `passes` are the light passes that its images come with; without any, nothing is done for them.
+    """
 
     name = "reference"
 
@@ -57,19 +66,26 @@ class ReferenceRenderer:
         options: Options = Options(),  # noqa: B008
         plan: Plan | None = None,
         like: Kernel | None = None,
+        passes: Sequence[LightPass] = (),
     ) -> None:
-        self.scene, self.options = scene, options
+        self.scene, self.options, self.passes = scene, options, tuple(passes)
         self.plan = make_plan(scene) if plan is None else plan
         self.kernel = Kernel(scene, self.plan, options, like)
 
     def under(self, options: Options) -> ReferenceRenderer:
         """The same scene under other options; the acceleration structure is shared."""
-        return ReferenceRenderer(self.scene, options, self.plan, self.kernel)
+        return ReferenceRenderer(self.scene, options, self.plan, self.kernel, self.passes)
 
     def at_size(self, width: int, height: int) -> ReferenceRenderer:
         """The same scene on a raster that sees the same with fewer pixels; `width` and `height` divide its own."""
         scene = replace(self.scene, camera=smaller_camera(self.scene.camera, width, height))
-        return ReferenceRenderer(scene, self.options, self.plan, self.kernel)
+        return ReferenceRenderer(scene, self.options, self.plan, self.kernel, self.passes)
+
+    def with_passes(self, passes: Sequence[LightPass]) -> ReferenceRenderer:
+        """The same, whose images come with light passes."""
+        more = copy(self)
+        more.passes = tuple(passes)
+        return more
 
     @property
     def settings(self) -> dict[str, object]:
@@ -96,17 +112,38 @@ class ReferenceRenderer:
         sampler = make(self.options.seed, replicate, samples)
         radiance, nonfinite = np.zeros((*shape, 3)), np.zeros(shape, np.int32)
         unknown = np.zeros(shape, np.int32) if self.kernel.has_unknown else None
+        passes = {name: np.zeros((*shape, 3)) for name in self.passes}
         total, bad = radiance.reshape(-1, 3), nonfinite.reshape(-1)
         stages: dict[str, float] = {}
-        rays = done = 0
+        rays = 0
         work = list(tiles(index.size, samples, self._tile_paths(index.size * samples)))
 
-        def run(tile: Tile) -> tuple[Tile, PixelSums, StageClock, int]:
+        def run(tile: Tile) -> _Done:
             return tile, *self._run(index[tile.first : tile.last], tile, sampler)
 
+        for tile, sums, clock, traced in self._in_threads(run, work, progress):
+            part = index[tile.first : tile.last]
+            total[part] += sums.radiance.T
+            bad[part] += sums.nonfinite
+            for name, image in passes.items():
+                image.reshape(-1, 3)[part] += sums.pass_radiance(name).T
+            if unknown is not None:
+                unknown.reshape(-1)[part] += sums.unknown
+            rays += traced
+            for stage, seconds in clock.seconds.items():
+                stages[stage] = stages.get(stage, 0.0) + seconds
+        if windows is None:
+            give_back_memory()
+        for image in (radiance, *passes.values()):
+            image /= samples
+        seconds = perf_counter() - begin
+        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown, passes)
+
+    def _in_threads(self, run: Callable[[Tile], _Done], work: Sequence[Tile], progress: Progress) -> Iterator[_Done]:
+        """What `run` gives for each tile, as soon as it is there; raises Cancelled when asked to stop."""
         with ThreadPoolExecutor(self.options.threads) as pool:
             pending: set[Future] = set()
-            queue = iter(work)
+            queue, done = iter(work), 0
             try:
                 while True:
                     for tile in queue:
@@ -117,26 +154,13 @@ class ReferenceRenderer:
                         break
                     finished, pending = wait(pending, return_when=FIRST_COMPLETED)
                     for future in finished:
-                        tile, sums, clock, traced = future.result()
-                        part = index[tile.first : tile.last]
-                        total[part] += sums.radiance.T
-                        bad[part] += sums.nonfinite
-                        if unknown is not None:
-                            unknown.reshape(-1)[part] += sums.unknown
-                        rays += traced
-                        for stage, seconds in clock.seconds.items():
-                            stages[stage] = stages.get(stage, 0.0) + seconds
+                        yield future.result()
                         done += 1
                     progress.report(done / len(work))
                     progress.check()
             finally:
                 for future in pending:
                     future.cancel()
-        if windows is None:
-            give_back_memory()
-        radiance /= samples
-        seconds = perf_counter() - begin
-        return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown)
 
     def tracer(self, uniforms: SobolTile | RandomTile, sums: PixelSums, clock: StageClock) -> Tracer:
         """What traces one tile."""
@@ -151,7 +175,8 @@ class ReferenceRenderer:
     ) -> tuple[PixelSums, StageClock, int]:
         row, column = np.divmod(index, self.scene.camera.width)
         depth = tile.stop - tile.start
-        sums, clock = PixelSums(index.size), StageClock()
+        passes = PassSums(self.kernel.families, index.size, tile.start, depth) if self.passes else None
+        sums, clock = PixelSums(index.size, passes), StageClock()
         tracer = self.tracer(sampler.tile(index), sums, clock)
         pixel = np.repeat(np.arange(index.size), depth)
         sample = np.tile(np.arange(tile.start, tile.stop), index.size)

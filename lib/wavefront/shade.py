@@ -9,6 +9,7 @@ import numpy as np
 
 from ..bsdfs.classed import ClassedMixture
 from ..bsdfs.mixture import Mixture
+from ..bsdfs.split import Split
 from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot, orthonormal_basis, to_local, to_world
@@ -22,7 +23,8 @@ class Shaded:
 
     direct (3, n): f |cos| L / pdf by light sampling with its weight, before visibility and throughput, or None. wi (3, n) the next direction in
     world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on. ray_class (n,) is the class of the next ray, None
-    where all that is scattered is of one class (sight.py).
+    where all that is scattered is of one class (sight.py). direct_shares, shares (families - 1, 3, n): what each family of lobes has of
+    `direct` and of `weight`, as `Split` says it, where that is asked for.
     """
 
     direct: np.ndarray | None
@@ -30,6 +32,8 @@ class Shaded:
     weight: np.ndarray | None = None
     pdf: np.ndarray | None = None
     ray_class: np.ndarray | None = None
+    direct_shares: np.ndarray | None = None
+    shares: np.ndarray | None = None
 
 
 def shade_all(
@@ -39,32 +43,40 @@ def shade_all(
     groups: list[tuple[int, int, int]],
     light: LightChoice | None,
     uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
+    parts: bool = False,
 ) -> Shaded:
     """Shade points that stand in groups (material, start, stop).
 
-    `uniforms` pick the lobe and the direction within it; None where no path goes on.
+    `uniforms` pick the lobe and the direction within it; None where no path goes on. `parts` asks for the shares of the families.
     """
     size = points.size
     frame = orthonormal_basis(points.n)
     if len(groups) == 1 and kernel.materials[groups[0][0]].scatters:
-        return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms)
+        return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms, parts)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
     direct = None if light is None else made((3, size))
     onward = None if uniforms is None else [made((3, size)), made((3, size)), made(size)]
-    if onward is not None and kernel.sight.splits:
-        onward.append(np.zeros(size, np.intp))
+    ray_class = np.zeros(size, np.intp) if uniforms is not None and kernel.sight.splits else None
+    kept = (len(kernel.families) - 1, 3, size)
+    direct_shares = np.zeros(kept) if parts and light is not None else None
+    shares = np.zeros(kept) if parts and uniforms is not None else None
     for material, a, b in groups:
         if kernel.materials[material].scatters:
             here = frame[0][:, a:b], frame[1][:, a:b]
             part = None if light is None else light.part(a, b)
             picks = None if uniforms is None else tuple(u[a:b] for u in uniforms)
-            shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks)
+            shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks, parts)
             if direct is not None:
                 direct[:, a:b] = shaded.direct
+            for whole, one in ((direct_shares, shaded.direct_shares), (shares, shaded.shares)):
+                if one is not None:
+                    whole[:, :, a:b] = one
             if onward is not None:
-                for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf, shaded.ray_class), strict=False):
+                for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf), strict=True):
                     whole[..., a:b] = one
-    return Shaded(direct, *(onward or ()))
+            if shaded.ray_class is not None:
+                ray_class[a:b] = shaded.ray_class
+    return Shaded(direct, *(onward or (None, None, None)), ray_class, direct_shares, shares)
 
 
 def _shade(
@@ -75,25 +87,31 @@ def _shade(
     frame: tuple[np.ndarray, np.ndarray],
     light: LightChoice | None,
     uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
+    parts: bool,
 ) -> Shaded:
     """Shade points of one material in the frame (t, s, n)."""
     wo = to_local(points.wo, *frame, points.n)
     mixture = kernel.materials[material].mixture(points, wo, *frame)
     if kernel.sight.splits:
         mixture = ClassedMixture(mixture, kernel.sight.class_of)
-    direct = ray_class = None
+    direct = direct_shares = ray_class = None
     if light is not None:
-        direct = np.zeros_like(wo) if mixture.all_delta else _direct(kernel, sampling, points, frame, mixture, light)
+        direct, direct_shares = np.zeros_like(wo), None
+        if not mixture.all_delta:
+            split = kernel.split(material, points.size) if parts else None
+            direct, direct_shares = _direct(kernel, sampling, points, frame, mixture, light, split)
     if uniforms is None:
-        return Shaded(direct)
-    if kernel.sight.splits:
-        local, weight, pdf, ray_class = mixture.sample_classes(*uniforms)
+        return Shaded(direct, direct_shares=direct_shares)
+    split = kernel.split(material, points.size) if parts else None
+    if isinstance(mixture, ClassedMixture):
+        local, weight, pdf, ray_class = mixture.sample_classes(*uniforms, split)
     else:
-        local, weight, pdf = mixture.sample(*uniforms)
+        local, weight, pdf = mixture.sample(*uniforms, split)
+    shares = None if split is None else split.shares(weight)
     wi = to_world(local, *frame, points.n)
     if not kernel.tables.all_flat:  # both normals must see wi on the same side
         weight = weight * (local[2] * dot(points.ng, wi) > 0.0)
-    return Shaded(direct, wi, weight, pdf, ray_class)
+    return Shaded(direct, wi, weight, pdf, ray_class, direct_shares, shares)
 
 
 def _direct(
@@ -103,23 +121,30 @@ def _direct(
     frame: tuple[np.ndarray, np.ndarray],
     mixture: Mixture,
     light: LightChoice,
-) -> np.ndarray:
-    """One light's contribution by light sampling, weighed against BSDF sampling; (3, n)."""
+    split: Split | None,
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """One light's contribution by light sampling, weighed against BSDF sampling; (3, n), and the families' shares of it."""
     sample, sight = light.sample, kernel.sight
     toward = to_local(sample.wi, *frame, points.n)
     if isinstance(mixture, ClassedMixture):
         value = np.zeros_like(toward)
-        for ray_class, part, pdf in mixture.evaluate_classes(toward):
-            value += part * (_factor(sampling, light, pdf) * sight.sees[ray_class, light.number])
+        for ray_class, pdf, of_lobes in mixture.evaluate_classes(toward):
+            weight = _factor(sampling, light, pdf) * sight.sees[ray_class, light.number]
+            for k, part in of_lobes:
+                value += part * weight
+                if split is not None:
+                    split.add(k, mixture.lobes[k], toward, part * weight)
+        shares = None if split is None else split.shares(value)
     else:
-        value, pdf = mixture.evaluate(toward)
+        value, pdf = mixture.evaluate(toward, split)
+        shares = None if split is None else split.shares(value)
         value = value * _factor(sampling, light, pdf)
         if sight.class_of is not None and not sight.sees[1].all():
             value *= sight.sees[1, light.number]
     if not kernel.tables.all_flat and not sampling.below_faces:
         value *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value *= sample.radiance
-    return value
+    return value, shares
 
 
 def _factor(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:

@@ -8,15 +8,19 @@ from time import perf_counter
 import numpy as np
 
 from ..effects.names import Stage
+from ..film.light_passes import LightPass
+from .pass_sums import PassSums
 
 
 class PixelSums:
     """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away.
 
-    `unknown` (p,) counts how often paths met a material that is not known.
+    `unknown` (p,) counts how often paths met a material that is not known. `passes` has the same light by light pass, where that is
+    asked for.
     """
 
-    def __init__(self, pixels: int) -> None:
+    def __init__(self, pixels: int, passes: PassSums | None = None) -> None:
+        self.passes = passes
         self.radiance = np.zeros((3, pixels))
         self.nonfinite = np.zeros(pixels, np.int64)
         self.unknown = np.zeros(pixels, np.int64)
@@ -32,6 +36,11 @@ class PixelSums:
     def add_unknown(self, pixel: np.ndarray) -> None:
         """Count one meeting with a material that is not known for each of the pixels (n,)."""
         self.unknown += np.bincount(pixel, minlength=self.unknown.shape[0])
+
+    def pass_radiance(self, name: LightPass) -> np.ndarray:
+        """The radiance sums (3, p) of one light pass; NaN where a contribution was not finite."""
+        radiance = self.passes.radiance.get(name, np.zeros_like(self.radiance))
+        return np.where(self.nonfinite > 0, np.nan, radiance) if self.nonfinite.any() else radiance
 
     def _set_aside(self, pixel: np.ndarray, contribution: np.ndarray) -> None:
         bad = ~np.isfinite(contribution).all(axis=0)

@@ -215,13 +215,17 @@ class Tracer:
                 light = light.where(kernel.sight.max_bounces[light.number] >= scatterings)
         self._clock.lap(Stage.LIGHTS)
         uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
-        shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms))
+        passes = self._sums.passes
+        parts = passes is not None and passes.parts and bool(np.any(np.equal(paths.scatterings, 0)))
+        shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms, parts))
         self._clock.lap(Stage.SHADE)
         origins = _Origins(points, offset, kernel.one_sided)
         if light is not None:
-            self._add_direct(paths, origins, light, shaded.direct)
+            self._add_direct(paths, origins, light, shaded)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
+        if passes is not None:
+            passes.remember(paths, shaded.shares)
         fate = (
             self._pair(step_dimension(step, FATE), paths)[1] if self._flow.roulette and step >= ROULETTE_AFTER else None
         )
@@ -240,20 +244,19 @@ class Tracer:
                 paths.throughput[:, index] *= color_weight(paths.wavelength[index])
                 paths.awaits_color[index] = False
 
-    def _add_direct(self, paths: Paths, origins: _Origins, light: LightChoice, direct: np.ndarray) -> None:
+    def _add_direct(self, paths: Paths, origins: _Origins, light: LightChoice, shaded: Shaded) -> None:
         """Ask for visibility where light would arrive, and add what does."""
-        sample = light.sample
+        sample, direct = light.sample, shaded.direct
         direct *= paths.throughput
         index = np.flatnonzero(direct.any(axis=0))
         if self._kernel.sight.casts_shadow is not None:
             casts = np.broadcast_to(self._kernel.sight.casts_shadow[light.number], paths.pixel.shape)[index]
             free, index = index[~casts], index[casts]
-            self._sums.add(paths.pixel[free], np.take(direct, free, axis=1))
+            self._add_arriving(paths, free, np.take(direct, free, axis=1), shaded.direct_shares)
         if index.size == 0:
             return
         if not self._flow.asks_visibility:
-            self._sums.add(paths.pixel[index], np.take(direct, index, axis=1))
-            self._clock.lap(Stage.FILM)
+            self._add_arriving(paths, index, np.take(direct, index, axis=1), shaded.direct_shares)
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
@@ -271,7 +274,14 @@ class Tracer:
         arriving = np.take(direct, index, axis=1)
         if through.shape[0] == 3:
             arriving *= np.take(through, lit, axis=1)
+        self._add_arriving(paths, index, arriving, shaded.direct_shares)
+
+    def _add_arriving(self, paths: Paths, index: np.ndarray, arriving: np.ndarray, shares: np.ndarray | None) -> None:
+        """Add the light (3, n) of the paths at `index`, of which the families of lobes have the `shares` of all paths."""
         self._sums.add(paths.pixel[index], arriving)
+        if self._sums.passes is not None:
+            here = None if shares is None else np.take(shares, index, axis=2)
+            self._sums.passes.add_direct(paths, index, arriving, here)
         self._clock.lap(Stage.FILM)
 
     def _advance(self, paths: Paths, origins: _Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
@@ -307,6 +317,8 @@ class Tracer:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
             following.scatterings = paths.scatterings[index] + 1
+        else:
+            following.scatterings = paths.scatterings + 1
         self._clock.lap(Stage.ADVANCE)
         return following
 

@@ -14,6 +14,8 @@ import pytest
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
 from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.microfacet import MicrofacetReflection
+from etalon.lib.bsdfs.sheen import Sheen
+from etalon.lib.bsdfs.toon import Toon, cone_half_angle
 from etalon.lib.lights.build import light_sampler
 from etalon.lib.lights.environment import EnvironmentSampler
 from etalon.lib.microfacets import densities
@@ -107,6 +109,34 @@ class Interfaces:
 
     def density(self, wi):
         return np.where(wi[2] < 0.0, self.lobe(wi.shape[1]).evaluate(wi)[1], 0.0)
+
+
+WIDE = {"sheen": Sheen, "toon": partial(Toon, glossy=False), "glossy toon": partial(Toon, glossy=True)}
+
+
+@dataclass(frozen=True)
+class Cloth:
+    """Sheen of a roughness, or a cone of a size and an edge."""
+
+    name: str
+    shape: tuple[float, ...]
+    degrees: float
+
+    def lobe(self, count):
+        return WIDE[self.name](view(self.degrees, count), *map(np.float64, self.shape))
+
+    def test(self, rng):
+        wi, _, pdf = self.lobe(COUNT).sample(*rng.random((2, COUNT)))
+        wi[:, pdf <= 0.0] = np.nan
+        if self.name == "sheen":
+            return wi, self.density, Sphere(), COARSE
+        x, y, z = view(self.degrees)[:, 0]
+        axis = np.array([-x, -y, z]) if self.name == "glossy toon" else np.array([0.0, 0.0, 1.0])
+        chart = Cone(axis, 1.0 - np.cos(cone_half_angle(*self.shape)))
+        return wi, self.density, chart, COARSE | {"tolerance": 3e-4}  # a horizon may cross the chart
+
+    def density(self, wi):
+        return self.lobe(wi.shape[1]).evaluate(wi)[1]
 
 
 def area(shape, spread=np.pi, edge_v=(0.0, 1.0, 0.0)):
@@ -232,6 +262,9 @@ def grid():
             for degrees in (0.0, 45.0, 80.0, 89.9)
             if glass or eta > 1.0  # without Fresnel the density ends in a step where total reflection begins
         ]
+    cases += [Cloth("sheen", (r,), degrees) for r in (0.1, 0.3, 0.6, 1.0) for degrees in ANGLES]
+    cones = ((0.2, 0.0), (0.5, 0.2), (0.9, 0.3))
+    cases += [Cloth(name, shape, 60.0) for name in ("toon", "glossy toon") for shape in cones]
     cases += [Towards(light, point) for light in LIGHTS for point in POINTS]
     cases += [World(kind, rows) for kind in ("even", "dome", "hot", "stripes", "pole", "dark") for rows in (4, 8, 16)]
     return {" ".join(map(str, (type(case).__name__, *vars(case).values()))): case for case in cases}
@@ -254,7 +287,7 @@ def test_the_grid_is_large_and_a_tenth_of_it_runs():
     assert len(GRID) >= 1000
     share = sum(map(of_the_default_run, GRID)) / len(GRID)
     assert 0.07 < share < 0.13
-    for kind in (Normals, Lobe, Interfaces, Towards, World):
+    for kind in (Normals, Lobe, Interfaces, Cloth, Towards, World):
         assert any(of_the_default_run(name) and isinstance(case, kind) for name, case in GRID.items())
 
 
@@ -271,6 +304,7 @@ PLANTED = [
     Lobe("ggx", "bounded", (0.3, 0.3), 20.0),
     Lobe("beckmann", "d_cos", (0.1, 0.1), 45.0),
     Interfaces("beckmann", (0.3, 0.3), 1.5, True, 45.0),
+    Cloth("sheen", (0.3,), 70.0),
     Towards("rectangle", "aside"),
     Towards("sphere", "very far"),
     World("hot", 8),

@@ -25,9 +25,13 @@ class Clock:
 
 
 class Painter:
-    """Gives the image `truth` (height, width, 3) with noise `sigma` of one sample, and counts what it was asked for."""
+    """Gives the image `truth` (height, width, 3) with noise `sigma` of one sample, and counts what it was asked for.
 
-    def __init__(self, name, truth, sigma=0.05, settings=None, clock=None, cost=(0.01, 0.001), change=None):
+    `passes` are the parts of it, light pass -> (height, width, 3); each has noise of its own.
+    """
+
+    def __init__(self, name, truth, sigma=0.05, settings=None, clock=None, cost=(0.01, 0.001), change=None, passes=()):
+        self.passes = dict(passes)
         self.name, self.settings = name, settings or {"kind": "painter"}
         self.truth, self.sigma, self.cost = truth, sigma, cost
         self.clock, self.change = clock or Clock(), change
@@ -45,12 +49,25 @@ class Painter:
         seconds = self.cost[0] + self.cost[1] * samples * share
         if windows is not None:
             image = np.where(windows.mask[..., None], image, np.nan)
+        parts = {}
+        for light, part in self.passes.items():
+            parts[light] = part * (1.0 + self.sigma / np.sqrt(samples) * rng.standard_normal((*part.shape[:2], 1)))
+            if self.change is not None:
+                parts[light] = self.change(replicate, parts[light])
         self.clock.now += seconds
         progress.report(0.5)
         progress.report(1.0)
         counts = (~np.isfinite(image).all(axis=2)).astype(int)
         return Rendering(
-            image, counts, seconds, {"paint": seconds}, round(image[..., 0].size * share) * samples, 7, windows
+            image,
+            counts,
+            seconds,
+            {"paint": seconds},
+            round(image[..., 0].size * share) * samples,
+            7,
+            windows,
+            None,
+            parts,
         )
 
 

@@ -21,7 +21,7 @@ def node_tree(probe):
     tree.nodes.clear()
     shader = tree.nodes.new("ShaderNode" + probe.node)
     if probe.distribution:
-        shader.distribution = probe.distribution
+        setattr(shader, "component" if probe.node == "BsdfToon" else "distribution", probe.distribution)
     if probe.fresnel:
         shader.fresnel_type = probe.fresnel
     sockets = {socket.identifier: socket for socket in shader.inputs}

@@ -27,7 +27,7 @@ Value = float | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Probe:
-    """One node with its sockets, on facets of all angles under one light.
+    """One node with its sockets, on facets of all angles under one light. `distribution` is a Toon node's component, too.
 
     `fact` is what a change in Cycles is reported as. `node` is Blender's type without 'ShaderNode', `inputs` go by identifier,
     colours are RGBA. `normal`: colour and strength of a normal map that turns the node's normal. A node with anisotropy has its
@@ -68,6 +68,7 @@ CONDUCTOR = {"IOR": (0.2, 0.9, 1.3), "Extinction": (3.9, 2.4, 1.9)}
 MAPPED = ((0.62, 0.42, 0.93, 1.0), 0.5)  # the viewer sees the front of every turned normal
 STRETCH = {"Anisotropy": 0.6, "Rotation": 0.1}
 BOTH_SIDES = ("front", "back")
+FILMS = Versions("5.0")  # films as they are simulated
 NEW_GLASS = Versions("5.3")  # glass that is anisotropic, and glass that disperses
 
 
@@ -77,11 +78,12 @@ def _glossy(fact, distribution, roughness, light="front", **inputs):
     return Probe(fact, f"Glossy {distribution} {roughness}{stretched}", light, "BsdfGlossy", inputs, distribution)
 
 
-def _metallic(fact, fresnel, distribution, roughness, **inputs):
+def _metallic(fact, fresnel, distribution, roughness, versions=EVERY, **inputs):
     stretched = f" {inputs['Anisotropy']}" if "Anisotropy" in inputs else ""
+    stretched += " film" if "Thin Film IOR" in inputs else ""
     inputs = {"Roughness": roughness, **(F82 if fresnel == "F82" else CONDUCTOR), **inputs}
     name = f"Metallic {fresnel} {distribution} {roughness}{stretched}"
-    return Probe(fact, name, "front", "BsdfMetallic", inputs, distribution, fresnel)
+    return Probe(fact, name, "front", "BsdfMetallic", inputs, distribution, fresnel, versions=versions)
 
 
 def _interface(fact, node, distribution, roughness, ior):
@@ -107,6 +109,11 @@ def _principled(fact, name, distribution="GGX", *lights, versions=EVERY, **input
     ]
 
 
+def _sheen(fact, distribution, roughness):
+    inputs = {"Color": RED, "Roughness": roughness}
+    return Probe(fact, f"Sheen {distribution} {roughness}", "front", "BsdfSheen", inputs, distribution)
+
+
 def _mapped(name, node, distribution="", **inputs):
     fresnel = "F82" if node == "BsdfMetallic" else ""
     return Probe("normal maps", f"mapped {name}", "front", node, inputs, distribution, fresnel, MAPPED)
@@ -114,6 +121,7 @@ def _mapped(name, node, distribution="", **inputs):
 
 GLASSY = {"Transmission_Weight": 1.0, "Specular_Tint": BLUE, "Roughness": 0.6}
 DISPERSION = {"Transmission_Dispersion_Scale": 1.0, "Transmission_Dispersion_Abbe_Number": 15.0}
+FILM = {"Thin_Film_Thickness": 420.0, "Thin_Film_IOR": 1.4}
 COAT = {"Coat_Weight": 0.8, "Coat_IOR": 1.5}
 
 PROBES = (
@@ -180,6 +188,38 @@ PROBES = (
         for probe in _principled("coat tint", f"tinted coat {weight}", Specular_IOR_Level=0.0, Coat_Weight=weight,
                                  Coat_Roughness=0.4, Coat_Tint=BLUE)
     ),
+    *(
+        Probe("thin film", f"Metallic {fresnel} film {thickness} {ior}", "front", "BsdfMetallic",
+              {"Roughness": 0.5, **how, "Thin Film Thickness": thickness, "Thin Film IOR": ior}, "GGX", fresnel, versions=FILMS)
+        for fresnel, how in (("F82", F82), ("PHYSICAL_CONDUCTOR", CONDUCTOR))
+        for thickness, ior in ((0.6, 1.8), (150.0, 1.33), (600.0, 2.2))
+    ),
+    _metallic("GGX table", "F82", "MULTI_GGX", 0.7, versions=FILMS, **{"Thin Film Thickness": 350.0, "Thin Film IOR": 1.5}),
+    *(
+        Probe("thin film", f"Glass {distribution} film {thickness}", light, "BsdfGlass",
+              {"Roughness": 0.5, "IOR": 1.5, "Thin Film Thickness": thickness, "Thin Film IOR": 1.8}, distribution, versions=FILMS)
+        for distribution, thickness in (("GGX", 200.0), ("GGX", 900.0), ("BECKMANN", 450.0))
+        for light in BOTH_SIDES
+    ),
+    *_principled("thin film", "film on metal", versions=FILMS, Metallic=1.0, Specular_Tint=BLUE, **FILM),
+    *_principled("thin film", "film on glass", "GGX", *BOTH_SIDES, versions=FILMS, **GLASSY, **FILM),
+    *_principled("thin film layer", "film on layer", versions=FILMS, **FILM),
+    *_principled("thin film layer", "film on tinted layer", versions=FILMS, Specular_Tint=BLUE, IOR=1.8, **FILM),
+    *_principled("thin film layer", "film on layer MULTI_GGX", "MULTI_GGX", versions=FILMS, Roughness=0.8, **FILM),
+    *(_sheen("sheen", "MICROFIBER", roughness) for roughness in (0.05, 0.3, 0.7, 1.0)),
+    *(_sheen("velvet", "ASHIKHMIN", sigma) for sigma in (0.15, 0.3, 1.0)),
+    *_principled("Principled sheen", "sheen 0.2", Sheen_Weight=0.8, Sheen_Roughness=0.2, Sheen_Tint=BLUE),
+    *_principled("Principled sheen", "sheen 0.6 over metal", Metallic=1.0, Sheen_Weight=1.0, Sheen_Roughness=0.6),
+    *_principled("Principled sheen", "sheen over coat", Specular_IOR_Level=0.0, Sheen_Weight=1.0, Sheen_Roughness=0.5,
+                 Sheen_Tint=BLUE, **COAT),
+    *(
+        Probe("toon", f"Toon {component} {size} {smooth}", "front", "BsdfToon",
+              {"Color": RED, "Size": size, "Smooth": smooth}, component)
+        for component, size, smooth in (("DIFFUSE", 0.6, 0.3), ("DIFFUSE", 0.9, 0.6), ("GLOSSY", 0.5, 0.4), ("GLOSSY", 0.8, 0.0))
+    ),
+    _mapped("Sheen", "BsdfSheen", "MICROFIBER", Roughness=0.5),
+    _mapped("sheen", "BsdfPrincipled", "GGX", Roughness=0.6, Metallic=1.0, **{"Sheen Weight": 0.8, "Coat Weight": 0.5}),
+    _mapped("Toon", "BsdfToon", "GLOSSY", Size=0.7, Smooth=0.4),
     _mapped("Diffuse", "BsdfDiffuse", Color=RED),
     _mapped("rough Diffuse", "BsdfDiffuse", Color=WHITE, Roughness=0.4),
     _mapped("Glossy", "BsdfGlossy", "GGX", Roughness=0.5),

@@ -7,13 +7,17 @@ import numpy as np
 from etalon.lib.blender_versions import Versions
 from etalon.lib.departures.catalogue import relevant
 from etalon.lib.scene import materials as mt
+from etalon.lib.scene.converters import VectorMath
 from etalon.lib.scene.expressions import (
+    BLACK,
     ONE,
     WHITE,
     ZERO,
     BeneathLayer,
+    BeneathSheen,
     CoatTint,
     Constant,
+    Coordinates,
     Gamma,
     Math,
     Mix,
@@ -51,6 +55,12 @@ class Sockets:
         color, strength = self._probe.normal
         return NormalMap(Constant(tuple(_single(v) for v in color[:3])), Constant(_single(strength)))
 
+    @property
+    def film(self):
+        """Thickness and index of the film, where there is one."""
+        thickness = self("Thin Film Thickness", 0.0)
+        return {} if thickness == ZERO else {"film_thickness": thickness, "film_ior": self("Thin Film IOR", 1.33)}
+
     def stretch(self, anisotropy="Anisotropy", rotation="Rotation"):
         """What an anisotropic lobe has besides its roughness."""
         if not self._probe.is_stretched:
@@ -82,13 +92,13 @@ def _metallic(probe, read):
         (read("Base Color", GREY), read("Edge Tint", ONES)) if f82 else (read("IOR", 1.5), read("Extinction", 1.5))
     )
     kind = "F82" if f82 else "CONDUCTOR"
-    return mt.Metallic(probe.distribution, kind, base, edge, read("Roughness", 0.5), **read.stretch())
+    return mt.Metallic(probe.distribution, kind, base, edge, read("Roughness", 0.5), **read.stretch(), **read.film)
 
 
 def _glass(probe, read):
     color, ior, roughness = read("Color", ONES), read("IOR", 1.5), read("Roughness", 0.0)
     if probe.distribution != "MULTI_GGX":
-        return mt.Glass(color, ior, roughness, probe.distribution, **read.stretch())
+        return mt.Glass(color, ior, roughness, probe.distribution, **read.stretch(), **read.film)
     return mt.Glass(WHITE, ior, roughness, "MULTI_GGX", color, color, **read.stretch())
 
 
@@ -96,6 +106,16 @@ def _refraction(probe, read):
     return mt.Refraction(
         read("Color", ONES), read("IOR", 1.45), read("Roughness", 0.0), probe.distribution, read.normal
     )
+
+
+def _sheen(probe, read):
+    kind = mt.Velvet if probe.distribution == "ASHIKHMIN" else mt.Sheen
+    return kind(read("Color", GREY), read("Roughness", 0.5), read.normal)
+
+
+def _toon(probe, read):
+    kind = mt.GlossyToon if probe.distribution == "GLOSSY" else mt.Toon
+    return kind(read("Color", GREY), read("Size", 0.5), read("Smooth", 0.0), read.normal)
 
 
 def _times(weight, factor):
@@ -120,32 +140,47 @@ def _beneath_coat(probe, read, release):
     return Mix(weight, WHITE, colored) if covers else colored
 
 
+def _sheen_normal(normal, coat):
+    """That of the node, turned towards the shading normal, which is the coat's, by the weight of the coat."""
+    if normal is None or coat == ZERO:
+        return normal
+    return VectorMath("NORMALIZE", Mix(coat, normal, Coordinates("SHADING_NORMAL")), BLACK, BLACK, ONE)
+
+
 def _principled(probe, read, release):
     """The layers that the probes use: a coat over metal, glass, or a dielectric with its diffuse base."""
     base, tint, roughness = read("Base Color", GREY), read("Specular Tint", ONES), read("Roughness", 0.5)
     lobes, weight, coat = [], ONE, read("Coat Weight", 0.0)
+    if (sheen := read("Sheen Weight", 0.0)) != ZERO:
+        how = read("Sheen Tint", ONES), read("Sheen Roughness", 0.5), _sheen_normal(read.normal, coat)
+        lobes.append(mt.WeightedClosure(mt.Sheen(*how), sheen))
+        weight = BeneathSheen(how[0], how[1], sheen, how[2])
     if coat != ZERO:
         closure = mt.Specular("MULTI_GGX", read("Coat IOR", 1.5), WHITE, read("Coat Roughness", 0.03))
-        lobes.append(mt.WeightedClosure(closure, coat))
-        weight = _beneath_coat(probe, read, release)
+        lobes.append(mt.WeightedClosure(closure, _times(weight, coat)))
+        weight = _times(weight, _beneath_coat(probe, read, release))
     if read("Metallic", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
-        lobes.append(mt.WeightedClosure(mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how), weight))
+        lobes.append(
+            mt.WeightedClosure(
+                mt.Metallic(probe.distribution, "F82", base, tint, roughness, **how, **read.film), weight
+            )
+        )
     elif read("Transmission Weight", 0.0) == ONE:
         how = read.stretch("Anisotropic", "Anisotropic Rotation")
         if probe.is_stretched:  # as the Glass BSDF states what divides alpha along x by the root
             how["anisotropy"] = Constant(float(np.sqrt(1.0 - 0.9 * how["anisotropy"].value)) - 1.0)
         scale, abbe = (read(f"Transmission Dispersion {name}", value).value for name, value in DISPERSION)
         how |= {"transmission": Gamma(base, Constant(0.5)), "tint": tint, "dispersion": Constant(scale / abbe)}
-        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, **how)
+        glass = mt.Glass(WHITE, read("IOR", 1.5), roughness, probe.distribution, **how, **read.film)
         lobes.append(mt.WeightedClosure(glass, weight))
     else:
         ior, level = read("IOR", 1.5).value, read("Specular IOR Level", 0.5).value
         if level:
             root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             ior = Constant((1.0 + root) / (1.0 - root))
-            lobes.append(mt.WeightedClosure(mt.Specular(probe.distribution, ior, tint, roughness), weight))
-            weight = _times(weight, BeneathLayer(ior, tint, roughness, ONE, probe.distribution))
+            lobes.append(mt.WeightedClosure(mt.Specular(probe.distribution, ior, tint, roughness, **read.film), weight))
+            weight = _times(weight, BeneathLayer(ior, tint, roughness, ONE, probe.distribution, **read.film))
         lobes.append(mt.WeightedClosure(mt.Diffuse(base, read("Diffuse Roughness", 0.0)), weight))
     return lobes
 
@@ -157,6 +192,8 @@ _CLOSURES = {
     "BsdfMetallic": _metallic,
     "BsdfGlass": _glass,
     "BsdfRefraction": _refraction,
+    "BsdfSheen": _sheen,
+    "BsdfToon": _toon,
 }
 
 

@@ -40,8 +40,6 @@ def refuse_beside_bump(owner: str, lobes: list[WeightedClosure]) -> Iterator[Ref
 
 
 def _reads_normal(node: ex.Expression) -> str:
-    if isinstance(node, ex.FresnelFactor | ex.LayerWeight):
-        return "Fresnel or Layer Weight"
     if isinstance(node, ex.Coordinates) and node.kind in ("NORMAL", "SHADING_NORMAL"):
         return "a normal as coordinates"
     if isinstance(node, ex.NormalMap) and node.space != "TANGENT":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reader of the Principled BSDF: a stack of layers becomes a flat list of lobes, each weighed by what the layers above leave.
 
-From top to bottom: alpha, coat, emission, metal, transmission, specular, diffuse (Cycles, kernel/svm/closure.h).
+From top to bottom: alpha, sheen, coat, emission, metal, transmission, specular, diffuse (Cycles, kernel/svm/closure.h).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import bpy
 from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
+from ....lib.scene.converters import VectorMath
 from ....lib.textures.fold import is_constant
 from .shader_reader import ShaderReader
 from .tree import Scope
@@ -72,6 +73,7 @@ class _Principled:
     def __init__(self, reader: ShaderReader, node: bpy.types.Node, scope: Scope) -> None:
         self._reader, self._node, self._scope = reader, node, scope
         self._normal = reader.normal(node, scope)
+        self._film = reader.film(node, scope)
         self._distribution = node.distribution if node.distribution == "MULTI_GGX" else "GGX"
 
     def _socket(self, name: str, absent: ex.Expression = ex.ZERO) -> ex.Expression:
@@ -95,7 +97,7 @@ class _Principled:
         alpha = self._share("Alpha")
         add(mt.Transparent(), rest.without(alpha))
         rest = rest.times(alpha)
-        rest = self._coat(rest, add)
+        rest = self._coat(self._sheen(rest, add), add)
         strength = self._socket("Emission Strength")
         add(
             mt.Emission(self._socket("Emission Color", ex.WHITE), strength),
@@ -112,6 +114,28 @@ class _Principled:
             rest = self._specular(rest, add)
             add(mt.Diffuse(self._socket("Base Color"), self._socket("Diffuse Roughness"), self._normal), rest)
         return found
+
+    def _sheen(self, rest: _Weight, add: _Add) -> _Weight:
+        weight = self._reader.folder(ex.Math("MAXIMUM", self._socket("Sheen Weight"), ex.ZERO, ex.ZERO))
+        if weight == ex.ZERO:
+            return rest
+        tint, roughness, normal = (
+            self._socket("Sheen Tint", ex.WHITE),
+            self._socket("Sheen Roughness"),
+            self._sheen_normal(),
+        )
+        add(mt.Sheen(tint, roughness, normal), rest.times(weight))
+        return rest.times(ex.BeneathSheen(tint, roughness, weight, normal))
+
+    def _sheen_normal(self) -> ex.Expression | None:
+        """The node's normal, turned towards the coat's by the coat's weight."""
+        share = self._share("Coat Weight")
+        coat = self._reader.normal(self._node, self._scope, "Coat Normal")
+        if share == ex.ZERO or coat == self._normal:
+            return self._normal
+        shading = ex.Coordinates("SHADING_NORMAL")
+        mixed = ex.Mix(share, self._normal or shading, coat or shading)
+        return VectorMath("NORMALIZE", mixed, ex.BLACK, ex.BLACK, ex.ONE)
 
     def _coat(self, rest: _Weight, add: _Add) -> _Weight:
         weight = self._reader.folder(ex.Math("MAXIMUM", self._socket("Coat Weight"), ex.ZERO, ex.ZERO))
@@ -156,7 +180,7 @@ class _Principled:
 
     def _metal(self) -> mt.Metallic:
         base, edge = self._socket("Base Color"), self._socket("Specular Tint", ex.WHITE)
-        return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch())
+        return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch(), **self._film)
 
     def _dispersion(self) -> ex.Expression:
         """The reciprocal of the glass's Abbe number; none where scale or number is not positive. Blender 5.3 and later."""
@@ -180,6 +204,7 @@ class _Principled:
             tint=self._socket("Specular Tint", ex.WHITE),
             normal=self._normal,
             dispersion=self._dispersion(),
+            **self._film,
             **(self._glass_stretch() if bpy.app.version in _STRETCHES_GLASS else {}),
         )
 
@@ -203,9 +228,17 @@ class _Principled:
             root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             root = min(max(root, -_LARGEST_ROOT), _LARGEST_ROOT)
             ior = (1.0 + root) / (1.0 - root)
-        if ior == 1.0:
+        if ior == 1.0 and not self._film:
             return rest
+        if not all(map(is_constant, self._film.values())):
+            what = ", sockets 'Thin Film' (textured) above a diffuse base,"
+            self._reader.values.refuse(
+                self._node, self._scope, what, "unlink them, or make it all metal or transmission"
+            )
+            self._film = {}
         eta, tint = ex.Constant(ior), self._socket("Specular Tint", ex.WHITE)
-        add(mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch()), rest)
-        below = ex.BeneathLayer(eta, tint, self._socket("Roughness"), ex.ONE, self._distribution, self._normal)
+        closure = mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch(), **self._film)
+        add(closure, rest)
+        roughness, distribution = self._socket("Roughness"), self._distribution
+        below = ex.BeneathLayer(eta, tint, roughness, ex.ONE, distribution, self._normal, **self._film)
         return rest.times(below)

@@ -16,9 +16,17 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
     ),
     "ShaderNodeBsdfDiffuse": Declaration(reads=("Color", "Roughness", "Normal")),
     "ShaderNodeBsdfGlass": Declaration(
-        reads=("Color", "Roughness", "IOR", "Normal", "Anisotropy", "Rotation", "Tangent"),
-        neutral={"Thin Film Thickness": 0.0},
-        idle=("Thin Film IOR",),
+        reads=(
+            "Color",
+            "Roughness",
+            "IOR",
+            "Normal",
+            "Anisotropy",
+            "Rotation",
+            "Tangent",
+            "Thin Film Thickness",
+            "Thin Film IOR",
+        ),
         properties={"distribution": ("BECKMANN", "GGX", "MULTI_GGX")},
     ),
     "ShaderNodeBsdfGlossy": Declaration(
@@ -31,14 +39,14 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
             "Edge Tint",
             "IOR",
             "Extinction",
+            "Thin Film Thickness",
+            "Thin Film IOR",
             "Roughness",
             "Anisotropy",
             "Rotation",
             "Normal",
             "Tangent",
         ),
-        neutral={"Thin Film Thickness": 0.0},
-        idle=("Thin Film IOR",),
         properties={"distribution": ("BECKMANN", "GGX", "MULTI_GGX"), "fresnel_type": ("PHYSICAL_CONDUCTOR", "F82")},
     ),
     "ShaderNodeBsdfPrincipled": Declaration(
@@ -63,29 +71,35 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
             "Coat IOR",
             "Coat Tint",
             "Coat Normal",
+            "Thin Film Thickness",
+            "Thin Film IOR",
+            "Sheen Weight",
+            "Sheen Roughness",
+            "Sheen Tint",
             "Emission Color",
             "Emission Strength",
         ),
         neutral={
-            "Thin Film Thickness": 0.0,
             "Subsurface Weight": 0.0,
-            "Sheen Weight": 0.0,
             "Thin Wall": 0.0,
         },
         idle=(
-            "Thin Film IOR",
             "Subsurface Radius",
             "Subsurface Scale",
             "Subsurface IOR",
             "Subsurface Anisotropy",
-            "Sheen Roughness",
-            "Sheen Tint",
         ),
         properties={"distribution": ("GGX", "MULTI_GGX")},
         unused=("subsurface_method",),
     ),
     "ShaderNodeBsdfRefraction": Declaration(
         reads=("Color", "Roughness", "IOR", "Normal"), properties={"distribution": ("BECKMANN", "GGX")}
+    ),
+    "ShaderNodeBsdfSheen": Declaration(
+        reads=("Color", "Roughness", "Normal"), properties={"distribution": ("ASHIKHMIN", "MICROFIBER")}
+    ),
+    "ShaderNodeBsdfToon": Declaration(
+        reads=("Color", "Size", "Smooth", "Normal"), properties={"component": ("DIFFUSE", "GLOSSY")}
     ),
     "ShaderNodeBsdfTranslucent": Declaration(reads=("Color", "Normal")),
     "ShaderNodeBsdfTransparent": Declaration(reads=("Color",)),

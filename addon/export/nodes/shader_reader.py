@@ -8,11 +8,15 @@ from dataclasses import dataclass, fields, replace
 
 import bpy
 
+from ....lib.blender_versions import Versions
+from ....lib.microfacets.thin_film import LEAST_THICKNESS
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
-from ....lib.textures.fold import Folder
+from ....lib.textures.fold import Folder, is_constant
 from .tree import Scope, Source, TreeReader, remedy_for_unread, valid_link
 
+# Before, films lie on dielectrics alone, and their colours come from another fit.
+_FILMS = Versions("5.0")
 Key = tuple
 """Identifies an output of a node in its scope."""
 
@@ -116,6 +120,19 @@ class ShaderReader:
     def normal(self, node: bpy.types.Node, scope: Scope, name: str = "Normal") -> ex.Expression | None:
         """What is linked to the node's normal, else the surface's; None for the shading normal."""
         return self.read(node, name, scope) if valid_link(node.inputs[name]) else self.values.surface_normal
+
+    def film(self, node: bpy.types.Node, scope: Scope) -> dict[str, ex.Expression]:
+        """Thickness and index of the node's thin film, by the fields of a closure; nothing where there is none."""
+        if "Thin Film Thickness" not in node.inputs:
+            return {}
+        thickness = self.read(node, "Thin Film Thickness", scope)
+        if is_constant(thickness) and thickness.value <= LEAST_THICKNESS:
+            return {}
+        if bpy.app.version[:2] not in _FILMS:
+            what = f", socket 'Thin Film Thickness' in Blender before {_FILMS.first},"
+            self.values.refuse(node, scope, what, "set it to 0, or use a newer Blender")
+            return {}
+        return {"film_thickness": thickness, "film_ior": self.read(node, "Thin Film IOR", scope)}
 
     def tangent(self, node: bpy.types.Node, scope: Scope) -> mt.Tangent:
         """Where the node's socket Tangent points."""

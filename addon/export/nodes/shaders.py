@@ -59,6 +59,7 @@ def _metallic(
         reader.read(node, "Extinction" if conductor else "Edge Tint", scope),
         reader.read(node, "Roughness", scope),
         normal=reader.normal(node, scope),
+        **reader.film(node, scope),
     )
     anisotropy = reader.folder(
         ex.Math("ADD", reader.values.read(node.inputs["Anisotropy"], scope), ex.ZERO, ex.ZERO, clamp=True)
@@ -73,6 +74,18 @@ def _translucent(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
     return [reader.lobe(mt.Translucent(reader.read(node, "Color", scope), reader.normal(node, scope)), weight)]
+
+
+def _sheen(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
+    kind = mt.Velvet if node.distribution == "ASHIKHMIN" else mt.Sheen
+    color, roughness = (reader.read(node, name, scope) for name in ("Color", "Roughness"))
+    return [reader.lobe(kind(color, roughness, reader.normal(node, scope)), weight)]
+
+
+def _toon(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
+    kind = mt.GlossyToon if node.component == "GLOSSY" else mt.Toon
+    sockets = (reader.read(node, name, scope) for name in ("Color", "Size", "Smooth"))
+    return [reader.lobe(kind(*sockets, reader.normal(node, scope)), weight)]
 
 
 def _emission(
@@ -90,10 +103,10 @@ def _transparent(
 
 def _glass(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression) -> list[mt.WeightedClosure]:
     color, ior, roughness = (reader.read(node, name, scope) for name in ("Color", "IOR", "Roughness"))
-    normal = reader.normal(node, scope)
+    normal, film = reader.normal(node, scope), reader.film(node, scope)
     if _is_smooth(roughness):
-        return [reader.lobe(mt.Glass(color, ior, normal=normal), weight)]
-    glass = mt.Glass(color, ior, roughness, node.distribution, normal=normal)
+        return [reader.lobe(mt.Glass(color, ior, normal=normal, **film), weight)]
+    glass = mt.Glass(color, ior, roughness, node.distribution, normal=normal, **film)
     if "Anisotropy" in node.inputs:  # Blender 5.3 and later
         anisotropy = reader.read(node, "Anisotropy", scope)
         if not (is_constant(anisotropy) and abs(anisotropy.value) <= _LEAST_ANISOTROPY):
@@ -145,6 +158,8 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeEmission": _emission,
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeBsdfSheen": _sheen,
+    "ShaderNodeBsdfToon": _toon,
     "ShaderNodeBsdfGlass": _glass,
     "ShaderNodeBsdfRefraction": _refraction,
     "ShaderNodeBsdfMetallic": _metallic,

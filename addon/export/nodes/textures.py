@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 
 from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
@@ -68,8 +67,6 @@ _VOLUME_NAMES = (
 )
 _VOLUME_NAMES_TAKEN = Versions(None, "5.2")
 _INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
-# Cycles takes a difference over this share of a pixel for the slope of a height; the reference takes the slope itself.
-_FILTER_WIDTH = np.float32(0.1)
 _NEUTRAL_MAPPING = {
     "translation": (0.0, 0.0, 0.0),
     "rotation": (0.0, 0.0, 0.0),
@@ -160,11 +157,9 @@ def _bump(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.
     normal = reader.read(node.inputs["Normal"], scope) if valid_link(node.inputs["Normal"]) else reader.surface_normal
     if not valid_link(node.inputs["Height"]):
         return normal or ex.Coordinates("SHADING_NORMAL")
-    width = node.inputs.get("Filter Width")  # since Blender 4.5
-    if width is not None:
+    # The slope is that of the height itself; the neutral state has Cycles take a difference over a small share of a pixel.
+    if "Filter Width" in node.inputs:  # since Blender 4.5
         reader.refuse_linked(node, scope, "Filter Width")
-        if not valid_link(width) and np.float32(width.default_value) != _FILTER_WIDTH:
-            reader.refuse(node, scope, ", socket 'Filter Width',", f"set it to {_FILTER_WIDTH:g}")
     return ex.Bump(height, strength, distance, normal, node.invert)
 
 

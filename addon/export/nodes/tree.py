@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
+from ....lib.blender_versions import Versions
 from ....lib.errors import Refusal
 from ....lib.scene import expressions as ex
 from ....lib.textures.fold import fold
@@ -19,6 +20,8 @@ _COLORS = ("RGBA", "VECTOR")
 # Before Blender 5.0 sockets of groups and of muted nodes convert what passes them; since then they convert plain values only, and
 # what a node gives is converted by the socket that uses it.
 _CONVERTS_ALL = bpy.app.version < (5, 0, 0)
+# An input at the end of muted nodes and reroutes that lead nowhere keeps its own value; in 4.5 it is 0, and 5.0 and 5.1 are not measured.
+_KEEPS_OWN_VALUE = Versions("5.2")
 # Nodes that may feed one another: readers and evaluators call each other that deep, and Python's limit is 1000 calls.
 _DEEPEST = 100
 
@@ -117,8 +120,12 @@ class TreeReader:
             self.refuse(node, scope, f", socket '{socket.name}',", remedy)
 
     def trace(self, socket: bpy.types.NodeSocket, scope: Scope) -> Source:
-        """Follow links from the input `socket` to where its content comes from."""
+        """Follow links from the input `socket` to where its content comes from.
+
+        An input at the end of muted nodes and reroutes that pass nothing on keeps its own value, as in Cycles.
+        """
         passed: list[str] = []
+        own = Source(socket, scope, False, ())
         while True:
             link = valid_link(socket)
             if link is None:
@@ -128,8 +135,10 @@ class TreeReader:
                 passed.append(output.type)
                 inner = next((i.from_socket for i in node.internal_links if i.to_socket == output), None)
                 if inner is None or valid_link(inner) is None:
-                    self.refuse(node, scope, ", which passes nothing on,", "delete it")
-                    return Source(socket, scope, False, tuple(passed))
+                    ends_at_once = inner is None and socket == own.socket
+                    if not ends_at_once and bpy.app.version not in _KEEPS_OWN_VALUE:
+                        self.refuse(node, scope, ", which passes nothing on,", "delete it")
+                    return own
                 socket = inner
             elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
                 passed.append(output.type)
@@ -140,10 +149,12 @@ class TreeReader:
                         node, scope, f", output '{output.name}', to which the group leads nothing,", "unlink it"
                     )
                     return Source(link.to_socket, scope, False, tuple(passed))
+                own = Source(socket, scope, False, tuple(passed))
             elif node.bl_idname == "NodeGroupInput" and scope.group is not None and scope.parent is not None:
                 passed.append(output.type)
                 socket = next(s for s in scope.group.inputs if s.identifier == output.identifier)
                 scope = scope.parent
+                own = Source(socket, scope, False, tuple(passed))
             else:
                 return Source(output, scope, True, tuple(passed))
 

@@ -12,7 +12,7 @@ from .converters import CONVERTERS
 from .procedural import PROCEDURAL
 from .sky import read_sky
 from .textures import TEXTURES
-from .tree import Scope, TreeReader
+from .tree import Scope, TreeReader, valid_link
 
 _CONTENT_BY_TYPE = {"FLOAT": "Float", "VECTOR": "Vector", "RGBA": "Color"}
 
@@ -69,13 +69,12 @@ def _color_ramp(reader: TreeReader, node: bpy.types.Node, output: str, scope: Sc
 
 
 def _fresnel(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
-    _refuse_angle(reader, node, scope)
-    return ex.FresnelFactor(reader.read(node.inputs["IOR"], scope))
+    return ex.FresnelFactor(reader.read(node.inputs["IOR"], scope), _normal(reader, node, scope))
 
 
 def _layer_weight(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
-    _refuse_angle(reader, node, scope)
-    return ex.LayerWeight(reader.read(node.inputs["Blend"], scope), output=output.upper())
+    blend = reader.read(node.inputs["Blend"], scope)
+    return ex.LayerWeight(blend, output=output.upper(), normal=_normal(reader, node, scope))
 
 
 def _light_falloff(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
@@ -93,10 +92,10 @@ def _light_path(reader: TreeReader, node: bpy.types.Node, output: str, scope: Sc
     return ex.RayFlag(flag)
 
 
-def _refuse_angle(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> None:
-    reader.refuse_linked(node, scope, "Normal")
+def _normal(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> ex.Expression | None:
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
+    return reader.read(node.inputs["Normal"], scope) if valid_link(node.inputs["Normal"]) else reader.surface_normal
 
 
 VALUES = {

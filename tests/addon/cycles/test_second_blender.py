@@ -14,6 +14,7 @@ from etalon.addon.cycles.second_blender import SecondBlender
 from etalon.addon.host.quiet import quiet
 from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.errors import EtalonError
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.film.windows import Windows
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
@@ -72,6 +73,11 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
             there = second.render(5, 2, windows=windows)
             np.testing.assert_array_equal(there.radiance, here.render(5, 2, windows=windows).radiance)
             assert there.windows == windows
+        asked = (LightPass.DIFFUSE_DIRECT, LightPass.ENVIRONMENT)
+        there = second.with_passes(asked).render(5, 2).passes
+        assert tuple(there) == asked
+        for name, light in here.with_passes(asked).render(5, 2).passes.items():
+            np.testing.assert_array_equal(there[name], light)
     finally:
         second.close()
 
@@ -112,7 +118,7 @@ def test_it_ends_amid_a_render_when_this_process_is_gone(program, tmp_path):
     second = SecondBlender(tmp_path / "copy.blend", scene.name, Settings(seed=3, threads=1))
     try:
         second.export()
-        second._send({"replicate": 0, "samples": 1 << 24, "windows": None, "size": None})
+        second._send({"replicate": 0, "samples": 1 << 24, "windows": None, "size": None, "passes": []})
         second._process.stdin.close()  # as the system does for a process that ends, however that happens
         assert second._process.wait(timeout=60) == 0
     finally:

@@ -7,7 +7,7 @@ import tracemalloc
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.export.mesh import read_mesh
+from etalon.addon.export.mesh import read_mesh, require_indices
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene.mesh import Object
 from etalon.lib.scene.placements import Placements
@@ -330,12 +330,20 @@ def test_faces_on_top_of_each_other_are_found_by_name_with_their_area(studio):
     assert "apart" not in found.what
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_a_vertex_that_is_no_number_is_named(studio, bad):
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.1e18])
+def test_a_vertex_that_is_nowhere_is_named(studio, bad):
     thing = studio.quad("broken")
     thing.data.vertices[2].co.y = bad
-    with pytest.raises(EtalonError, match="broken: 1 vertices are not finite numbers"):
+    with pytest.raises(EtalonError, match="broken: 1 coordinate of vertices not finite or beyond"):
         studio.export()
+
+
+@pytest.mark.parametrize("bad", [-1, 5, -838819771])
+def test_a_face_whose_corners_are_not_there_is_named(bad):
+    require_indices(np.array([[0, 1, 2], [2, 3, 4]], np.int32), 5, "whole")
+    require_indices(np.empty((0, 3), np.int32), 0, "empty")
+    with pytest.raises(EtalonError, match="broken: faces of its mesh use corners that are not there"):
+        require_indices(np.array([[0, 1, 2], [2, 3, bad]], np.int32), 5, "broken")
 
 
 def place(placements, local, count):
@@ -368,3 +376,16 @@ def test_reading_and_joining_a_mesh_takes_little_beyond_its_arrays(studio):
     arrays = [joined.vertices, joined.triangles, joined.corner_normals, joined.uvs[""]]
     beyond = (peak - sum(array.nbytes for array in arrays)) / joined.triangle_count
     assert 0 < beyond < 160
+
+
+@pytest.mark.parametrize("shown_in_edit_mode", [True, False])
+def test_an_object_in_edit_mode_is_exported_as_cycles_renders_it(studio, rays, hits, shown_in_edit_mode):
+    quad = studio.quad(half=0.4)
+    row = quad.modifiers.new("row", "ARRAY")
+    row.count, row.show_in_editmode = 2, shown_in_edit_mode
+    studio.quad(half=0.5, z=-1.0)
+    studio.layer.objects.active = quad
+    bpy.ops.object.mode_set(mode="EDIT")
+    studio.look_down(2.47)
+    scene = same_as_cycles(studio, rays, hits, position, "ShaderNodeNewGeometry", "Position", 1e-5, offset=2.0)
+    assert scene.mesh.triangle_count == (6 if shown_in_edit_mode else 4)

@@ -2,12 +2,13 @@
 """The whole export: materials on their faces, the settings that count, and what is refused by name."""
 
 import re
+from collections import Counter
 
 import bpy
 import numpy as np
 import OpenImageIO
 import pytest
-from etalon.addon.export import export_scene
+from etalon.addon.export import export_scene, refusals
 from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.archive import load, save
@@ -299,7 +300,7 @@ def test_a_particle_system_that_shows_objects_is_exported(studio, rays, hits):
 def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
     """Each says what of it is not simulated; objects, lights and settings are refused as ever."""
     soft, lost = glow(studio, "red"), glow(studio, "green")
-    for material, kind in ((soft, "ShaderNodeSubsurfaceScattering"), (lost, "ShaderNodeBsdfToon")):
+    for material, kind in ((soft, "ShaderNodeSubsurfaceScattering"), (lost, "ShaderNodeBsdfRayPortal")):
         tree = material.node_tree
         node, out = tree.nodes.new(kind), next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
         tree.links.new(node.outputs[0], out.inputs["Surface"])
@@ -309,7 +310,7 @@ def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
     red, green, blue = studio.export(partial=True).materials
     assert red.lobes == green.lobes == ()
     assert "Subsurface Scattering" in red.unknown
-    assert "Toon" in green.unknown
+    assert "Ray Portal" in green.unknown
     assert blue.unknown == ""
     assert isinstance(blue.lobes[0].closure, Emission)
     studio.scene.render.use_simplify = True
@@ -365,3 +366,31 @@ def test_missing_textures_are_magenta_in_cycles_too(studio, tmp_path):
     (tmp_path / "rug.exr").unlink()
     studio.look_down(1.0)
     np.testing.assert_allclose(studio.cycles()[16, 16], [1.0, 0.0, 1.0], atol=1e-6)
+
+
+def forty_instances(studio, mesh):
+    """An object that shows 40 instances of `mesh`, one at each vertex of another."""
+    child = studio.add(f"child of {mesh.name}", mesh)
+    parent = studio.add(f"points of {mesh.name}", studio.mesh("points", [(k, 0, 0) for k in range(40)], []))
+    child.parent = parent
+    parent.instance_type = "VERTS"
+    return parent
+
+
+def test_the_properties_of_instances_are_checked_once_per_object(studio, monkeypatch):
+    checks = Counter()
+    check = refusals.refuse_undeclared
+
+    def count(owner, group, struct, found):
+        checks[group, owner] += 1
+        check(owner, group, struct, found)
+
+    monkeypatch.setattr(refusals, "refuse_undeclared", count)
+    first, second = (studio.mesh(name, [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]) for name in ("one", "two"))
+    second.texco_mesh = first  # in no table
+    forty_instances(studio, first)
+    forty_instances(studio, second)
+    with pytest.raises(Refused) as refused:
+        studio.export()
+    assert {refusal.owner for refusal in refused.value.refusals} == {"mesh 'two'"}
+    assert checks["mesh", "mesh 'one'"] == checks["mesh", "mesh 'two'"] == 1

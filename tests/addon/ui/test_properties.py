@@ -50,7 +50,7 @@ def test_labels_units_and_limits_come_from_the_declaration(scene):
 
 def test_the_panel_shows_what_is_declared_for_it():
     names = [declared.name for declared in properties.SHOWN]
-    assert names == ["tolerance", "confidence", "time", "size", "partial", "out"]
+    assert names == ["tolerance", "confidence", "time", "size", "passes", "partial", "out"]
     assert all(name in properties.EtalonSettings.__annotations__ for name in names)
 
 

@@ -6,6 +6,7 @@ import pytest
 from etalon.lib.bsdfs.ashikhmin_shirley import AshikhminShirley
 from etalon.lib.bsdfs.compensated import Compensated
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric, SmoothInterface
+from etalon.lib.bsdfs.films import Film, FilmF82
 from etalon.lib.bsdfs.fresnels import F82, Dielectric
 from etalon.lib.bsdfs.lambert import Lambert, LambertTransmission
 from etalon.lib.bsdfs.lobe import Lobe, to_rgb
@@ -13,11 +14,15 @@ from etalon.lib.bsdfs.microfacet import MicrofacetReflection
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.bsdfs.reflected import Reflected
 from etalon.lib.bsdfs.rotated import Rotated
+from etalon.lib.bsdfs.sheen import Sheen
 from etalon.lib.bsdfs.specular import Mirror, SmoothDielectric
 from etalon.lib.bsdfs.tilted import Tilted
+from etalon.lib.bsdfs.toon import Toon
+from etalon.lib.bsdfs.velvet import Velvet
 from etalon.lib.departures.closures import Misstated
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
+from etalon.lib.microfacets.thin_film import cycles_sensitivity
 
 COUNT = 40
 WO = np.repeat(np.array([[0.48], [0.36], [0.8]]), COUNT, axis=1)
@@ -27,6 +32,7 @@ WHITE = np.ones((3, 1))
 GLASS = Interface(Dielectric(ETA), WHITE, WHITE)
 ROWS = np.repeat(np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])[:, :, None], COUNT, axis=2)
 TURN = np.full(COUNT, 0.6), np.full(COUNT, 0.8)
+FILM = FilmF82(Film(np.float64(300.0), np.float64(1.5), cycles_sensitivity()), np.full((3, 1), 0.5), WHITE)
 CURVE = F82(np.full((3, 1), 0.5), WHITE)
 
 
@@ -49,7 +55,12 @@ LOBES = {
     "reflected": Reflected(glossy("visible"), WO, CURVE),
     "grey reflected": Reflected(glossy("visible"), WO, Dielectric(ETA)),
     "reflected mirror": Reflected(Mirror(WO), WO, CURVE),
+    "under a film": Reflected(glossy("visible"), WO, FILM),
     "rotated": Rotated(glossy("visible"), *TURN),
+    "sheen": Sheen(WO, ALPHA),
+    "velvet": Velvet(WO, ALPHA),
+    "toon": Toon(WO, ALPHA, ALPHA, False),
+    "glossy toon": Toon(WO, np.full(COUNT, 0.2), np.full(COUNT, 0.1), True),
     "tilted": Tilted(Lambert(), ROWS),
     "tilted mirror": Tilted(Mirror(WO), ROWS),
     "misstated": Misstated(glossy("visible"), np.full(COUNT, 1.01)),

@@ -17,6 +17,14 @@ def test_more_pixels_than_memory_are_refused_with_the_need_and_the_remedy(monkey
     )
 
 
+def test_light_passes_need_memory_of_their_own(monkeypatch):
+    """Eight passes of a picture that needs 4 of 5 GB without them."""
+    monkeypatch.setattr(memory, "usable_memory", lambda: 5 * 10**9)
+    memory.require_memory(3840, 2160)
+    with pytest.raises(EtalonError, match="about 12\\.6 GB"):
+        memory.require_memory(3840, 2160, 8)
+
+
 def test_where_the_memory_is_not_known_nothing_is_refused(monkeypatch):
     monkeypatch.setattr(memory, "usable_memory", lambda: None)
     memory.require_memory(16384, 16384)

@@ -31,7 +31,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, WeightedClosure
+from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, WeightedClosure
 from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import State
 from etalon.lib.verdict.outcome import Outcome
@@ -140,6 +140,21 @@ def prism():
     return scenes.scene(parts, [glass, scenes.emission(10.0)], camera)
 
 
+def films():
+    """A film on a steep metal, and one on glass seen from behind, in a white world; what glass refracts is swallowed."""
+    eta, k = (Constant((value,) * 3) for value in (1.5, 1.8))
+    film = {"film_thickness": Constant(60.0), "film_ior": Constant(1.33)}
+    metal = scenes.material(Metallic("GGX", "CONDUCTOR", eta, k, Constant(0.1), **film))
+    film = {"film_thickness": Constant(20.0), "film_ior": Constant(2.0)}
+    glass = scenes.material(Glass(ior=Constant(1.5), roughness=Constant(0.1), transmission=scenes.color(0.0), **film))
+    parts = [
+        scenes.quad((-2.0, -1.0, 0.0), (2.0, 0.0, -2.0 * np.tan(ANGLES[1])), (0.0, 2.0, 0.0), 0),
+        scenes.quad((0.0, -1.0, 0.0), (0.0, 2.0, 0.0), (2.0, 0.0, 0.0), 1),
+    ]
+    made = scenes.scene(parts, [metal, glass], scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 20.0)), world=1.0)
+    return replace(made, blender=(5, 3))
+
+
 def curved():
     """Facets whose colour a curve makes of values above its end, where its handle falls and its table is flat."""
     curve = Curve(0.0, 1.0, (0.2, *(0.9,) * 256), (0.2, 0.0), (0.9, -0.8))
@@ -203,6 +218,7 @@ SCENES = {
     coats: (3e-3, 1024, set()),
     early: (5e-3, 64, set()),
     prism: (2e-2, 512, set()),
+    films: (5e-3, 1024, set()),
     curved: (5e-3, 64, set()),
     rug: (1e-2, 64, set()),
     decal: (1e-2, 64, set()),

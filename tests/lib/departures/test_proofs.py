@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which side is right: each departure against quadrature, a closed form or a law of conservation, never against a renderer."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import mpmath
@@ -9,13 +10,14 @@ import pytest
 from etalon.lib.bsdfs.ashikhmin_shirley import AshikhminShirley
 from etalon.lib.bsdfs.compensated import EXACT, albedos_of, multiple_scattering
 from etalon.lib.bsdfs.dielectric import Interface, RoughDielectric
+from etalon.lib.bsdfs.films import Film, FilmConductor
 from etalon.lib.bsdfs.fresnels import Dielectric
 from etalon.lib.bsdfs.layered import beneath_layer
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 from etalon.lib.departures.closures import StrayAshikhminShirley
 from etalon.lib.departures.scene import narrow_factor, tabulated_curves, tabulated_ramp
 from etalon.lib.lights.spread import Spread
-from etalon.lib.microfacets import albedo, masking
+from etalon.lib.microfacets import albedo, masking, thin_film
 from etalon.lib.microfacets.beckmann import Beckmann, smith_lambda_rational
 from etalon.lib.microfacets.cycles_tables import COARSE, FINE
 from etalon.lib.microfacets.fresnel import dielectric
@@ -148,6 +150,54 @@ def test_what_glass_reflects_follows_its_index():
     assert shown[()] == pytest.approx(((index - 1.0) / (index + 1.0)) ** 2, rel=1e-12)
     assert shown[("undispersed reflectance",)] == pytest.approx(0.04, rel=1e-12)
     assert shown[()][0] > 0.05
+
+
+def test_a_film_looks_alike_from_both_sides():
+    """A lossless film reflects as much from outside as from inside at the refracted angle, wavelength by wavelength (Stokes)."""
+    read = lambda socket: np.asarray(socket.value)  # noqa: E731
+    glass = Glass(ior=Constant(1.5), film_thickness=Constant(300.0), film_ior=Constant(1.8))
+    outside = np.array([0.3, 0.6, 0.95])
+    inside = np.sqrt(1.0 - (1.0 - outside**2) / 1.5**2)
+
+    def seen(cosine, backfacing, *departures):
+        points = SimpleNamespace(backfacing=np.full(3, backfacing), wavelength=None)
+        site = SimpleNamespace(points=points, read=read, options=Options(departures=frozenset(departures)))
+        return _dielectric(glass, site)[1](cosine)
+
+    front = seen(outside, False)
+    np.testing.assert_allclose(seen(inside, True), front, atol=1e-4)
+    assert np.abs(seen(inside, True, "thin film from inside") - front).max() > 0.05
+
+
+def test_a_film_is_more_than_three_orders_of_interference():
+    """Under equal light of all wavelengths, by the reflectance of a film at each (Born and Wolf, sec. 1.6.4), near grazing on a metal."""
+    observer = np.loadtxt(Path(thin_film.__file__).with_name("observer.txt"))
+    weights = thin_film._REC709 @ observer[:, 1:].T
+    weights /= weights.sum(axis=1, keepdims=True)
+    cosine, index, metal, thickness = 0.05, 1.33, 1.5 + 1.8j, 60.0
+    inside = np.sqrt(1.0 - (1.0 - cosine**2) / index**2)
+    beyond = np.sqrt(1.0 - (1.0 - cosine**2) / metal**2)
+    turn = np.exp(4j * np.pi * index * thickness * inside / observer[:, 0])
+    total = 0.0
+    for outer, inner in (
+        (
+            (cosine - index * inside) / (cosine + index * inside),
+            (index * inside - metal * beyond) / (index * inside + metal * beyond),
+        ),
+        (
+            (index * cosine - inside) / (index * cosine + inside),
+            (metal * inside - index * beyond) / (metal * inside + index * beyond),
+        ),
+    ):
+        total = total + 0.5 * np.abs((outer + inner * turn) / (1.0 + outer * inner * turn)) ** 2
+    truth = weights @ total
+    shown = {}
+    for to in (thin_film.exact_sensitivity(), thin_film.cycles_sensitivity()):
+        film = Film(np.float64(thickness), np.float64(index), to)
+        curve = FilmConductor(film, np.full((3, 1), metal.real), np.full((3, 1), metal.imag))
+        shown[to.orders] = curve(np.array([cosine]))[:, 0]
+    assert shown[None] == pytest.approx(truth, abs=1e-4)
+    assert np.abs(shown[3] - truth).max() > 5e-3
 
 
 def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():

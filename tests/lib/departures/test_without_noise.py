@@ -44,6 +44,8 @@ def shader(kind, distribution=None, **inputs):
 
 COAT = {"Base_Color": RED, "Specular_IOR_Level": 0.0, "Coat_Weight": 0.8, "Coat_IOR": 1.7}
 TABLES, LAYER, COATED = "multiple-scattering tables", "layer albedo table", "lossless coat albedo"
+FILM, INSIDE_FILM = "thin film series", "thin film from inside"
+FILMS = bpy.app.version >= (5, 0, 0)  # before, films are refused
 # Material: its shader, whether it is seen from behind, and the departures that act on it, with what each changes at least.
 CASES = {
     "Beckmann": (shader("Glossy", "BECKMANN", Roughness=1.0), False, {"rational Beckmann Lambda": 1e-3}),
@@ -75,6 +77,24 @@ CASES = {
         {LAYER: 1e-3, COATED: 1e-3, TABLES: 1e-5},
     ),
 }
+if FILMS:
+    CASES |= {
+        "film on a metal": (
+            shader("Metallic", "GGX", Roughness=0.5, Thin_Film_Thickness=100.0, Thin_Film_IOR=1.33),
+            False,
+            {FILM: 3e-4},
+        ),
+        "film on a layer": (
+            shader("Principled", "GGX", Base_Color=RED, Roughness=0.4, Thin_Film_Thickness=500.0),
+            False,
+            {LAYER: 1e-3, FILM: 1e-5},
+        ),
+        "film on glass, from inside": (
+            shader("Glass", "GGX", Roughness=0.5, IOR=1.5, Thin_Film_Thickness=300.0, Thin_Film_IOR=1.8),
+            True,
+            {INSIDE_FILM: 1e-2, FILM: 1e-5},
+        ),
+    }
 # What no departure covers yet: the coats of Blender 4.2 and 4.3 have no multiple scattering and another albedo.
 COATS = Versions("4.4")
 # Before, the values at the nodes near grazing are up to 0.6 above what one scattering leaves.
@@ -155,7 +175,9 @@ def test_the_departures_of_this_blender_reproduce_it_and_each_is_needed(name, sc
 def test_every_end_of_a_range_is_told():
     """A departure that not all releases have is in a case above, so that it fails beyond its range.
 
-    Dispersion is never without noise: test_proofs.py has the closed form of its departure.
+    Dispersion is never without noise: test_proofs.py has the closed form of its departure. Films begin with 5.0 because what is before is
+    refused.
     """
     bounded = {d.name for d in DEPARTURES if str(d.versions) != "all versions"}
-    assert bounded - {"undispersed reflectance"} <= {one for _, _, acting in CASES.values() for one in acting}
+    untold = {"undispersed reflectance"} if FILMS else {"undispersed reflectance", FILM, INSIDE_FILM}
+    assert bounded - untold <= {one for _, _, acting in CASES.values() for one in acting}

@@ -8,7 +8,7 @@ import pytest
 from etalon.lib.light_tracing import adjoint
 from etalon.lib.sampling.warps import uniform_sphere
 from etalon.lib.scene.expressions import Constant
-from etalon.lib.scene.materials import Diffuse, Glass, Glossy, Translucent
+from etalon.lib.scene.materials import Diffuse, Glass, Glossy, Sheen, Translucent, Velvet
 from etalon.lib.settings.reference import Options
 from etalon.lib.surfaces.surface import SurfacePoints
 from etalon.lib.vectors import dot
@@ -25,6 +25,9 @@ ROUGH |= {
     "glossy_and_translucent": material(Glossy("GGX", color(0.5), Constant(1.0)), Translucent(color(0.4))),
     "tilted_glass": material(Glass(color(0.9), Constant(1.5), Constant(0.6), normal=TILTED)),
     "tilted_diffuse": material(Diffuse(color(0.9), normal=TILTED)),
+    "sheen": material(Sheen(color(0.9), Constant(0.15))),
+    "velvet": material(Velvet(color(0.9), Constant(0.3))),
+    "tilted_sheen": material(Sheen(color(0.9), Constant(0.5), TILTED)),
     "three_lobes": material(
         Diffuse(color(0.3)), Glossy("GGX", color(0.4), Constant(0.3)), Glass(color(0.3), Constant(1.5), Constant(0.6))
     ),

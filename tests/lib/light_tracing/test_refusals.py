@@ -11,7 +11,7 @@ from etalon.lib.light_tracing.scouting import scout_caustics
 from etalon.lib.rendering.replicates import render_film
 from etalon.lib.scene.expressions import Constant, Coordinates, VectorToValue
 from etalon.lib.scene.lights import SphereLight
-from etalon.lib.scene.materials import Glass, Glossy, Material
+from etalon.lib.scene.materials import Glass, Glossy, Material, Sheen, Toon
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.reference import Options, RenderOptions
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -31,6 +31,10 @@ REFUSED = {
         material(Glossy("GGX", color(0.8), VectorToValue(Coordinates("POSITION"))), name="Worn")
     ),
     "material 'Bumpy': .* smooth lobe under a normal map": ball_on_floor(tilted()),
+    "material 'Paint': .* Toon BSDF": ball_on_floor(material(Toon(), name="Paint")),
+    "material 'Dust': .* sheen whose roughness may be below 0.15": ball_on_floor(
+        material(Sheen(roughness=Constant(0.1)), name="Dust")
+    ),
     "material 'Hair': a node is not simulated": ball_on_floor(Material("Hair", (), "a node")),
     "scene: dispersion": ball_on_floor(material(Glass(color(1.0), Constant(1.5), dispersion=Constant(0.02)))),
     "light 'lamp': .* faces inside it": ball_on_floor(

@@ -8,6 +8,7 @@ from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.departures.catalogue import Departure
 from etalon.lib.effects.plan import Decision, Plan
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.progress import Progress
 from etalon.lib.report import write_report
 from etalon.tests.lib.renderers import Painter, blank, grey
@@ -48,6 +49,8 @@ CASES = {
     "light on black": {"truth": grey(0.0), "other": grey(1e-3)},
     "non-finite": {"change": bad_pixel},
     "nothing finite": {"change": lambda replicate, image: image * np.inf},
+    "passes": {"passes": {LightPass.GLOSSY_INDIRECT: (0.1, 0.095), LightPass.DIFFUSE_DIRECT: (0.9, 0.9)}},
+    "noisy passes": {"passes": {LightPass.EMISSION: (1.0, 1.0)}, "replicates": 1},
     "one pixel": {"truth": grey(1.0, 1, 1), "coverage": {}},
 }
 
@@ -65,15 +68,19 @@ def made(
     stop=False,
     by_rounding=False,
     finding="",
+    passes=None,
 ):
     """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference.
 
     `by_rounding`: rounding decides how much of them acts. `finding` is the check of the scene check that they come from.
+    `passes` are parts of the image, by light pass: the reference's and Cycles'.
     """
+    passes = passes or {}
     truth = grey() if truth is None else truth
     height, width, _ = truth.shape
-    reference = Painter("the reference", truth, sigma)
-    candidate = Painter("Cycles", truth if other is None else other, sigma, settings, change=change)
+    parts = [{light: truth * share[k] for light, share in passes.items()} for k in range(2)]
+    reference = Painter("the reference", truth, sigma, passes=parts[0])
+    candidate = Painter("Cycles", truth if other is None else other, sigma, settings, change=change, passes=parts[1])
     coverage = {"material": [(name, HALF)]} if coverage is None else coverage
     options = CompareOptions(time=None, samples=16, replicates=replicates)
     stopped = []
@@ -98,6 +105,7 @@ def made(
         options,
         Progress(is_cancelled=lambda: any(stopped)),
         among,
+        passes=tuple(passes),
     )
 
 

@@ -33,6 +33,7 @@ FULL = Settings(
     seed=7,
     threads=3,
     size="full",
+    passes="glossy",
     partial=True,
     out="a folder/out",
 )

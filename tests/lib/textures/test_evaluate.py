@@ -78,10 +78,12 @@ def test_only_what_is_needed_is_asked_for_and_once(rng):
         (ex.ValueToColor(ex.VectorToValue(UV)), (3, 64)),
     ],
 )
-def test_every_node_has_its_shape(expression, shape, rng):
+@pytest.mark.parametrize("size", [64, 0])
+def test_every_node_has_its_shape(expression, shape, size, rng):
+    """Light tracing may ask for no points, where none of them is in sight."""
     images = ImageSet([Image("", rng.random((3, 4, 4)).astype(np.float32), "SRGB")])
-    got = evaluate(expression, Points(rng), images)
-    assert got.shape == shape
+    got = evaluate(expression, Points(rng, size), images)
+    assert got.shape == (*shape[:-1], size)
     assert got.dtype == np.float64
     assert np.isfinite(got).all()
 
@@ -103,3 +105,22 @@ def test_checker_cells(place, first):
 def test_overflow_is_handed_on_without_a_warning():
     huge = ex.Math("EXPONENT", ex.Constant(1e6), ex.ZERO, ex.ZERO)
     assert evaluate(huge, None, NO_IMAGES) == np.inf
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_fresnel_and_layer_weight_take_the_angle_to_their_normal(rng, side):
+    points = Points(rng)
+    points.wo = np.tile([[0.0], [0.0], [1.0]], 64)
+    angle = 1.1
+    turned = ex.Constant((side * np.sin(angle), 0.0, side * np.cos(angle)))
+    # Snell and Fresnel, from air into glass.
+    inside = np.arcsin(np.sin(angle) / 1.5)
+    s = np.sin(inside - angle) / np.sin(inside + angle)
+    p = np.tan(inside - angle) / np.tan(inside + angle)
+    fresnel = evaluate(ex.FresnelFactor(ex.Constant(1.5), turned), points, NO_IMAGES)
+    np.testing.assert_allclose(fresnel, 0.5 * (s**2 + p**2), rtol=1e-12)
+    layer = evaluate(ex.LayerWeight(ex.Constant(1.0 / 3.0), normal=turned), points, NO_IMAGES)  # 1 / (1 - 1/3) = 1.5
+    np.testing.assert_allclose(layer, fresnel, rtol=1e-12)
+    facing = evaluate(ex.LayerWeight(ex.Constant(0.5), "FACING", turned), points, NO_IMAGES)
+    np.testing.assert_allclose(facing, 1.0 - np.cos(angle), rtol=1e-12)
+    assert "cos_wo" not in points.asked

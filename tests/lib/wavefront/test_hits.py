@@ -2,7 +2,9 @@
 """What rays meet, as values."""
 
 import numpy as np
-from etalon.lib.wavefront.raycaster import Hits
+import pytest
+from etalon.lib.wavefront.raycaster import Hits, Raycaster
+from etalon.tests import scenes
 
 
 def hits(*triangles):
@@ -19,3 +21,20 @@ def test_replacing_hits_leaves_both_as_they_were():
         np.testing.assert_array_equal(getattr(first, name), getattr(hits(1, 2, 3), name))
         np.testing.assert_array_equal(getattr(second, name), getattr(hits(-1, 5), name))
     assert merged.triangle.dtype == np.int32
+
+
+@pytest.mark.parametrize("far", [10.0, 1e4, 1e8, 1e15, 9e17])
+def test_one_face_far_away_moves_no_other(far):
+    """A card 0.1 mm above a floor is met where it is, and shades the floor, with something far to the side."""
+    card = scenes.quad((-0.5, -0.5, 1e-4), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    aside = scenes.quad((far, 0.0, 0.0), (1.0 + 0.1 * far, 0.0, 0.0), (0.0, 1.0 + 0.1 * far, 0.0))
+    caster = Raycaster(scenes.mesh(scenes.floor(), card, aside))
+    x = np.linspace(-0.95, 0.95, 20)
+    origin, down = np.stack([x, 0.3 * x, np.full(20, 2.0)]), np.tile([[0.0], [0.0], [-1.0]], 20)
+    found = caster.closest(origin, down)
+    inside = np.abs(x) < 0.5
+    assert (found.triangle // 2).tolist() == inside.astype(int).tolist()
+    np.testing.assert_allclose(found.distance, np.where(inside, 2.0 - 1e-4, 2.0), atol=1e-6)
+    point, normal, offset = caster.on_plane(np.where(x < 0.0, 1, 0), np.stack([x, 0.3 * x, 0.0 * x]))
+    assert offset.max() < 1e-5
+    np.testing.assert_array_equal(caster.occluded(point + offset * normal, -down, np.full(20, np.inf)), inside)

@@ -71,6 +71,10 @@ CASES = {
     **{f"geometry {output}": (lambda t, o=output: node(t, "NewGeometry", output=o))
        for output in ("Normal", "True Normal", "Incoming", "Position")},
     "coordinates normal": lambda t: node(t, "TexCoord", output="Normal"),
+    "fresnel of a map": lambda t: node(t, "Fresnel", {"IOR": 1.6, "Normal": mapped("OBJECT", 1.0)(t)}),
+    **{f"layer weight {output} of a map": (
+        lambda t, o=output: node(t, "LayerWeight", {"Blend": 0.3, "Normal": mapped("OBJECT", 0.7)(t)}, output=o))
+       for output in ("Fresnel", "Facing")},
     **{f"attribute {name} {output}": attribute(name, output)
        for name in ("points", "corners", "faces", "vectors", "whole", "UVMap", "none") for output in ("Color", "Fac", "Alpha")},
     **{f"color attribute {name!r} {output}": color_attribute(name, output)

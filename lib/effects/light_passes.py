@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which light passes of a scene can hold any light."""
+
+from __future__ import annotations
+
+from ..film.light_passes import LightPass, direct, indirect
+from ..scene.scene import Scene
+from .facts import Facts
+from .families import FAMILIES
+from .names import Effect
+from .plan import Plan
+
+
+def light_passes(scene: Scene, plan: Plan) -> tuple[LightPass, ...]:
+    """The passes that may hold light, in their order: by the lobes of the materials that are seen, the lights and the world."""
+    facts = Facts(scene)
+    closures = [type(lobe.closure) for material in facts.materials for lobe in material.lobes]
+    families = {family for closure in closures for family in FAMILIES.get(closure, ())}
+    found = set()
+    for family in families:
+        found.add(direct(family))
+        if plan.needs(Effect.INDIRECT_LIGHT):
+            found.add(indirect(family))
+    if plan.needs(Effect.EMISSION) or any(light.visible_camera for light in facts.broad_lights):
+        found.add(LightPass.EMISSION)
+    if plan.needs(Effect.CONSTANT_WORLD) or plan.needs(Effect.ENVIRONMENT_WORLD):
+        found.add(LightPass.ENVIRONMENT)
+    return tuple(name for name in LightPass if name in found)
