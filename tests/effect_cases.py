@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from etalon.lib.effects.plan import make_plan
+from etalon.lib.scene import rays
 from etalon.lib.scene.camera import Aperture
 from etalon.lib.scene.converters import Component
 from etalon.lib.scene.expressions import (
@@ -19,6 +20,7 @@ from etalon.lib.scene.expressions import (
     ImageTexture,
     Math,
     NormalMap,
+    RayFlag,
     ValueToColor,
     VectorToValue,
 )
@@ -91,12 +93,22 @@ PLAIN = of(Diffuse(color(0.5)))
 CROWD = [cube(), cube(0.3, (0.2, 0.3, 1.7), 1)]
 CROWDED = scene(CROWD, [diffuse(0.5), diffuse(0.8)], CAMERA)
 UNKNOWN = scene(CROWD, [diffuse(0.5), Material("?", (), "a node")], CAMERA)
-HIDING = replace(
-    CROWDED,
-    mesh=replace(
-        CROWDED.mesh, objects=(CROWDED.mesh.objects[0], replace(CROWDED.mesh.objects[1], visible_camera=False))
-    ),
-)
+
+
+def hiding(the_scene, without):
+    """The scene with its second object hidden from some rays."""
+    first, second = the_scene.mesh.objects
+    return replace(
+        the_scene, mesh=replace(the_scene.mesh, objects=(first, replace(second, rays=rays.EVERY & ~without)))
+    )
+
+
+HIDING = hiding(CROWDED, rays.CAMERA)
+SHADOWLESS = replace(AREA, casts_shadow=False)
+NEAR_ONLY = replace(AREA, max_bounces=0)
+UNREFLECTED = replace(AREA, rays=rays.DIFFUSE)
+OPAQUE_SHADOW = replace(material(Transparent(color(0.8))), transparent_shadows=False)
+COATED = [material(Diffuse(color(0.5)), Glossy("GGX", color(0.3), HALF)), diffuse(0.8)]
 LAMP = of(Emission(color(1.0)))
 CROWDED_LAMP = scene(CROWD, [diffuse(0.5), emission(1.0)], CAMERA)
 LAMP_AND_MIRROR = [emission(1.0), material(Glossy("GGX"))]
@@ -117,7 +129,25 @@ CASES = {
         [replace(PLAIN, camera=replace(CAMERA, aperture=LENS))],
         [PLAIN],
     ),
-    "hidden objects": ([HIDING], [PLAIN, CROWDED]),
+    "hidden objects": ([HIDING, hiding(replace(CROWDED, lights=(POINT,)), rays.SHADOW)], [PLAIN, CROWDED]),
+    "ray kinds": (
+        [
+            replace(CROWDED, world=replace(SLOPED, rays=rays.SCATTERED)),
+            replace(scene(CROWD, COATED, CAMERA), lights=(UNREFLECTED, POINT), transport=Transport(1)),
+            hiding(scene(CROWD, COATED, CAMERA), rays.GLOSSY),
+        ],
+        [PLAIN, CROWDED, HIDING, replace(CROWDED, lights=(AREA,))],
+    ),
+    "ray flags": (
+        [
+            of(Diffuse(ValueToColor(RayFlag("CAMERA")))),
+            scene(
+                CROWD, [diffuse(0.5), material(Diffuse(ValueToColor(RayFlag("DIFFUSE"))))], CAMERA, (AREA,), bounces=1
+            ),
+            replace(CROWDED, world=World(ValueToColor(RayFlag("DIFFUSE")), (8, 4))),
+        ],
+        [PLAIN, CROWDED, of(Diffuse(color(0.5)), Emission(ValueToColor(RayFlag("CAMERA")), ZERO))],
+    ),
     "smooth normals": (
         [scene(icosphere(smooth=True), diffuse(0.5), CAMERA)],
         [scene(icosphere(), diffuse(0.5), CAMERA)],
@@ -259,6 +289,22 @@ CASES = {
     "shadow rays": (
         [replace(CROWDED, lights=(POINT,)), replace(CROWDED, world=SLOPED), CROWDED_LAMP],
         [PLAIN, replace(CROWDED, world=World(color(0.5))), replace(PLAIN, lights=(AREA,)), FLAT],
+    ),
+    "shadows apart": (
+        [
+            hiding(replace(CROWDED, lights=(AREA,)), rays.SHADOW),
+            hiding(replace(CROWDED, lights=(AREA,)), rays.DIFFUSE),
+            scene(CROWD, [diffuse(0.5), OPAQUE_SHADOW], CAMERA, (AREA,)),
+        ],
+        [PLAIN, replace(CROWDED, lights=(AREA,)), HIDING],
+    ),
+    "lights without shadows": (
+        [replace(CROWDED, lights=(SHADOWLESS, POINT))],
+        [PLAIN, replace(CROWDED, lights=(AREA,)), replace(CROWDED, lights=(replace(DARK, casts_shadow=False),))],
+    ),
+    "light bounces": (
+        [replace(CROWDED, lights=(NEAR_ONLY, POINT), transport=Transport(2))],
+        [PLAIN, replace(CROWDED, lights=(NEAR_ONLY,)), replace(CROWDED, lights=(AREA,), transport=Transport(2))],
     ),
     "scattered rays": (
         [

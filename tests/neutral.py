@@ -133,6 +133,8 @@ TOGETHER: dict[str, tuple[str, ...]] = {
 NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "depth of field": _lens,
     "hidden objects": _as_it_is,
+    "ray kinds": _as_it_is,
+    "ray flags": _as_it_is,
     "smooth normals": _smooth,
     "several materials": _several_materials,
     "several lobes": _lobe(Diffuse()),
@@ -179,6 +181,9 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "light selection": _as_it_is,
     "multiple importance sampling": _as_it_is,
     "shadow rays": _as_it_is,
+    "shadows apart": _as_it_is,
+    "lights without shadows": _as_it_is,
+    "light bounces": _as_it_is,
     "scattered rays": _as_it_is,
     "last rays": _as_it_is,
     "last hits": _as_it_is,

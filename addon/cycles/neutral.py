@@ -79,7 +79,7 @@ _IMAGE = {
     "exr_codec": "NONE",
     "color_management": "FOLLOW_SCENE",
 }
-VIEW_LAYER = {"use_sky": True, "use_solid": True}
+VIEW_LAYER = {"use_solid": True}
 OBJECT = {
     # moves the origins of shadow rays on smooth meshes
     "shadow_terminator_geometry_offset": 0.0,
@@ -95,10 +95,9 @@ OBJECT_CYCLES = {
 _MODIFIER = {"use_adaptive_subdivision": False}
 # Cycles takes a Bump node's slope from a difference over this share of a pixel, the default; files from before Blender 4.5 have 1.
 BUMP_FILTER_WIDTH = float(np.float32(0.1))
-MATERIAL = {"use_transparent_shadow": True}
 MATERIAL_CYCLES = {"use_bump_map_correction": False}
 LIGHT = {"use_soft_falloff": False}  # a disk turned to the shading point instead of a sphere
-LIGHT_CYCLES = {"max_bounces": 1024, "use_multiple_importance_sampling": True, "is_caustics_light": False}
+LIGHT_CYCLES = {"use_multiple_importance_sampling": True, "is_caustics_light": False}
 WORLD_CYCLES = {"max_bounces": 1024, "is_caustics_light": False}
 
 
@@ -196,7 +195,6 @@ def _set_data(changes: Changes) -> None:
     changes.set_all("object", data.objects, OBJECT)
     changes.set_all("object.cycles", (o.cycles for o in data.objects), OBJECT_CYCLES)
     changes.set_all("modifier", (m for o in data.objects for m in o.modifiers), _MODIFIER)
-    changes.set_all("material", data.materials, MATERIAL)
     changes.set_all("Bump node.Filter Width", _filter_widths(), {"default_value": BUMP_FILTER_WIDTH})
     changes.set_all("material.cycles", (m.cycles for m in data.materials), MATERIAL_CYCLES)
     changes.set_all("light", data.lights, LIGHT)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -11,29 +12,20 @@ import numpy as np
 from ...lib.errors import Refusal
 from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
 from ...lib.scene.matrices import is_sheared
+from ...lib.scene.rays import SEEN
 from ...lib.textures.fold import fold, is_constant
 from .nodes.images import ImageTable
 from .nodes.tree import Scope, TreeReader
 from .nodes.values import VALUES
-from .refusals import refuse_light_rays
+from .refusals import refuse_light
 
 
-def read_light(
-    light: bpy.types.Object,
-    instancer: bpy.types.Object | None,
-    matrix: np.ndarray,
-    bounces: int,
-    shown: bool,
-    refusals: list[Refusal],
-) -> Light | None:
-    """The light object `light`, of `instancer` if it is an instance, with the (3, 4) `matrix`; `shown` to the camera or not.
-
-    None where it gives no light or is refused; `bounces` is how far light will be followed.
-    """
+def read_light(light: bpy.types.Object, matrix: np.ndarray, rays: int, refusals: list[Refusal]) -> Light | None:
+    """The light object `light` with the (3, 4) `matrix`, seen by the `rays` of that mask; None where it gives no light or is refused."""
     data = light.data
     owner = f"light '{light.name}'"
     before = len(refusals)
-    refuse_light_rays(light, instancer, bounces, refusals)
+    refuse_light(light, refusals)
     emission = _emission(data, owner, refusals)
     if data.type in ("SPOT", "AREA"):
         if np.linalg.matrix_rank(matrix[:, :3]) == 3:
@@ -45,7 +37,11 @@ def read_light(
         refusals.append(Refusal(owner, "a spread of 0", "widen the spread, or use a sun"))
     if len(refusals) > before or not emission.any():
         return None
-    return _READERS[data.type](light.name, data, matrix, emission, shown)
+    read = _READERS[data.type](light.name, data, matrix, emission)
+    if read is None:
+        return None
+    switches = {"casts_shadow": data.use_shadow, "max_bounces": data.cycles.max_bounces}
+    return replace(read, rays=rays & SEEN, **switches)
 
 
 def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.ndarray:
@@ -89,21 +85,21 @@ def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]
     return product
 
 
-def _point(name: str, data: bpy.types.PointLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light:
+def _point(name: str, data: bpy.types.PointLight, matrix: np.ndarray, emission: np.ndarray) -> Light:
     radius = data.shadow_soft_size
     position = _vector(matrix[:, 3])
     if radius == 0.0:
         return PointLight(name, position, _vector(_ball_emission(data, emission)))
-    return SphereLight(name, position, radius, _vector(_ball_emission(data, emission)), visible)
+    return SphereLight(name, position, radius, _vector(_ball_emission(data, emission)))
 
 
-def _spot(name: str, data: bpy.types.SpotLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light:
+def _spot(name: str, data: bpy.types.SpotLight, matrix: np.ndarray, emission: np.ndarray) -> Light:
     inverse = np.linalg.inv(matrix[:, :3])
     inverse /= np.linalg.norm(inverse[2])
     x_axis, y_axis, z_axis = (_vector(row) for row in inverse * [[1.0], [1.0], [-1.0]])
     cone = Cone(z_axis, x_axis, y_axis, math.cos(data.spot_size / 2.0), data.spot_blend)
     emitted = _vector(_ball_emission(data, emission))
-    return SpotLight(name, _vector(matrix[:, 3]), data.shadow_soft_size, emitted, cone, visible)
+    return SpotLight(name, _vector(matrix[:, 3]), data.shadow_soft_size, emitted, cone)
 
 
 def _ball_emission(data: bpy.types.Light, emission: np.ndarray) -> np.ndarray:
@@ -114,19 +110,17 @@ def _ball_emission(data: bpy.types.Light, emission: np.ndarray) -> np.ndarray:
     return emission / (4.0 * math.pi * (math.pi * radius**2 if radius > 0.0 else 1.0))
 
 
-def _sun(name: str, data: bpy.types.SunLight, matrix: np.ndarray, emission: np.ndarray, visible: bool) -> Light | None:
+def _sun(name: str, data: bpy.types.SunLight, matrix: np.ndarray, emission: np.ndarray) -> Light | None:
     length = np.linalg.norm(matrix[:, 2])
     if length == 0.0:
         return None
     half_angle = min(data.angle / 2.0, math.pi / 2.0)  # of float32 pi, Blender's largest, the half is above pi / 2
     if half_angle > 0.0 and not getattr(data, "normalize", True):
         emission = emission * (math.pi * math.sin(half_angle) ** 2)
-    return SunLight(name, _vector(matrix[:, 2] / length), half_angle, _vector(emission), visible)
+    return SunLight(name, _vector(matrix[:, 2] / length), half_angle, _vector(emission))
 
 
-def _area(
-    name: str, data: bpy.types.AreaLight, matrix: np.ndarray, emission: np.ndarray, visible: bool
-) -> Light | None:
+def _area(name: str, data: bpy.types.AreaLight, matrix: np.ndarray, emission: np.ndarray) -> Light | None:
     size_v = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
     edge_u, edge_v = matrix[:, 0] * data.size, matrix[:, 1] * size_v
     ellipse = data.shape in ("DISK", "ELLIPSE")
@@ -143,7 +137,6 @@ def _area(
         shape="ELLIPSE" if ellipse else "RECTANGLE",
         radiance=_vector(radiance),
         spread=data.spread,
-        visible_camera=visible,
     )
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import bpy
 
+from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
-from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
+from ...lib.scene.materials import Diffuse, Emission, Material, Specular, WeightedClosure
+from ...lib.scene.rays import RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
 from ...lib.scene.world import World
-from ...lib.textures.fold import Folder, is_constant, walk
+from ...lib.textures.fold import Folder, inputs, is_constant, walk
 from .nodes.displacement import read_bump, refuse_beside_bump
 from .nodes.images import ImageTable
 from .nodes.shaders import make_shader_reader
@@ -48,9 +50,9 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
     bump_only = material.displacement_method == "BUMP"
     lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
-    if not material.use_transparent_shadow and any(isinstance(lobe.closure, Transparent) for lobe in lobes):
-        refusals.append(Refusal(owner, "'Transparent Shadows' switched off", "switch it on in the material's settings"))
-    return Material(material.name, tuple(lobes))
+    flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
+    _refuse_flags(owner, flags, "its emission", refusals)
+    return Material(material.name, tuple(lobes), transparent_shadows=material.use_transparent_shadow)
 
 
 def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list[Refusal]) -> World:
@@ -61,12 +63,10 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
     refuse_undeclared(owner, "world", world, refusals)
     refuse_undeclared(owner, "world.cycles", world.cycles, refusals)
     refuse_undeclared(owner, "world.cycles_visibility", world.cycles_visibility, refusals)
-    for ray in ("camera", "diffuse", "glossy", "transmission"):
-        if not getattr(world.cycles_visibility, ray):
-            refusals.append(Refusal(owner, f"ray visibility without '{ray}'", "switch all rays on"))
+    rays = sum(bit for name, bit in RAY_NAMES.items() if bit & SEEN and getattr(world.cycles_visibility, name))
     if not _uses_nodes(world):
         r, g, b = world.color
-        return World(ex.Constant((r, g, b)), _NO_TABLE)
+        return World(ex.Constant((r, g, b)), _NO_TABLE, rays)
     folder = Folder()
     radiance = ex.BLACK
     for lobe in _read_tree(world.node_tree, owner, True, images, refusals):
@@ -75,7 +75,16 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
         glow = ex.Mix(ex.ONE, lobe.closure.color, strength, blend="MULTIPLY")
         radiance = glow if radiance is ex.BLACK else ex.Mix(ex.ONE, radiance, glow, blend="ADD")
     radiance = folder(radiance)
-    return World(radiance, _table_resolution(radiance, images))
+    if not all(isinstance(leaf, ex.Constant | ex.RayFlag) for leaf in walk(radiance) if not inputs(leaf)):
+        _refuse_flags(owner, flags_in(World(radiance)), "a world that depends on the direction", refusals)
+    return World(radiance, _table_resolution(radiance, images), rays)
+
+
+def _refuse_flags(owner: str, flags: set[str], where: str, refusals: list[Refusal]) -> None:
+    """Append the kinds of rays that light may not depend on: Cycles' light samples have none, so that its image depends on how it samples."""
+    for flag in sorted(flags - set(STEADY_FLAGS)):
+        what = f"'Is {flag.title()} Ray' of a Light Path node in {where}"
+        refusals.append(Refusal(owner, what, "use Is Camera Ray or ray visibility"))
 
 
 def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:

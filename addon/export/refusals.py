@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import bpy
 
 from ...lib.errors import Refusal, Refused
+from ...lib.scene.rays import CAMERA, RAY_NAMES
 from .properties.declared import refuse_undeclared
 
 # Object types that Cycles renders and the reference does not.
@@ -18,7 +19,6 @@ _TYPES = {
     "GREASEPENCIL": "grease pencil",
     "GPENCIL": "grease pencil",
 }
-_RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 
 
 def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals: list[Refusal]) -> None:
@@ -36,9 +36,9 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
     refuse_undeclared(owner, "scene", scene, refusals)
     refuse_undeclared(owner, "render", render, refusals)
     refuse_undeclared(owner, "cycles", scene.cycles, refusals)
-    filters = {"its environment": layer.use_sky, "its surfaces": layer.use_solid}
     owner = f"view layer '{layer.name}'"
-    refusals.extend(Refusal(owner, f"leaving out {what}", "include it again") for what, on in filters.items() if not on)
+    if not layer.use_solid:
+        refusals.append(Refusal(owner, "leaving out its surfaces", "include it again"))
     refuse_undeclared(owner, "view_layer", layer, refusals)
     refuse_undeclared(owner, "view_layer.cycles", layer.cycles, refusals)
     _refuse_layer_collections(layer.layer_collection, refusals)
@@ -94,32 +94,26 @@ def _refuse_properties(
         refuse_undeclared(f"mesh '{thing.data.name}'", "mesh", thing.data, refusals)
 
 
+def read_rays(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> int:
+    """The mask of the rays that meet the object or light: it and its instancer say so, and its collections are not indirect only."""
+    both = (instance.object, instance.parent or instance.object)
+    rays = sum(bit for name, bit in RAY_NAMES.items() if all(getattr(one, f"visible_{name}") for one in both))
+    return rays & ~CAMERA if both[1].indirect_only_get(view_layer=layer) else rays
+
+
 def is_invisible(instance: bpy.types.DepsgraphObjectInstance) -> bool:
     """Whether no ray at all sees the object, so that Cycles leaves it out."""
     both = (instance.object, instance.parent or instance.object)
-    return not any(all(getattr(one, f"visible_{ray}") for one in both) for ray in _RAYS)
+    return not any(all(getattr(one, f"visible_{ray}") for one in both) for ray in RAY_NAMES)
 
 
-def shows_to_camera(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> bool:
-    """Whether camera rays meet the object or light: it and its instancer say so, and its collections are not indirect only."""
-    both = (instance.object, instance.parent or instance.object)
-    return all(one.visible_camera for one in both) and not both[1].indirect_only_get(view_layer=layer)
-
-
-def refuse_light_rays(
-    light: bpy.types.Object, instancer: bpy.types.Object | None, bounces: int, refusals: list[Refusal]
-) -> None:
-    """Append which rays and bounces a light's switches would withhold it from, and its kinds of light not simulated."""
+def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
+    """Append what of a light's switches and kinds of light is not simulated."""
     data = light.data
     cycles = data.cycles
-    both = (light, instancer or light)
-    hidden = [ray for ray in _RAYS[1:4] if not all(getattr(one, f"visible_{ray}") for one in both)]
     switches = {
-        "shadows switched off": not data.use_shadow,
         "a light portal": data.type == "AREA" and cycles.is_portal,
         "shadow caustics": cycles.is_caustics_light,
-        f"its limit of {cycles.max_bounces} bounces": cycles.max_bounces < bounces,
-        f"ray visibility without {', '.join(hidden)}": hidden,
         "light linking": _is_linked(light),
     }
     owner = f"light '{light.name}'"
@@ -135,9 +129,6 @@ def _object_flags(
     """What is special about a mesh object, and the remedy."""
     thing, parent = instance.object, instance.parent or instance.object
     layer, both = depsgraph.view_layer_eval, (thing, parent)
-    hidden = [ray for ray in _RAYS if not all(getattr(one, f"visible_{ray}") for one in both)]
-    if hidden and hidden != ["camera"]:
-        yield f"ray visibility without {', '.join(hidden)}", "switch all rays on, or do not render it"
     if thing.is_holdout or parent.holdout_get(view_layer=layer):
         yield "a holdout", "switch it off"
     if any(one.is_shadow_catcher for one in both):

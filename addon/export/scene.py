@@ -22,7 +22,7 @@ from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import finish_edited_meshes, read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
-from .refusals import is_invisible, refuse_object, refuse_settings, shows_to_camera
+from .refusals import is_invisible, read_rays, refuse_object, refuse_settings
 from .set_aside import find_missing_images, find_set_aside
 
 
@@ -51,9 +51,9 @@ def export_scene(
     refuse_settings(scene, layer, refusals)
     images = ImageTable()
     view = read_camera(camera, scene.render, refusals)
-    world = read_world(layer.world_override or scene.world, images, refusals)
+    world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
     materials = MaterialTable(layer.material_override, images, refusals, partial)
-    lights = _read_things(depsgraph, bounces, materials, refusals)
+    lights = _read_things(depsgraph, materials, refusals)
     _check_attributes(depsgraph, materials)
     if refusals:
         raise Refused(list(dict.fromkeys(refusals)))
@@ -124,7 +124,7 @@ class MaterialTable:
 
 
 def _read_things(
-    depsgraph: bpy.types.Depsgraph, bounces: int, materials: MaterialTable, refusals: list[Refusal]
+    depsgraph: bpy.types.Depsgraph, materials: MaterialTable, refusals: list[Refusal]
 ) -> tuple[Light, ...]:
     """The lights; on the way, every object's refusals and materials."""
     lights: list[Light] = []
@@ -132,8 +132,8 @@ def _read_things(
     for instance in depsgraph.object_instances:
         thing = instance.object
         if instance.show_self and thing.type == "LIGHT":
-            shown = shows_to_camera(instance, depsgraph.view_layer_eval)
-            light = read_light(thing, instance.parent, affine(instance.matrix_world), bounces, shown, refusals)
+            rays = read_rays(instance, depsgraph.view_layer_eval)
+            light = read_light(thing, affine(instance.matrix_world), rays, refusals)
             if light is not None:
                 lights.append(light)
             continue
@@ -196,7 +196,7 @@ def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLa
         tuple((instance.parent or thing).color),
         thing.pass_index,
         float(unit(random)[0]),
-        shows_to_camera(instance, layer),
+        read_rays(instance, layer),
     )
 
 

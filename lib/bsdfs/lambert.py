@@ -12,6 +12,8 @@ from .lobe import Lobe, to_rgb
 class Lambert(Lobe):
     """f = 1 / pi, sampled by pdf(wi) = cos(theta_i) / pi."""
 
+    diffuse = True
+
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cos / pi twice: value, (3, n), and density, (n,)."""
         pdf = np.clip(wi[2], 0.0, np.inf)
@@ -30,6 +32,8 @@ class Lambert(Lobe):
 
 class LambertTransmission(Lobe):
     """Lambert's reflection turned to the far side: f = 1 / pi where wi lies below."""
+
+    diffuse = True
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """|Cos| / pi twice: value, (3, n), and density, (n,)."""

@@ -11,10 +11,12 @@ import numpy as np
 class Lobe(ABC):
     """One way in which a surface scatters light; see the folder's docstring.
 
-    `delta`: it sends light into single directions, has density inf and evaluates to nothing.
+    `delta`: it sends light into single directions, has density inf and evaluates to nothing. `diffuse`: rays that it sends out are
+    diffuse ones to what only some kinds of rays meet, else glossy ones (scene/rays.py).
     """
 
     delta: bool = False
+    diffuse: bool = False
 
     @property
     def estimate(self) -> np.ndarray | float:
@@ -58,7 +60,7 @@ class Wrapper(Lobe):
 
     def __init__(self, lobe: Lobe) -> None:
         self._lobe = lobe
-        self.delta = lobe.delta
+        self.delta, self.diffuse = lobe.delta, lobe.diffuse
 
     @property
     def estimate(self) -> np.ndarray | float:

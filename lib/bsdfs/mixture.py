@@ -11,16 +11,20 @@ from .split import Split
 
 
 class Mixture:
-    """Coloured `lobes`; their `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour."""
+    """Coloured `lobes`; their `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour.
+
+    `shares` (lobes, n) are the chances of the pick.
+    """
 
     def __init__(self, lobes: list[Lobe], colors: list[np.ndarray], size: int) -> None:
-        self.lobes, self.colors, self._size = lobes, colors, size
+        self.lobes, self.colors, self.size = lobes, colors, size
         self.all_delta = all(lobe.delta for lobe in lobes)
+        self.shares = np.broadcast_to(1.0, (1, size))
         if len(lobes) > 1:
             guesses = [np.abs(c).mean(axis=0) * lobe.estimate for lobe, c in zip(lobes, colors, strict=True)]
             weight = np.stack([np.broadcast_to(guess, (size,)) for guess in guesses])
             total = weight.sum(axis=0)
-            self._share = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
+            self.shares = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
 
     def evaluate(self, wi: np.ndarray, split: Split | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Coloured value f |cos| (3, n) and the density (n,) of `sample`, deltas left out; each lobe's part goes to the `split`."""
@@ -30,8 +34,8 @@ class Mixture:
             if split is not None:
                 split.add(0, self.lobes[0], wi, value)
             return value, pdf
-        value, pdf = np.zeros_like(wi), np.zeros(self._size)
-        for k, (lobe, color, share) in enumerate(zip(self.lobes, self.colors, self._share, strict=True)):
+        value, pdf = np.zeros_like(wi), np.zeros(self.size)
+        for k, (lobe, color, share) in enumerate(zip(self.lobes, self.colors, self.shares, strict=True)):
             if not lobe.delta:
                 one, density = lobe.evaluate(wi)
                 one = color * one
@@ -54,8 +58,8 @@ class Mixture:
             if split is not None:
                 split.add(0, self.lobes[0], wi, weight)
             return wi, weight, pdf
-        wi, weight, pdf = np.zeros((3, self._size)), np.zeros((3, self._size)), np.zeros(self._size)
-        chosen = (pick >= np.cumsum(self._share, axis=0)[:-1]).sum(axis=0)
+        wi, weight, pdf = np.zeros((3, self.size)), np.zeros((3, self.size)), np.zeros(self.size)
+        chosen = (pick >= np.cumsum(self.shares, axis=0)[:-1]).sum(axis=0)
         for k, lobe in enumerate(self.lobes):
             index = np.flatnonzero(chosen == k)
             if index.size:
@@ -73,8 +77,8 @@ class Mixture:
     ) -> None:
         """Sample lobe `k` where it was picked, and weigh the direction by all lobes; fills `out` and `split` at `index`."""
         direction, factor, density = lobe.sample(*uniforms)
-        color = _at(self.colors[k], index)
-        share = self._share[k, index]
+        color = take_color(self.colors[k], index)
+        share = self.shares[k, index]
         if lobe.delta:
             total_weight, total_pdf = color * factor / share, density
             if split is not None:
@@ -86,10 +90,10 @@ class Mixture:
                 if j != k and not other.delta:
                     there = other.part(index)
                     one, other_density = there.evaluate(direction)
-                    one = _at(self.colors[j], index) * one
+                    one = take_color(self.colors[j], index) * one
                     others += one
                     parts.append((j, there, one))
-                    total_pdf += self._share[j, index] * other_density
+                    total_pdf += self.shares[j, index] * other_density
             divisor = np.where(total_pdf > 0.0, total_pdf, 1.0)
             # Beside black lobes the first quotient is 1, and the weight is exactly the lobe's own.
             own = color * (factor * (density / divisor))
@@ -103,5 +107,6 @@ class Mixture:
             put(whole, index, part)
 
 
-def _at(color: np.ndarray, index: np.ndarray) -> np.ndarray:
+def take_color(color: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """A colour (3, 1) or (3, n) at the points `index`."""
     return color if color.shape[1] == 1 else np.take(color, index, axis=1)

@@ -34,6 +34,8 @@ class OrenNayar(Lobe):
     color once more, None leaves the multiple scattering out.
     """
 
+    diffuse = True
+
     def __init__(self, wo: np.ndarray, roughness: np.ndarray, color: np.ndarray, first: int | None = 2) -> None:
         self._wo, self._roughness, self._color, self._first = wo, np.asarray(roughness, np.float64), color, first
         self._a = 1.0 / (np.pi + self._roughness * _RANGE)

@@ -51,6 +51,8 @@ class Sheen(Lobe):
     density, transformed, is sampled exactly. Not reciprocal: A, B and R are fits that depend on wo.
     """
 
+    diffuse = True
+
     def __init__(self, wo: np.ndarray, roughness: np.ndarray) -> None:
         length = np.sqrt(wo[0] * wo[0] + wo[1] * wo[1])
         across = length > 0.0

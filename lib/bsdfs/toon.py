@@ -34,6 +34,7 @@ class Toon(Lobe):
             np.clip(smooth, 0.0, 1.0) * _RIGHT_ANGLE,
         )
         self._reach = cone_half_angle(size, smooth)
+        self.diffuse = not glossy
         self._rise = 2.0 * np.square(np.sin(0.5 * self._reach))  # 1 - cos s
         self._axis = np.stack([-wo[0], -wo[1], wo[2]]) if glossy else np.broadcast_to([[0.0], [0.0], [1.0]], wo.shape)
         self._above = (wo[2] > 0.0) | (not glossy)

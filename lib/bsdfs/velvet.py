@@ -32,6 +32,8 @@ class Velvet(Lobe):
     Ashikhmin, Premoze and Shirley 2000. `sigma` () or (n,), clipped to [0.01, 1].
     """
 
+    diffuse = True
+
     def __init__(self, wo: np.ndarray, sigma: np.ndarray) -> None:
         self._wo, self._sigma = wo, np.clip(sigma, LEAST_SIGMA, 1.0)
 

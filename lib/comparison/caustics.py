@@ -14,6 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from ..film.regions import Regions
+from ..light_tracing.refuse import masks_not_traced
 from ..light_tracing.scouting import Scouted, scout_caustics
 from ..progress import Progress
 from ..relative import difference_scale
@@ -55,11 +56,13 @@ class Caustics:
 
 
 def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
-    """A pass of light tracing in a small share of the time; None where the camera is panoramic, which cannot be connected to.
+    """A pass of light tracing in a small share of the time.
+
+    None where the camera is panoramic, which cannot be connected to, and where masks of rays decide who sees whom.
 
     Raises Cancelled.
     """
-    if kernel.scene.camera.kind in PANORAMAS:
+    if kernel.scene.camera.kind in PANORAMAS or masks_not_traced(kernel):
         return None
     silent = Progress(is_cancelled=lambda: run.progress.is_cancelled)
     trial = scout_caustics(kernel, TRIAL, progress=silent)

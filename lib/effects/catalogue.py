@@ -24,7 +24,7 @@ from ..scene.materials import (
     Velvet,
 )
 from ..textures.patterns import PATTERNS
-from . import surface, transport
+from . import masks, surface, transport
 from .facts import is_smooth, is_zero
 from .names import Effect, Stage
 from .surface import Question, closure, distribution, is_rough, socket
@@ -43,7 +43,9 @@ class Entry:
 EFFECTS: tuple[Entry, ...] = (
     # The camera.
     Entry(Effect.DEPTH_OF_FIELD, Stage.CAMERA, transport.lens),
-    Entry(Effect.HIDDEN_OBJECTS, Stage.INTERSECT, transport.hidden_objects),
+    Entry(Effect.HIDDEN_OBJECTS, Stage.INTERSECT, masks.hidden_objects),
+    Entry(Effect.RAY_KINDS, Stage.INTERSECT, masks.ray_kinds),
+    Entry(Effect.RAY_FLAGS, Stage.SURFACE, masks.ray_flags),
     # Surfaces: normals, materials, lobes.
     Entry(Effect.SMOOTH_NORMALS, Stage.SURFACE, surface.smooth_normals),
     Entry(Effect.SEVERAL_MATERIALS, Stage.SURFACE, surface.several_materials),
@@ -90,6 +92,9 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.LIGHT_SELECTION, Stage.LIGHTS, transport.light_selection),
     Entry(Effect.MULTIPLE_IMPORTANCE_SAMPLING, Stage.SHADE, transport.multiple_importance_sampling),
     Entry(Effect.SHADOW_RAYS, Stage.SHADOW_RAYS, transport.shadow_rays),
+    Entry(Effect.SHADOWS_APART, Stage.SHADOW_RAYS, masks.shadows_apart),
+    Entry(Effect.LIGHTS_WITHOUT_SHADOWS, Stage.SHADOW_RAYS, masks.lights_without_shadows),
+    Entry(Effect.LIGHT_BOUNCES, Stage.LIGHTS, masks.light_bounces),
     Entry(Effect.SCATTERED_RAYS, Stage.ADVANCE, transport.scattered_rays),
     Entry(Effect.LAST_RAYS, Stage.INTERSECT, transport.last_rays),
     Entry(Effect.LAST_HITS, Stage.INTERSECT, transport.last_hits),

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..scene.camera import Camera
 from ..scene.mesh import Mesh
+from ..scene.rays import EVERY
 from ..vectors import cross, dot
 
 Answer = tuple[bool, str]
@@ -36,8 +37,8 @@ def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
     count, vertices = mesh.triangle_count, mesh.vertices.shape[1]
     if count == 0:
         return False, "there are no faces"
-    if not all(thing.visible_camera for thing in mesh.objects):
-        return True, "camera rays pass through what hides from them"
+    if any(thing.rays != EVERY for thing in mesh.objects):
+        return True, "some rays pass through what hides from them"
     flat, convex = _shape(mesh, np.unique(np.linspace(0, count - 1, PROBES).astype(np.intp))[:, None])
     if not convex:
         return True, "faces stand in front of faces"

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from ..film.light_passes import LightPass, direct, indirect
+from ..scene.rays import CAMERA, has_bits
 from ..scene.scene import Scene
 from .facts import Facts
 from .families import FAMILIES
@@ -21,7 +22,7 @@ def light_passes(scene: Scene, plan: Plan) -> tuple[LightPass, ...]:
         found.add(direct(family))
         if plan.needs(Effect.INDIRECT_LIGHT):
             found.add(indirect(family))
-    if plan.needs(Effect.EMISSION) or any(light.visible_camera for light in facts.broad_lights):
+    if plan.needs(Effect.EMISSION) or any(has_bits(light.rays, CAMERA) for light in facts.broad_lights):
         found.add(LightPass.EMISSION)
     if plan.needs(Effect.CONSTANT_WORLD) or plan.needs(Effect.ENVIRONMENT_WORLD):
         found.add(LightPass.ENVIRONMENT)

@@ -11,6 +11,8 @@ class Effect(StrEnum):
 
     DEPTH_OF_FIELD = "depth of field"
     HIDDEN_OBJECTS = "hidden objects"
+    RAY_KINDS = "ray kinds"
+    RAY_FLAGS = "ray flags"
 
     SMOOTH_NORMALS = "smooth normals"
     SEVERAL_MATERIALS = "several materials"
@@ -57,6 +59,9 @@ class Effect(StrEnum):
     LIGHT_SELECTION = "light selection"
     MULTIPLE_IMPORTANCE_SAMPLING = "multiple importance sampling"
     SHADOW_RAYS = "shadow rays"
+    SHADOWS_APART = "shadows apart"
+    LIGHTS_WITHOUT_SHADOWS = "lights without shadows"
+    LIGHT_BOUNCES = "light bounces"
     SCATTERED_RAYS = "scattered rays"
     LAST_RAYS = "last rays"
     LAST_HITS = "last hits"

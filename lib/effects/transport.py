@@ -9,10 +9,12 @@ import numpy as np
 
 from ..scene.expressions import EnvironmentTexture
 from ..scene.materials import Emission
+from ..scene.rays import STEADY_FLAGS
 from ..scene.sky import Sky
 from ..textures.fold import walk
 from .facts import Facts
 from .geometry import Answer
+from .masks import reads_flags
 from .surface import Question, named
 
 # Roulette may end paths at this scattering, counted from 0, and after it.
@@ -32,12 +34,6 @@ def lens(facts: Facts) -> Answer:
     if aperture is None or aperture.radius == 0.0:
         return False, "the camera has no depth of field"
     return True, f"the camera's lens has a radius of {aperture.radius:.4g} m"
-
-
-def hidden_objects(facts: Facts) -> Answer:
-    """Whether camera rays miss what others meet."""
-    hidden = [item.name for item in facts.scene.mesh.objects if not item.visible_camera]
-    return named(hidden, "the camera does not see object", "the camera may see every object")
 
 
 def transparency(facts: Facts) -> Answer:
@@ -76,6 +72,8 @@ def environment_world(facts: Facts) -> Answer:
 def environment_table(facts: Facts) -> Answer:
     """Whether directions are chosen by where the world is bright."""
     needed, fact = environment_world(facts)
+    if needed and reads_flags(facts.scene.world, *STEADY_FLAGS):
+        return False, "the world depends on the kind of ray"
     if needed and not facts.rough:
         return False, _only_smooth(facts)
     return needed, fact

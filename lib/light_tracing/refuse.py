@@ -29,12 +29,24 @@ def refuse_unsupported(kernel: Kernel) -> None:
         refusals.append(Refusal("the camera", "light tracing to a panoramic camera", _REMEDY))
     if kernel.plan.needs(Effect.DISPERSION):
         refusals.append(Refusal("the scene", "dispersion by light tracing", _REMEDY))
+    refusals += [Refusal("the scene", what, _REMEDY) for what in masks_not_traced(kernel)]
     for light in scene.lights:
         if isinstance(light, SphereLight | SpotLight) and light.radius > 0.0 and _is_entered(kernel, light):
             what = "light tracing of the light that a sphere sends to faces inside it"
             refusals.append(Refusal(f"light '{light.name}'", what, _REMEDY))
     if refusals:
         raise Refused(refusals)
+
+
+def masks_not_traced(kernel: Kernel) -> list[str]:
+    """Which masks of rays the scene has that paths from the lights do not know."""
+    names = {
+        Effect.RAY_KINDS: "ray visibility by light tracing",
+        Effect.SHADOWS_APART: "shadow visibility by light tracing",
+        Effect.LIGHTS_WITHOUT_SHADOWS: "lights without shadows by light tracing",
+        Effect.LIGHT_BOUNCES: "limits of a light's bounces by light tracing",
+    }
+    return [what for effect, what in names.items() if kernel.plan.needs(effect)]
 
 
 def _of_material(material: object) -> list[str]:

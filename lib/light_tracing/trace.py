@@ -20,6 +20,7 @@ from ..sampling.streams import (
     PLACE,
     light_step_dimension,
 )
+from ..scene.rays import CAMERA, has_bits
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot, put
 from ..wavefront.flow import Flow
@@ -85,7 +86,7 @@ class LightTracer:
     ) -> None:
         self._kernel, self._emitters, self._uniforms, self._selection = kernel, emitters, uniforms, selection
         self._flow = Flow.of(kernel)
-        self._hidden = np.array([not thing.visible_camera for thing in kernel.scene.mesh.objects] or [False])
+        self._hidden = np.array([not has_bits(thing.rays, CAMERA) for thing in kernel.scene.mesh.objects] or [False])
         self.rays = 0
 
     def trace(self, group: np.ndarray, sample: np.ndarray) -> Splats:

@@ -27,7 +27,6 @@ class AreaSampler:
     _area_of_unit = 1.0
 
     def __init__(self, light: AreaLight) -> None:
-        self.visible_camera = light.visible_camera
         self._center = column(light.center)
         edge_u, edge_v = np.array(light.edge_u, float), np.array(light.edge_v, float)
         normal = np.cross(edge_u, edge_v)

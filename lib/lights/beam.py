@@ -16,7 +16,6 @@ class BeamSampler:
     """Delta light: the limit of the spread, irradiance pi radiance on what faces the light within its outline."""
 
     delta = True
-    visible_camera = False
 
     def __init__(self, light: AreaLight, shape: AreaSampler) -> None:
         self._shape = shape

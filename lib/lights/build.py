@@ -15,15 +15,6 @@ from .spot import SpotSampler
 from .sun import SunSampler
 
 
-def light_samplers(lights: tuple[Light, ...], scene_radius: float) -> list[LightSampler]:
-    """Samplers of the lights that send out anything; those without power (no area, a closed cone, black) are left out.
-
-    `scene_radius` (metres) weighs suns against the rest.
-    """
-    samplers = [light_sampler(light, scene_radius) for light in lights]
-    return [sampler for sampler in samplers if sampler.power > 0.0]
-
-
 def light_sampler(light: Light, scene_radius: float) -> LightSampler:
     """The sampler of one light."""
     if isinstance(light, PointLight):

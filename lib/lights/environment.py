@@ -31,7 +31,6 @@ class EnvironmentSampler:
     """
 
     delta = False
-    visible_camera = True
 
     def __init__(
         self,

@@ -68,7 +68,6 @@ class LightSampler(Protocol):
 
     delta: bool
     power: float
-    visible_camera: bool
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""

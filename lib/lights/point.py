@@ -15,7 +15,6 @@ class PointSampler:
     """Delta light: from any point one direction leads to it. A point at the light itself gets nothing, and wi is zero."""
 
     delta = True
-    visible_camera = False
 
     def __init__(self, light: PointLight) -> None:
         self._position = column(light.position)

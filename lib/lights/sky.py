@@ -39,7 +39,6 @@ class SunnySampler:
     """
 
     delta = False
-    visible_camera = True
 
     def __init__(
         self,

@@ -21,7 +21,6 @@ class SphereSampler:
     delta = False
 
     def __init__(self, light: SphereLight) -> None:
-        self.visible_camera = light.visible_camera
         self.center = column(light.position)
         self.radius2 = light.radius**2
         self.radiance = column(light.radiance)

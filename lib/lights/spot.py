@@ -18,7 +18,6 @@ class SpotSampler:
     """Spot light: delta where its radius is 0. The cone does not dim what is inside its sphere, as in Cycles."""
 
     def __init__(self, light: SpotLight) -> None:
-        self.visible_camera = light.visible_camera and light.radius > 0.0
         self.delta = light.radius == 0.0
         self._falloff = Falloff(light.cone)
         self._emitter = (

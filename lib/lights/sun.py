@@ -18,7 +18,6 @@ class SunSampler:
 
     def __init__(self, light: SunLight, scene_radius: float = 1.0) -> None:
         self.delta = light.half_angle == 0.0
-        self.visible_camera = light.visible_camera and not self.delta
         self._direction = column(light.direction)
         self._one_minus_cos = 2.0 * math.sin(0.5 * light.half_angle) ** 2
         received = column(light.irradiance)

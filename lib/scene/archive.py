@@ -19,7 +19,7 @@ from . import camera, converters, expressions, findings, images, lights, materia
 from .checks import validate
 from .scene import Scene
 
-_VERSION = 2
+_VERSION = 3
 _SMALL = 64
 _CLASSES = {
     kind.__name__: kind

@@ -13,10 +13,12 @@ import numpy as np
 from ..errors import SceneError
 from ..plural import plural
 from .camera import PANORAMAS, Camera
-from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture
+from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture, RayFlag
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
+from .materials import Emission, WeightedClosure
 from .mesh import FARTHEST, Mesh, near
+from .rays import EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
 
@@ -31,10 +33,14 @@ def validate(scene: Scene) -> None:
     _check_camera(scene.camera)
     for light in scene.lights:
         _check_light(light)
+        _check_rays(f"light '{light.name}'", light.rays)
+    _check_rays("world", scene.world.rays)
     for image in scene.images:
         _check_image(image)
     for material in scene.materials:
         _check_expressions(f"material '{material.name}'", material, scene)
+        for lobe in material.lobes:
+            _check_emission(f"material '{material.name}'", lobe)
     _check_expressions("world", scene.world, scene)
     _demand(min(scene.world.table_resolution) >= 1, "world", "its sampling table is empty")
     _demand(scene.transport.max_bounces >= 0, scene.name, "its number of bounces is negative")
@@ -48,6 +54,10 @@ def _demand(holds: bool | np.bool_, owner: str, defect: str) -> None:
         raise SceneError(f"{owner}: {defect}; repair it and export again")
 
 
+def _check_rays(owner: str, rays: int) -> None:
+    _demand(isinstance(rays, int) and 0 <= rays <= EVERY, owner, f"its mask of rays is {rays}, not of 0 to {EVERY}")
+
+
 def _check_array(owner: str, name: str, array: np.ndarray, shape: tuple[int, ...], kinds: str) -> None:
     """Demand `shape`, one of the dtype `kinds`, and finite numbers."""
     _demand(array.shape == shape, owner, f"{name} has shape {array.shape}, not {shape}")
@@ -59,6 +69,7 @@ def _check_mesh(mesh: Mesh, materials: int) -> None:
     v, t = mesh.vertices.shape[-1], mesh.triangle_count
     for thing in mesh.objects:
         _check_array(f"object '{thing.name}'", "its transform", thing.world_from_object, (3, 4), "f")
+        _check_rays(f"object '{thing.name}'", thing.rays)
     _check_array("mesh", "object_index", mesh.object_index, (t,), "i")
     _check_range("mesh", "object_index", mesh.object_index, len(mesh.objects))
     _check_array("mesh", "triangles", mesh.triangles, (3, t), "i")
@@ -167,12 +178,22 @@ def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
             _demand(0 <= node.image < len(scene.images), owner, f"image {node.image} is not in the scene")
         elif isinstance(node, Constant):
             _demand(all(map(math.isfinite, _numbers(node))), owner, "a constant is not finite")
+        elif isinstance(node, RayFlag):
+            _demand(node.flag in FLAGS, owner, f"no ray is called '{node.flag}'")
         elif isinstance(node, Attribute):
             _demand(node.name in scene.mesh.attributes, owner, f"attribute '{node.name}' is missing")
         elif isinstance(node, Coordinates) and root is not scene.world:
             _demand(node.kind != "UV" or node.uv_map in scene.mesh.uvs, owner, f"UV map '{node.uv_map}' is missing")
             there = scene.mesh.generated.shape[-1] > 0 or scene.mesh.triangle_count == 0
             _demand(node.kind != "GENERATED" or there, owner, "generated coordinates are missing")
+
+
+def _check_emission(owner: str, lobe: WeightedClosure) -> None:
+    """Demand that light samples and the rays that lobes choose see the same emission."""
+    flags = (
+        {node.flag for node in _nodes(lobe) if isinstance(node, RayFlag)} if isinstance(lobe.closure, Emission) else ()
+    )
+    _demand(set(flags) <= set(STEADY_FLAGS), owner, "its emission depends on the kind of ray")
 
 
 def _nodes(root: Any) -> Iterator[Any]:

@@ -267,6 +267,13 @@ class Backfacing(Expression):
 
 
 @dataclass(frozen=True)
+class RayFlag(Expression):
+    """1 where the ray that meets the point is of a kind, else 0 (a value); `flag` is a name in rays.FLAGS."""
+
+    flag: str
+
+
+@dataclass(frozen=True)
 class ColorToValue(Expression):
     """A colour's luminance (linear Rec. 709), Blender's conversion from colour to value."""
 

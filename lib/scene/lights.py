@@ -2,19 +2,33 @@
 """Lights in radiometric units, in world space; the exporter has already applied Blender's wattage rules.
 
 Colours are tuples of three (linear Rec. 709), positions and directions tuples of three (metres, unit vectors).
-`visible_camera` says whether camera rays see the light; every other ray does. A light that is hit is transparent:
-it adds its radiance and the ray goes on, as in Cycles.
+A light that is hit is transparent: it adds its radiance and the ray goes on, as in Cycles.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .rays import SCATTERED
+
 Vector = tuple[float, float, float]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Switches:
+    """What every light can be told.
+
+    `rays` is the mask of the rays that see it (rays.py); point lights are seen by none, and light those that would. Faces hide it only
+    where it `casts_shadow`. It lights points at which a path has scattered at most `max_bounces` times before.
+    """
+
+    rays: int = SCATTERED
+    casts_shadow: bool = True
+    max_bounces: int = 1024
+
+
 @dataclass(frozen=True)
-class PointLight:
+class PointLight(Switches):
     """A point of the given radiant `intensity` (W sr^-1)."""
 
     name: str
@@ -23,14 +37,13 @@ class PointLight:
 
 
 @dataclass(frozen=True)
-class SphereLight:
+class SphereLight(Switches):
     """A sphere that shows the same `radiance` (W m^-2 sr^-1) everywhere, also to what is inside it, as in Cycles."""
 
     name: str
     position: Vector
     radius: float
     radiance: Vector
-    visible_camera: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,7 +62,7 @@ class Cone:
 
 
 @dataclass(frozen=True)
-class SpotLight:
+class SpotLight(Switches):
     """A point (`radius` 0: `emission` is intensity, W sr^-1) or sphere (radiance) seen through a cone."""
 
     name: str
@@ -57,11 +70,10 @@ class SpotLight:
     radius: float
     emission: Vector
     cone: Cone
-    visible_camera: bool = False
 
 
 @dataclass(frozen=True)
-class SunLight:
+class SunLight(Switches):
     """Light from the cone of `half_angle` (radians) about `direction` (towards the sun).
 
     `irradiance` on a plane facing the sun, W m^-2; the radiance is irradiance / (pi sin^2 half_angle).
@@ -71,11 +83,10 @@ class SunLight:
     direction: Vector
     half_angle: float
     irradiance: Vector
-    visible_camera: bool = False
 
 
 @dataclass(frozen=True)
-class AreaLight:
+class AreaLight(Switches):
     """A one-sided `shape` ('RECTANGLE' or 'ELLIPSE') about `center` with full edges (or axes) `edge_u` and `edge_v`.
 
     It emits `radiance` to the side of `normal`; with `spread` < pi (radians) the radiance at angle theta is multiplied by
@@ -90,7 +101,6 @@ class AreaLight:
     shape: str
     radiance: Vector
     spread: float
-    visible_camera: bool = False
 
 
 Light = PointLight | SphereLight | SpotLight | SunLight | AreaLight

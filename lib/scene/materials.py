@@ -231,9 +231,11 @@ class Material:
     """A material as the user named it; no lobes means black.
 
     `unknown` says what of it is not simulated, '' where all is. What such a material does to light is not known: it has no
-    lobes, paths end there, and what they would have brought is missing from their pixels.
+    lobes, paths end there, and what they would have brought is missing from their pixels. Shadow rays pass through what is transparent of
+    it only with `transparent_shadows`.
     """
 
     name: str
     lobes: tuple[WeightedClosure, ...]
     unknown: str = ""
+    transparent_shadows: bool = True

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from .overlaps import Overlaps, find_overlaps
+from .rays import EVERY
 
 FARTHEST = 1e18
 """Coordinates beyond this are refused: their squares leave single precision, in which both renderers look for hits."""
@@ -23,8 +24,8 @@ def near(positions: np.ndarray) -> np.ndarray:
 class Object:
     """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map.
 
-    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. Camera rays pass through
-    it as if it were not there unless it is `visible_camera`.
+    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. `rays` is the mask of the rays
+    that meet it (rays.py); others pass through it as if it were not there.
     """
 
     name: str
@@ -32,7 +33,7 @@ class Object:
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     index: int = 0
     random: float = 0.0
-    visible_camera: bool = True
+    rays: int = EVERY
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .expressions import BLACK, Expression
+from .rays import SEEN
 
 
 @dataclass(frozen=True)
@@ -13,7 +14,9 @@ class World:
     """`radiance` as a colour expression of the direction ('GENERATED' coordinates), W m^-2 sr^-1.
 
     `table_resolution` (width, height) is that of the equirectangular sampling table; it only steers where samples go.
+    `rays` is the mask of the rays that see the world (rays.py).
     """
 
     radiance: Expression = BLACK
     table_resolution: tuple[int, int] = (1024, 512)
+    rays: int = SEEN

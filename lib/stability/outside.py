@@ -143,6 +143,7 @@ OUTSIDE: dict[str, str] = {
     **dict.fromkeys(("bsdfs.specular.refracted_widening", "lights.light.emit_distant"), _ADJOINT),
     **dict.fromkeys(
         (
+            "bsdfs.classed.ClassedMixture",
             "bsdfs.fresnels.Fresnel",
             "bsdfs.fresnels.part_of",
             "bsdfs.lobe.DeltaLobe",
@@ -152,7 +153,6 @@ OUTSIDE: dict[str, str] = {
             "microfacets.distributions.distribution_by_name",
             "lights.build.area_sampler",
             "lights.build.light_sampler",
-            "lights.build.light_samplers",
             "lights.light.LightSample",
             "lights.light.LightSampler",
             "lights.light.Aimable",

@@ -22,6 +22,7 @@ from .surface import SurfacePoints
 class PreparedMaterial:
     """One material, ready to be asked at points. With `prunes` lobes that add nothing are left out.
 
+    `shadows`: shadow rays take it for opaque.
     `tables`: those of Cycles, by which multiple scattering departs, or None.
     """
 
@@ -37,6 +38,7 @@ class PreparedMaterial:
         self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
         self.emits = bool(self._emissions)
         self.transparent = bool(self._transparencies)
+        self.shadows = not material.transparent_shadows
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
         self.disperses = any(isinstance(x, Glass) and not is_zero(x.dispersion) for _, x in self._scattering)

@@ -69,10 +69,12 @@ class SurfacePoints:
 
     triangle (n,) int, barycentrics u, v (n,) of the second and third corner, position, ng and wo (3, n). The geometric normal is
     turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where. `wavelength` (n,), in nanometres, is
-    that of the light, where something depends on it.
+    that of the light, where something depends on it. `flags`, () or (n,) int, are those of the rays that meet the points (scene/rays.py),
+    where shaders ask.
     """
 
     wavelength: np.ndarray | None = None
+    flags: np.ndarray | int = 0
 
     def __init__(
         self,
@@ -111,6 +113,7 @@ class SurfacePoints:
         points.n = self.n[:, start:stop]
         if self.wavelength is not None:
             points.wavelength = self.wavelength[start:stop]
+        points.flags = self.flags if np.ndim(self.flags) == 0 else self.flags[start:stop]
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:
@@ -119,6 +122,7 @@ class SurfacePoints:
         points.tables = self.tables
         for name in ("triangle", "u", "v", "position", "wo", "ng", "backfacing", "side"):
             setattr(points, name, np.take(getattr(self, name), index, axis=-1))
+        points.flags = self.flags if np.ndim(self.flags) == 0 else np.take(self.flags, index)
         return points
 
     @cached_property

@@ -17,6 +17,7 @@ class Context(Protocol):
     size: int
     cos_wo: np.ndarray
     backfacing: np.ndarray
+    flags: np.ndarray | int
     n: np.ndarray
     ng: np.ndarray
     wo: np.ndarray

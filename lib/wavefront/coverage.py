@@ -67,7 +67,7 @@ def _first_hits(
     rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
     if rays.index is not None:
         pixel = pixel[rays.index]
-    hits = kernel.camera_caster.closest(rays.origin, rays.direction, rays.reach)
+    hits = kernel.sight.camera.closest(rays.origin, rays.direction, rays.reach)
     met = np.flatnonzero(hits.triangle >= 0)
     direction = np.take(rays.direction, met, axis=1)
     place = np.take(rays.origin, met, axis=1) + direction * hits.distance[met]

@@ -7,10 +7,13 @@ import numpy as np
 
 
 class Directions:
-    """Unit directions (3, n) out of the scene; every kind of coordinates is the direction itself."""
+    """Unit directions (3, n) out of the scene; every kind of coordinates is the direction itself.
 
-    def __init__(self, direction: np.ndarray) -> None:
-        self._direction = direction
+    `flags`, () or (n,) int, are those of the rays (scene/rays.py).
+    """
+
+    def __init__(self, direction: np.ndarray, flags: np.ndarray | int = 0) -> None:
+        self._direction, self.flags = direction, flags
         self.size = direction.shape[1]
         self.cos_wo = np.ones(self.size)
         self.backfacing = np.zeros(self.size, bool)

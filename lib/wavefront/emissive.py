@@ -14,16 +14,16 @@ from ..vectors import cross, dot, orthonormal_basis, to_world
 
 
 class EmissiveMesh:
-    """All emissive faces; a light sampler whose radiance is the material's own emission at the sampled point."""
+    """Emissive faces; a light sampler whose radiance is the material's own emission at the sampled point."""
 
     delta = False
-    visible_camera = True
 
-    def __init__(self, tables: SurfaceTables, materials: list[PreparedMaterial], planes: np.ndarray) -> None:
+    def __init__(
+        self, tables: SurfaceTables, materials: list[PreparedMaterial], planes: np.ndarray, triangles: np.ndarray
+    ) -> None:
+        """`triangles` (t,) are the indices of those that emit; `planes` as in raycaster.py."""
         self._tables, self._materials = tables, materials
         mesh = tables.mesh
-        emitting = np.array([m.emits for m in materials])
-        triangles = np.flatnonzero(emitting[mesh.material_index])
         a, b, c = mesh.triangles[:, triangles]
         corner = np.take(mesh.vertices, a, axis=1)
         edges = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
@@ -69,7 +69,7 @@ class EmissiveMesh:
 
     @property
     def extent(self) -> Ball:
-        """The ball about all emissive faces."""
+        """The ball about the faces."""
         mesh = self._tables.mesh
         return bounding_ball(mesh.vertices[:, mesh.triangles[:, self._triangles].ravel()])
 

@@ -27,6 +27,8 @@ class Emitters:
 
     def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
         """The heuristic's weight for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
+        if self._kernel.sight.alone[light]:
+            return np.where(np.isinf(pdf), 1.0, 0.0)
         if self._sampling.weighs:
             return cutoff_power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
         if not self._sampling.runs or self._sampling.by_lobes:
@@ -41,12 +43,14 @@ class Emitters:
         origin = paths.origin if straight else paths.scatter_origin
         end = hits.distance if straight else hits.distance + paths.travelled
         for k, light in enumerate(kernel.lights):
-            if light.delta or light in (kernel.environment, kernel.emissive):
+            if light.delta or light is kernel.environment or light in kernel.emissive:
                 continue
-            hidden = not light.visible_camera
+            hidden = not kernel.sight.shows[k]
             if hidden and paths.at_camera:
                 continue
             near = light.candidates(origin, paths.direction)
+            if paths.ray_class is not None:
+                near = near[kernel.sight.sees[paths.ray_class[near], k]]
             if near.size == 0:
                 continue
             start, direction, reach = np.take(origin, near, axis=1), np.take(paths.direction, near, axis=1), end[near]
@@ -55,7 +59,7 @@ class Emitters:
             met |= np.isinf(reach) & np.isinf(distance) & radiance.any(axis=0)
             if not straight:
                 met &= distance > paths.travelled[near]
-                if hidden:
+                if hidden and paths.ray_class is None:
                     met &= paths.scatterings[near] > 0
             at = np.flatnonzero(met)
             if at.size == 0:
@@ -69,6 +73,8 @@ class Emitters:
     def sky(self, paths: Paths, escaped: np.ndarray) -> None:
         """The world, for the rays at `escaped` that left the scene."""
         kernel = self._kernel
+        if paths.ray_class is not None:
+            escaped = escaped[kernel.sight.sees_world[paths.ray_class[escaped]]]
         if escaped.size == 0 or (kernel.sky is None and not self._asks_world):
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
@@ -76,7 +82,7 @@ class Emitters:
             self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT)
             return
         direction = np.take(paths.direction, escaped, axis=1)
-        throughput *= kernel.world(direction)
+        throughput *= kernel.world(direction, kernel.sight.flags_of(paths, escaped))
         if kernel.environment is not None:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
             throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
@@ -89,10 +95,12 @@ class Emitters:
         kernel = self._kernel
         arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
         pdf = paths.pdf[start:stop]
-        if kernel.emissive is not None and not np.all(np.isinf(pdf)):
+        if kernel.emissive and not np.all(np.isinf(pdf)):
             reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]
-            density = kernel.emissive.pdf_of_hit(points.triangle, reach, np.abs(dot(points.ng, points.wo)))
-            arriving *= self._weight(pdf, kernel.lights.index(kernel.emissive), density)
+            facing = np.abs(dot(points.ng, points.wo))
+            for sampler in kernel.emissive:  # each has a density for its own faces, and none for the others
+                density = sampler.pdf_of_hit(points.triangle, reach, facing)
+                arriving *= self._weight(pdf, kernel.lights.index(sampler), density)
         self._add(paths, slice(start, stop), arriving, LightPass.EMISSION)
 
     def _add(self, paths: Paths, index: Index, arriving: np.ndarray, seen: LightPass) -> None:

@@ -41,7 +41,7 @@ class Flow:
         needs, options = kernel.plan.needs, kernel.options
         return Flow(
             has_lens=needs(Effect.DEPTH_OF_FIELD),
-            hides=needs(Effect.HIDDEN_OBJECTS),
+            hides=needs(Effect.HIDDEN_OBJECTS) and kernel.sight.class_of is None,
             several_materials=needs(Effect.SEVERAL_MATERIALS),
             transparent=needs(Effect.TRANSPARENT_SURFACES),
             second_hits=needs(Effect.SECOND_HITS) or kernel.coplanar is not None,

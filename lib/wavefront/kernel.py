@@ -13,12 +13,14 @@ from ..departures.scene import departed
 from ..effects.names import Effect
 from ..effects.plan import Plan
 from ..film.light_passes import Family
-from ..lights.build import light_sampler, light_samplers
+from ..lights.build import light_sampler
 from ..lights.environment import EnvironmentSampler
 from ..lights.light import LightSampler
 from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
 from ..microfacets.cycles_tables import cycles_tables
+from ..scene.lights import Light, Switches
+from ..scene.rays import FLAGS, SCATTERED
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from ..surfaces.materials import PreparedMaterial
@@ -26,11 +28,11 @@ from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold_scene
 from ..textures.images import ImageSet
-from .camera_caster import CameraCaster
+from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
 from .emissive import EmissiveMesh
-from .raycaster import Raycaster
+from .sight import Sight
 
 LIGHT_BELOW = "light below the face"
 """The departure that lets light sampling reach below smooth-shaded faces."""
@@ -41,10 +43,10 @@ class Kernel:
 
     `scene` is as it stands after the departures, folded where the plan prunes. `lights` are the samplers of light objects, then the
     environment's, then the emissive mesh's, as far as the plan calls for them; `selection` picks among them. `sky` is the constant
-    world's radiance (3, 1), or None. `one_sided`: all light leaves a face on the side from which it is seen. `camera_caster` is another
-    one than `caster` where objects hide from camera rays. `coplanar` has the faces that overlap others, where rays meet these at distance
-    0, `other_faces` those that rays meet in place of others; both belong to departures. A kernel `like` this one of the same mesh shares
-    what depends on the mesh alone.
+    world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for each mask of rays. `one_sided`: all light leaves a
+    face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which. `coplanar` has the faces that
+    overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of others; both belong to departures.
+    A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
     """
 
@@ -54,10 +56,8 @@ class Kernel:
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
         same = like if like is not None and like.scene.mesh is scene.mesh else None
-        self.caster = Raycaster(scene.mesh) if same is None else same.caster
-        self.camera_caster = self.caster
-        if plan.needs(Effect.HIDDEN_OBJECTS):
-            self.camera_caster = CameraCaster(scene.mesh) if same is None else same.camera_caster
+        self._casters = Casters(scene.mesh) if same is None else same._casters
+        self.caster = self._casters.whole
         self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
         self.images = ImageSet(
             scene.images,
@@ -67,18 +67,22 @@ class Kernel:
         tables = cycles_tables(scene.blender) if "multiple-scattering tables" in options.departures else None
         self.materials = [PreparedMaterial(m, self.images, options, plan.prunes, tables) for m in self.scene.materials]
         self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry
-        self.lights = self._light_objects()
+        objects = self._light_objects()
+        self.lights = [sampler for _, sampler in objects]
         self.environment = self._environment() if plan.needs(Effect.ENVIRONMENT_TABLE) else None
-        self.emissive: EmissiveMesh | None = None
-        if plan.needs(Effect.MESH_LIGHTS) and any(m.emits for m in self.materials):
-            self.emissive = EmissiveMesh(self.tables, self.materials, self.caster.planes)
-        self.lights += [light for light in (self.environment, self.emissive) if light is not None]
+        meshes = self._emissive_meshes() if plan.needs(Effect.MESH_LIGHTS) else []
+        self.emissive = tuple(sampler for _, sampler in meshes)
+        self.lights += [light for light in (self.environment, *self.emissive) if light is not None]
         self.sky: np.ndarray | None = None
         if plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
             world = np.asarray(folded.world.radiance.value, np.float64)
             self.sky = np.broadcast_to(world, (3,))[:, None]
         self.selection = LightSelection(self.lights) if self.lights else None
-        self.light_is_delta = np.array([light.delta for light in self.lights], bool)
+        switches = [(light, False) for light, _ in objects]
+        switches += [(Switches(rays=scene.world.rays), False)] * (self.environment is not None)
+        switches += [(Switches(rays=rays), True) for rays, _ in meshes]
+        delta = np.array([light.delta for light in self.lights], bool)
+        self.sight = Sight(scene, plan, self._casters, switches, delta)
         lit_from_below = LIGHT_BELOW in options.departures
         self.coplanar = CoplanarFaces(scene.mesh) if FACES_IN_ONE_PLANE in options.departures else None
         self.other_faces = (
@@ -86,11 +90,19 @@ class Kernel:
         )
         self.one_sided = not lit_from_below and not any(m.transmits for m in self.materials)
 
-    def _light_objects(self) -> list[LightSampler]:
-        """Samplers of the light objects; a plan that prunes leaves out those that send out nothing."""
-        if self.plan.prunes:
-            return light_samplers(self.scene.lights, self.caster.radius)
-        return [light_sampler(light, self.caster.radius) for light in self.scene.lights]
+    def _light_objects(self) -> list[tuple[Light, LightSampler]]:
+        """The light objects with their samplers; a plan that prunes leaves out those that send out nothing."""
+        pairs = [(light, light_sampler(light, self.caster.radius)) for light in self.scene.lights]
+        return [pair for pair in pairs if pair[1].power > 0.0 or not self.plan.prunes]
+
+    def _emissive_meshes(self) -> list[tuple[int, EmissiveMesh]]:
+        """Samplers of the emissive faces, one for each mask of rays; faces that no scattered ray meets are in none."""
+        mesh = self.scene.mesh
+        emits = np.array([m.emits for m in self.materials])[mesh.material_index]
+        rays = np.array([thing.rays for thing in mesh.objects] or [0])[mesh.object_index]
+        masks = [int(mask) for mask in np.unique(rays[emits]) if mask & SCATTERED]
+        parts = [(mask, np.flatnonzero(emits & (rays == mask))) for mask in masks]
+        return [(mask, EmissiveMesh(self.tables, self.materials, self.caster.planes, part)) for mask, part in parts]
 
     def _environment(self) -> EnvironmentSampler | SunnySampler:
         """The sampler of a world that depends on the direction, its suns apart."""
@@ -122,17 +134,18 @@ class Kernel:
         unknown = np.array([material.unknown for material in self.materials])
         return np.take(unknown, np.take(self.material_of, triangle))
 
-    def world(self, direction: np.ndarray) -> np.ndarray:
-        """The world's radiance from unit directions (3, n)."""
-        radiance = evaluate(self.scene.world.radiance, Directions(direction), self.images)
+    def world(self, direction: np.ndarray, flags: np.ndarray | int = 0) -> np.ndarray:
+        """The world's radiance from unit directions (3, n), as rays of these `flags` see it."""
+        radiance = evaluate(self.scene.world.radiance, Directions(direction, flags), self.images)
         return np.broadcast_to(radiance, direction.shape)
 
-    def transparency(self, points: SurfacePoints) -> np.ndarray:
-        """Straight-through factor at points of any materials, (3, n)."""
+    def shadow_transparency(self, points: SurfacePoints) -> np.ndarray:
+        """What shadow rays carry straight through points of any materials, (3, n)."""
         factor = np.zeros((3, points.size))
+        points.flags = FLAGS["SHADOW"]
         material = np.take(self.material_of, points.triangle)
         for k in np.unique(material):
-            if self.materials[k].transparent:
+            if self.materials[k].transparent and not self.materials[k].shadows:
                 index = np.flatnonzero(material == k)
                 factor[:, index] = self.materials[k].transparency(points.at(index))
         return factor

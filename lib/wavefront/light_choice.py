@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,8 +17,8 @@ class LightSampling:
     """How the lights of one kernel are sampled.
 
     runs: directions towards lights are sampled. selects: there is a choice of lights. weighs: what both strategies find is weighted
-    by the heuristic; `by_lobes`: else it is lobe sampling that counts, unless a light is a delta. below_faces: light reaches below
-    smooth-shaded faces, as it does in Cycles.
+    by the heuristic; `by_lobes`: else it is lobe sampling that counts, unless light sampling alone finds a light. below_faces: light
+    reaches below smooth-shaded faces, as it does in Cycles.
     """
 
     runs: bool
@@ -32,7 +32,7 @@ class LightSampling:
         """What the kernel's plan and options call for."""
         needs, options = kernel.plan.needs, kernel.options
         # Light sampling is called for by lights that nothing else finds, and wherever it is one of the strategies.
-        wanted = bool(kernel.light_is_delta.any()) or (bool(kernel.lights) and options.direct != "bsdf")
+        wanted = bool(kernel.sight.alone.any()) or (bool(kernel.lights) and options.direct != "bsdf")
         return LightSampling(
             runs=wanted and needs(Effect.LIGHT_SAMPLING),
             selects=needs(Effect.LIGHT_SELECTION) and bool(kernel.lights),
@@ -44,17 +44,22 @@ class LightSampling:
 
 @dataclass(frozen=True)
 class LightChoice:
-    """A light sample for each point, with the chance of its light and whether that light is a delta, () or (n,) each."""
+    """A light sample for each point; its light's number, the chance of it and whether only light sampling finds it, () or (n,) each."""
 
     sample: LightSample
+    number: np.ndarray
     probability: np.ndarray
-    delta: np.ndarray
+    alone: np.ndarray
 
     def part(self, start: int, stop: int) -> LightChoice:
         """The samples from `start` to `stop`, sharing arrays."""
         piece = LightSample(*(a[..., start:stop] for a in self.sample))
-        probability, delta = (a if np.ndim(a) == 0 else a[start:stop] for a in (self.probability, self.delta))
-        return LightChoice(piece, probability, delta)
+        facts = self.number, self.probability, self.alone
+        return LightChoice(piece, *(a if np.ndim(a) == 0 else a[start:stop] for a in facts))
+
+    def where(self, lit: np.ndarray) -> LightChoice:
+        """The samples with no light where it is not `lit`, () or (n,) bool."""
+        return replace(self, sample=self.sample._replace(radiance=self.sample.radiance * lit))
 
 
 def choose_light(
@@ -63,7 +68,8 @@ def choose_light(
     """Pick a light by power with `choice` if there is one to pick (`selects`), then a direction by (u1, u2), for each point (3, n)."""
     lights = kernel.lights
     if not selects:
-        return LightChoice(lights[0].sample(position, u1, u2), np.float64(1.0), np.bool_(lights[0].delta))
+        sample = lights[0].sample(position, u1, u2)
+        return LightChoice(sample, np.intp(0), np.float64(1.0), kernel.sight.alone[0])
     index, probability = kernel.selection.choose(choice)
-    delta = np.take(kernel.light_is_delta, index) if kernel.light_is_delta.any() else np.bool_(False)
-    return LightChoice(kernel.selection.sample(index, position, u1, u2), probability, delta)
+    alone = np.take(kernel.sight.alone, index) if kernel.sight.alone.any() else np.bool_(False)
+    return LightChoice(kernel.selection.sample(index, position, u1, u2), index, probability, alone)

@@ -17,7 +17,8 @@ class Paths:
     The next three are kept only where surfaces can be transparent, else
     None: the point of the last scattering, the distance travelled since, the number of surfaces passed. The next
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
-    its colour (bool). `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that
+    its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different things. `left`, the
+    triangle that the ray left, is kept only where rays meet others in its plane. `at_camera` says that
     these are the camera rays themselves.
     """
 
@@ -33,6 +34,7 @@ class Paths:
     passed: np.ndarray | None = None
     wavelength: np.ndarray | None = None
     awaits_color: np.ndarray | None = None
+    ray_class: np.ndarray | None = None
     left: np.ndarray | None = None
     at_camera: bool = False
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..bsdfs.classed import ClassedMixture
 from ..bsdfs.mixture import Mixture
 from ..bsdfs.split import Split
 from ..sampling.mis import cutoff_power_heuristic
@@ -21,14 +22,16 @@ class Shaded:
     """Results for the points of one material.
 
     direct (3, n): f |cos| L / pdf by light sampling with its weight, before visibility and throughput, or None. wi (3, n) the next direction in
-    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on. direct_shares, shares (families - 1, 3, n): what
-    each family of lobes has of `direct` and of `weight`, as `Split` says it, where that is asked for.
+    world space, weight (3, n) f |cos| / pdf, pdf (n,); None where no path goes on. ray_class (n,) is the class of the next ray, None
+    where all that is scattered is of one class (sight.py). direct_shares, shares (families - 1, 3, n): what each family of lobes has of
+    `direct` and of `weight`, as `Split` says it, where that is asked for.
     """
 
     direct: np.ndarray | None
     wi: np.ndarray | None = None
     weight: np.ndarray | None = None
     pdf: np.ndarray | None = None
+    ray_class: np.ndarray | None = None
     direct_shares: np.ndarray | None = None
     shares: np.ndarray | None = None
 
@@ -52,7 +55,8 @@ def shade_all(
         return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms, parts)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
     direct = None if light is None else made((3, size))
-    onward = None if uniforms is None else (made((3, size)), made((3, size)), made(size))
+    onward = None if uniforms is None else [made((3, size)), made((3, size)), made(size)]
+    ray_class = np.zeros(size, np.intp) if uniforms is not None and kernel.sight.splits else None
     kept = (len(kernel.families) - 1, 3, size)
     direct_shares = np.zeros(kept) if parts and light is not None else None
     shares = np.zeros(kept) if parts and uniforms is not None else None
@@ -70,7 +74,9 @@ def shade_all(
             if onward is not None:
                 for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf), strict=True):
                     whole[..., a:b] = one
-    return Shaded(direct, *(onward or (None, None, None)), direct_shares, shares)
+            if shaded.ray_class is not None:
+                ray_class[a:b] = shaded.ray_class
+    return Shaded(direct, *(onward or (None, None, None)), ray_class, direct_shares, shares)
 
 
 def _shade(
@@ -86,7 +92,9 @@ def _shade(
     """Shade points of one material in the frame (t, s, n)."""
     wo = to_local(points.wo, *frame, points.n)
     mixture = kernel.materials[material].mixture(points, wo, *frame)
-    direct = direct_shares = None
+    if kernel.sight.splits:
+        mixture = ClassedMixture(mixture, kernel.sight.class_of)
+    direct = direct_shares = ray_class = None
     if light is not None:
         direct, direct_shares = np.zeros_like(wo), None
         if not mixture.all_delta:
@@ -95,12 +103,15 @@ def _shade(
     if uniforms is None:
         return Shaded(direct, direct_shares=direct_shares)
     split = kernel.split(material, points.size) if parts else None
-    local, weight, pdf = mixture.sample(*uniforms, split)
+    if isinstance(mixture, ClassedMixture):
+        local, weight, pdf, ray_class = mixture.sample_classes(*uniforms, split)
+    else:
+        local, weight, pdf = mixture.sample(*uniforms, split)
     shares = None if split is None else split.shares(weight)
     wi = to_world(local, *frame, points.n)
     if not kernel.tables.all_flat:  # both normals must see wi on the same side
         weight = weight * (local[2] * dot(points.ng, wi) > 0.0)
-    return Shaded(direct, wi, weight, pdf, direct_shares, shares)
+    return Shaded(direct, wi, weight, pdf, ray_class, direct_shares, shares)
 
 
 def _direct(
@@ -113,20 +124,36 @@ def _direct(
     split: Split | None,
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """One light's contribution by light sampling, weighed against BSDF sampling; (3, n), and the families' shares of it."""
-    sample = light.sample
+    sample, sight = light.sample, kernel.sight
     toward = to_local(sample.wi, *frame, points.n)
-    value, pdf = mixture.evaluate(toward, split)
-    shares = None if split is None else split.shares(value)
-    density = sample.pdf * light.probability
-    if sampling.weighs:
-        factor = cutoff_power_heuristic(density, np.where(light.delta, 0.0, pdf) if light.delta.any() else pdf)
-        factor /= density
-    elif sampling.by_lobes:
-        factor = np.where(light.delta, 1.0 / density, 0.0)
+    if isinstance(mixture, ClassedMixture):
+        value = np.zeros_like(toward)
+        for ray_class, pdf, of_lobes in mixture.evaluate_classes(toward):
+            weight = _factor(sampling, light, pdf) * sight.sees[ray_class, light.number]
+            for k, part in of_lobes:
+                value += part * weight
+                if split is not None:
+                    split.add(k, mixture.lobes[k], toward, part * weight)
+        shares = None if split is None else split.shares(value)
     else:
-        factor = 1.0 / density
+        value, pdf = mixture.evaluate(toward, split)
+        shares = None if split is None else split.shares(value)
+        value = value * _factor(sampling, light, pdf)
+        if sight.class_of is not None and not sight.sees[1].all():
+            value *= sight.sees[1, light.number]
     if not kernel.tables.all_flat and not sampling.below_faces:
-        factor *= toward[2] * dot(points.ng, sample.wi) > 0.0
-    value = value * factor
+        value *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value *= sample.radiance
     return value, shares
+
+
+def _factor(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:
+    """The weight of light samples over their density, where lobe sampling has density `pdf` (n,)."""
+    density = light.sample.pdf * light.probability
+    if sampling.weighs:
+        factor = cutoff_power_heuristic(density, np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf)
+        factor /= density
+        return factor
+    if sampling.by_lobes:
+        return np.where(light.alone, 1.0 / density, 0.0)
+    return 1.0 / density

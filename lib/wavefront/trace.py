@@ -9,7 +9,6 @@ import numpy as np
 
 from ..effects.names import Stage
 from ..effects.transport import ROULETTE_AFTER
-from ..lights.light import LightSample
 from ..sampling.sobol import RandomTile, SobolTile
 from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, step_dimension
 from ..sampling.wavelengths import color_weight, sample_wavelength
@@ -19,7 +18,7 @@ from .camera_rays import camera_rays
 from .emitters import Emitters
 from .flow import Flow
 from .kernel import Kernel
-from .light_choice import LightSampling, choose_light
+from .light_choice import LightChoice, LightSampling, choose_light
 from .pass_through import Groups, split
 from .paths import Paths
 from .raycaster import Hits
@@ -60,9 +59,11 @@ class Tracer:
         if step and not self._flow.second_hits:
             return _no_hits(np.zeros(paths.size, bool))
         if self._is_last(step) and not self._flow.last_hits:
-            hits = _no_hits(kernel.caster.occluded(paths.origin, paths.direction, np.full(paths.size, np.inf)))
+            hits = _no_hits(self._hidden(paths))
         elif step == 0:
-            hits = kernel.camera_caster.closest(paths.origin, paths.direction, reach)
+            hits = kernel.sight.camera.closest(paths.origin, paths.direction, reach)
+        elif paths.ray_class is not None:
+            hits = kernel.sight.closest(paths.ray_class, paths.origin, paths.direction)
         else:
             hits = kernel.caster.closest(paths.origin, paths.direction)
             if self._flow.hides and self._flow.transparent:
@@ -75,11 +76,17 @@ class Tracer:
         self._clock.lap(Stage.INTERSECT)
         return hits
 
+    def _hidden(self, paths: Paths) -> np.ndarray:
+        """Whether the rays meet anything, (n,) bool."""
+        if paths.ray_class is not None:
+            return self._kernel.sight.occluded(paths.ray_class, paths.origin, paths.direction)
+        return self._kernel.caster.occluded(paths.origin, paths.direction, np.full(paths.size, np.inf))
+
     def _with_camera_hits(self, paths: Paths, hits: Hits) -> Hits:
         """The hits, where camera rays that passed transparent faces still do not meet what hides from them."""
         index = np.flatnonzero(paths.scatterings == 0)
         origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
-        return hits.replaced(index, self._kernel.camera_caster.closest(origin, direction))
+        return hits.replaced(index, self._kernel.sight.camera.closest(origin, direction))
 
     def _with_other_faces(self, paths: Paths, hits: Hits) -> Hits:
         """The hits, where rays meet the other of two faces in one plane that have different materials."""
@@ -117,6 +124,8 @@ class Tracer:
         if self._flow.transparent:
             paths.scatter_origin, paths.travelled = rays.origin, np.zeros(count)
             paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        if self._kernel.sight.class_of is not None:
+            paths.ray_class = np.zeros(count, np.intp)
         if self._kernel.coplanar is not None:
             paths.left = np.full(count, -1, np.int32)
         if self._flow.disperses:
@@ -137,6 +146,7 @@ class Tracer:
         placed, ng, offset = self._kernel.caster.on_plane(triangle, paths.origin + paths.direction * distance)
         u, v = (np.take(x, order).astype(np.float64) for x in (hits.u, hits.v))
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
+        points.flags = self._kernel.sight.flags_of(paths)
         self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:
@@ -200,6 +210,9 @@ class Tracer:
             light = choose_light(
                 kernel, self._sampling.selects, points.position, choice, *self._pair(step_dimension(step, LIGHT), paths)
             )
+            if kernel.sight.max_bounces is not None:
+                scatterings = step if paths.scatterings is None else paths.scatterings
+                light = light.where(kernel.sight.max_bounces[light.number] >= scatterings)
         self._clock.lap(Stage.LIGHTS)
         uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
         passes = self._sums.passes
@@ -208,7 +221,7 @@ class Tracer:
         self._clock.lap(Stage.SHADE)
         origins = _Origins(points, offset, kernel.one_sided)
         if light is not None:
-            self._add_direct(paths, origins, light.sample, shaded)
+            self._add_direct(paths, origins, light, shaded)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
         if passes is not None:
@@ -231,11 +244,15 @@ class Tracer:
                 paths.throughput[:, index] *= color_weight(paths.wavelength[index])
                 paths.awaits_color[index] = False
 
-    def _add_direct(self, paths: Paths, origins: _Origins, sample: LightSample, shaded: Shaded) -> None:
+    def _add_direct(self, paths: Paths, origins: _Origins, light: LightChoice, shaded: Shaded) -> None:
         """Ask for visibility where light would arrive, and add what does."""
-        direct = shaded.direct
+        sample, direct = light.sample, shaded.direct
         direct *= paths.throughput
         index = np.flatnonzero(direct.any(axis=0))
+        if self._kernel.sight.casts_shadow is not None:
+            casts = np.broadcast_to(self._kernel.sight.casts_shadow[light.number], paths.pixel.shape)[index]
+            free, index = index[~casts], index[casts]
+            self._add_arriving(paths, free, np.take(direct, free, axis=1), shaded.direct_shares)
         if index.size == 0:
             return
         if not self._flow.asks_visibility:
@@ -291,6 +308,9 @@ class Tracer:
         )
         if self._flow.disperses:
             following.wavelength, following.awaits_color = paths.wavelength[index], paths.awaits_color[index]
+        if self._kernel.sight.class_of is not None:
+            one = shaded.ray_class is None
+            following.ray_class = np.ones(index.size, np.intp) if one else np.take(shaded.ray_class, index)
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
         if self._flow.transparent:

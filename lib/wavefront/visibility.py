@@ -24,7 +24,7 @@ def transmittance(
     `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the light, meet only what the
     camera sees, and pass faces as the camera sees them.
     """
-    caster = kernel.camera_caster if to_camera else kernel.caster
+    caster = kernel.sight.camera if to_camera else kernel.sight.shadow
     viewer = 1.0 if to_camera else -1.0
     unknown = np.empty(0, np.intp)
     if not transparent:
@@ -44,7 +44,7 @@ def transmittance(
         point = start[:, met] + along * hits.distance[met]
         placed, ng, offset = kernel.caster.on_plane(triangle, point)
         points = SurfacePoints(kernel.tables, triangle, hits.u[met], hits.v[met], placed, ng, viewer * along)
-        through[:, active] *= kernel.transparency(points)
+        through[:, active] *= kernel.shadow_transparency(points)
         start = placed + ng * np.copysign(offset, dot(ng, along))
         left = left[met] - hits.distance[met] - offset
         alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
@@ -64,7 +64,7 @@ def coplanar_transmittance(kernel: Kernel, points: SurfacePoints, direction: np.
     position = np.take(points.position, met.ray, axis=1)
     placed, ng, _ = kernel.caster.on_plane(met.triangle, position)
     others = SurfacePoints(kernel.tables, met.triangle, met.u, met.v, placed, ng, -np.take(direction, met.ray, axis=1))
-    passing = kernel.transparency(others)
+    passing = kernel.shadow_transparency(others)
     for row, factor in zip(through, passing, strict=True):
         np.multiply.at(row, met.ray, factor)
     return through

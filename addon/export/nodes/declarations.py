@@ -60,6 +60,7 @@ DECLARATIONS: Mapping[str, Declaration] = {
     "ShaderNodeHueSaturation": Declaration(reads=("Hue", "Saturation", "Value", "Fac", "Color")),
     "ShaderNodeInvert": Declaration(reads=("Fac", "Color")),
     "ShaderNodeLayerWeight": Declaration(reads=("Blend", "Normal")),
+    "ShaderNodeLightPath": Declaration(),
     "ShaderNodeLightFalloff": Declaration(reads=("Strength", "Smooth")),
     "ShaderNodeMapRange": Declaration(
         reads=(

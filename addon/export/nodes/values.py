@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ....lib.scene import expressions as ex
+from ....lib.scene.rays import FLAGS
 from ....lib.textures.fold import fold
 from .converters import CONVERTERS
 from .procedural import PROCEDURAL
@@ -83,6 +84,14 @@ def _light_falloff(reader: TreeReader, node: bpy.types.Node, output: str, scope:
     return reader.read(node.inputs["Strength"], scope)
 
 
+def _light_path(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    flag = output.removeprefix("Is ").removesuffix(" Ray").upper()
+    if flag not in FLAGS:
+        reader.refuse(node, scope, f", output '{output}',", "use another output, or none")
+        return ex.ZERO
+    return ex.RayFlag(flag)
+
+
 def _normal(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> ex.Expression | None:
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
@@ -102,6 +111,7 @@ VALUES = {
     "ShaderNodeFresnel": _fresnel,
     "ShaderNodeLightFalloff": _light_falloff,
     "ShaderNodeLayerWeight": _layer_weight,
+    "ShaderNodeLightPath": _light_path,
     "ShaderNodeTexSky": read_sky,
 }
 """Node type by Blender's identifier -> reader."""

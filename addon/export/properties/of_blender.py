@@ -69,7 +69,7 @@ BLENDER_GROUPS: Mapping[str, Group] = {
         },
     ),
     "view_layer": Group(
-        read="material_override world_override use_motion_blur use_freestyle layer_collection objects depsgraph",
+        read="use_sky material_override world_override use_motion_blur use_freestyle layer_collection objects depsgraph",
         neutral={
             _PASS: "use_pass_* pass_* aovs active_aov active_aov_index lightgroups active_lightgroup active_lightgroup_index",
             _OFF: "samples use_ao use_strand use_volumes use_grease_pencil freestyle_settings",
@@ -160,7 +160,7 @@ BLENDER_GROUPS: Mapping[str, Group] = {
         neutral={"steers volumes, which are refused": "scatter", "Cycles ignores it": "shadow"},
     ),
     "material": Group(
-        read="pass_index node_tree use_nodes diffuse_color",
+        read="pass_index node_tree use_nodes diffuse_color use_transparent_shadow",
         values={"displacement_method": "BUMP DISPLACEMENT BOTH"},
         neutral={
             _EEVEE: "surface_render_method blend_method alpha_threshold use_transparency_overlap show_transparent_back"
@@ -171,7 +171,6 @@ BLENDER_GROUPS: Mapping[str, Group] = {
             _EDITING: "preview_render_type use_preview_world texture_paint_* paint_active_slot paint_clone_slot"
             " specular_color roughness specular_intensity metallic",
         },
-        held=neutral.MATERIAL,
     ),
     "mesh": Group(
         read="vertices edges loops polygons vertex_normals corner_normals loop_triangles loop_triangle_polygons uv_layers"

@@ -74,7 +74,7 @@ CYCLES_GROUPS: Mapping[str, Group] = {
         held=neutral.OBJECT_CYCLES,
         versions={Versions(None, "4.5"): "dicing_rate use_adaptive_subdivision"},
     ),
-    "light.cycles": Group(read="is_portal", held=neutral.LIGHT_CYCLES),
+    "light.cycles": Group(read="is_portal max_bounces", held=neutral.LIGHT_CYCLES),
     "material.cycles": Group(
         neutral={
             _NOISE: "emission_sampling",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from etalon.lib.errors import Refused
 from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
+from etalon.lib.scene.rays import GLOSSY, SCATTERED, SEEN
 from mathutils import Euler, Matrix
 
 COLOR = (0.9, 0.5, 0.25)
@@ -209,22 +210,19 @@ def test_lights_that_give_no_light_are_left_out(studio):
     assert studio.export().lights == ()
 
 
-def test_visibility_to_the_camera(studio):
+def test_visibility_to_rays(studio):
     studio.quad()
     lamp = above(studio, "AREA", size=0.5)
     lamp.visible_camera = False
-    assert not studio.export().lights[0].visible_camera
-    lamp.visible_camera = True
-    assert studio.export().lights[0].visible_camera
+    assert studio.export().lights[0].rays == SCATTERED
+    lamp.visible_camera, lamp.visible_glossy = True, False
+    assert studio.export().lights[0].rays == SEEN & ~GLOSSY
     assert isinstance(studio.export().lights[0], AreaLight)
 
 
 REFUSED = {
-    "shadows switched off": lambda lamp: setattr(lamp.data, "use_shadow", False),
     "a light portal": lambda lamp: setattr(lamp.data.cycles, "is_portal", True),
     "shadow caustics": lambda lamp: setattr(lamp.data.cycles, "is_caustics_light", True),
-    "its limit of 3 bounces": lambda lamp: setattr(lamp.data.cycles, "max_bounces", 3),
-    "ray visibility without glossy": lambda lamp: setattr(lamp, "visible_glossy", False),
     "a spread of 0": lambda lamp: setattr(lamp.data, "spread", 0.0),
     "negative power": lambda lamp: setattr(lamp.data, "energy", -1.0),
     "light linking": lambda lamp: setattr(lamp.light_linking, "receiver_collection", bpy.data.collections.new("some")),

@@ -9,6 +9,7 @@ from etalon.lib.bsdfs.specular import SmoothDielectric
 from etalon.lib.light_tracing import adjoint
 from etalon.lib.scene.lights import SphereLight, SunLight
 from etalon.lib.scene.materials import Diffuse
+from etalon.lib.scene.rays import CAMERA, EVERY, SEEN
 from etalon.lib.vectors import dot
 from etalon.tests.lib.light_tracing.traced import (
     AREA,
@@ -61,7 +62,7 @@ def test_a_mirror_shows_the_same_sky(seed):
 
 @pytest.mark.slow
 def test_the_camera_sees_the_same_lamps(seed):
-    lights = [SphereLight("shown", (-0.8, -0.5, 1.8), 0.3, (2.0,) * 3, True), replace(AREA, radiance=(1.0,) * 3)]
+    lights = [SphereLight("shown", (-0.8, -0.5, 1.8), 0.3, (2.0,) * 3, rays=SEEN), replace(AREA, radiance=(1.0,) * 3)]
     assert_agree(ball_on_floor(MATERIALS["diffuse"], lights), seed, precision=0.08)
 
 
@@ -69,7 +70,7 @@ def test_the_camera_sees_the_same_lamps(seed):
 def test_the_camera_does_not_see_hidden_objects(seed):
     the_scene = ball_on_floor(MATERIALS["glossy"])
     ball, ground = the_scene.mesh.objects
-    mesh = replace(the_scene.mesh, objects=(replace(ball, visible_camera=False), ground))
+    mesh = replace(the_scene.mesh, objects=(replace(ball, rays=EVERY & ~CAMERA), ground))
     assert_agree(replace(the_scene, mesh=mesh), seed, precision=0.08)
 
 

@@ -143,7 +143,7 @@ def test_emissive_faces_shine_from_both_sides(rng):
         perspective(4, 4, 0.5, (0.0, 0.0, 3.0)),
     )
     kernel = Kernel(built, make_plan(built), Options())
-    rays = emit(kernel.emissive, rng, bounding_ball(built.mesh.vertices))
+    rays = emit(kernel.emissive[0], rng, bounding_ball(built.mesh.vertices))
     corners = [lamp.vertices[:, k] for k in lamp.triangles]
     area = 0.5 * np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0], axis=0), axis=0).sum()
     np.testing.assert_allclose(rays.weight.mean(axis=1), 2.0 * np.pi * area * np.array([2.0, 3.0, 4.0]), rtol=1e-9)

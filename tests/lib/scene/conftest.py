@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from etalon.lib.scene import expressions as ex
-from etalon.lib.scene import lights, materials
+from etalon.lib.scene import lights, materials, rays
 from etalon.lib.scene.camera import Aperture, Camera
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.mesh import Mesh, Object
@@ -48,7 +48,7 @@ def scene(rng):
         materials=(surface, materials.Material("glow", (materials.WeightedClosure(materials.Emission()),))),
         lights=(
             lights.PointLight("point", POSITION, WHITE),
-            lights.SphereLight("sphere", POSITION, 0.5, WHITE, True),
+            lights.SphereLight("sphere", POSITION, 0.5, WHITE, rays=rays.SEEN),
             lights.SpotLight("spot", POSITION, 0.0, WHITE, cone),
             lights.SunLight("sun", (0.0, 0.0, 1.0), 0.01, WHITE),
             lights.AreaLight("area", POSITION, (1.0, 0.0, 0.0), (0.0, 2.0, 0.0), DOWN, "RECTANGLE", WHITE, math.pi),

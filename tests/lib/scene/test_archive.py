@@ -110,7 +110,7 @@ def test_another_version_says_so(scene, path):
     text, arrays = document(path)
     text["version"] = 99
     rewrite(path, text, arrays)
-    with pytest.raises(EtalonError, match="is of version 99, not 2; export the scene again"):
+    with pytest.raises(EtalonError, match="is of version 99, not 3; export the scene again"):
         load(path)
 
 

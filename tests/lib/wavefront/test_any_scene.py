@@ -26,6 +26,7 @@ from etalon.lib.scene.materials import (
     WeightedClosure,
 )
 from etalon.lib.scene.mesh import Mesh, Object
+from etalon.lib.scene.rays import EVERY, SCATTERED, SHADOW
 from etalon.lib.scene.scene import Scene, Transport
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import STRATEGIES, Options
@@ -72,6 +73,7 @@ closures = st.one_of(
 materials = st.lists(st.builds(WeightedClosure, closures, values), max_size=3).map(
     lambda lobes: Material("m", tuple(lobes))
 )
+masks = st.one_of(st.sampled_from([EVERY, SCATTERED, EVERY & ~SHADOW]), st.integers(0, EVERY))
 
 
 @st.composite
@@ -96,7 +98,7 @@ def meshes(draw, count):
         object_index=np.zeros(t, np.int32),
         smooth=smooth,
         corner_normals=normals,
-        objects=(Object("thing", np.eye(4)[:3]),),
+        objects=(Object("thing", np.eye(4)[:3], rays=draw(masks)),),
         generated=places,
     )
     return mesh, scale, offset
@@ -108,22 +110,23 @@ def lights(draw, scale, offset):
     kind = draw(st.sampled_from(["point", "sphere", "spot", "sun", "area"]))
     strength = draw(bright)
     radius = scale * draw(st.sampled_from([1e-9, 0.1, 3.0]))
+    switches = {"rays": draw(masks), "casts_shadow": draw(st.booleans()), "max_bounces": draw(st.integers(0, 4))}
     if kind == "point":
-        return PointLight("light", at, strength)
+        return PointLight("light", at, strength, **switches)
     if kind == "sphere":
-        return SphereLight("light", at, radius, strength, draw(st.booleans()))
+        return SphereLight("light", at, radius, strength, **switches)
     if kind == "spot":
         half = draw(st.sampled_from([1e-3, 0.5, 0.5 * math.pi]))
         cone = Cone((0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), math.cos(half), draw(shares))
-        return SpotLight("light", at, draw(st.sampled_from([0.0, radius])), strength, cone, draw(st.booleans()))
+        return SpotLight("light", at, draw(st.sampled_from([0.0, radius])), strength, cone, **switches)
     if kind == "sun":
         angle = draw(st.sampled_from([0.0, 1e-6, 0.3, 0.5 * math.pi]))
-        return SunLight("light", draw(directions()), angle, strength, draw(st.booleans()))
+        return SunLight("light", draw(directions()), angle, strength, **switches)
     size = scale * draw(st.sampled_from([1e-6, 1.0, 50.0]))
     skew = scale * draw(st.sampled_from([0.0, 0.3]))
     shape, spread = draw(st.sampled_from(["RECTANGLE", "ELLIPSE"])), draw(st.sampled_from([1e-3, 1.0, math.pi]))
     return AreaLight(
-        "light", at, (size, 0.0, 0.0), (skew, size, 0.0), (0.0, 0.0, 1.0), shape, strength, spread, draw(st.booleans())
+        "light", at, (size, 0.0, 0.0), (skew, size, 0.0), (0.0, 0.0, 1.0), shape, strength, spread, **switches
     )
 
 
@@ -167,7 +170,9 @@ def scenes(draw):
     )
     sky = draw(st.one_of(colors, st.just(EnvironmentTexture(Coordinates("GENERATED"), 1))))
     transport = Transport(draw(st.integers(0, 4)), draw(st.integers(0, 3)))
-    return Scene("any", mesh, coats, several, World(sky, (8, 4)), draw(cameras(scale, offset)), transport, images)
+    return Scene(
+        "any", mesh, coats, several, World(sky, (8, 4), draw(masks)), draw(cameras(scale, offset)), transport, images
+    )
 
 
 def assert_film(scene, strategy):

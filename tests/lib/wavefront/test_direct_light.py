@@ -15,6 +15,7 @@ from etalon.lib.scene.expressions import (
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
 from etalon.lib.scene.materials import Material
+from etalon.lib.scene.rays import SCATTERED, SEEN
 from etalon.lib.scene.world import World
 from etalon.tests.replicates import assert_mean, assert_same, replicates
 from etalon.tests.scenes import diffuse, emission, fan, fan_camera, floor, orthographic, quad, scene
@@ -64,8 +65,9 @@ def rectangle(radiance=3.0, tilted=False, visible=False, shape="RECTANGLE"):
     normal = np.cross(u, v)
     normal /= np.linalg.norm(normal)
     center = np.array([0.3, 0.2, 1.5])
+    rays = SEEN if visible else SCATTERED
     light = AreaLight(
-        "area", tuple(center), tuple(u), tuple(v), tuple(normal), shape, (radiance,) * 3, np.pi, visible_camera=visible
+        "area", tuple(center), tuple(u), tuple(v), tuple(normal), shape, (radiance,) * 3, np.pi, rays=rays
     )
     return light, [center + 0.5 * (a * u + b * v) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
 
@@ -197,7 +199,7 @@ def test_lamp_that_is_nearly_edge_on(direct, seed):
 
 
 def test_visible_lights_are_seen_and_seen_through(seed):
-    """`visible_camera`: the light's own radiance on top of what lies behind it, as in Cycles; nothing of it otherwise."""
+    """Seen by the camera: the light's own radiance on top of what lies behind it, as in Cycles; nothing of it otherwise."""
     light, _ = rectangle(visible=True)
     camera = orthographic(1, 1, 0.01, (0.3, 0.2, 2.0), (0.0, 0.0, -1.0))
     below = orthographic(1, 1, 0.01, (0.3, 0.2, 0.1), (0.0, 0.0, 1.0))

@@ -22,6 +22,7 @@ from etalon.lib.scene.materials import (
     Translucent,
     Transparent,
 )
+from etalon.lib.scene.rays import SEEN
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.effect_cases import CASES, indoors
@@ -151,7 +152,7 @@ def test_transparent_faces_pass_the_passes_on(seed):
 
 def test_lamps_that_the_camera_sees_are_emission(seed):
     """A sphere light that fills the view."""
-    lamp = SphereLight("lamp", (0.0, 0.0, 2.0), 1.0, (3.0, 2.0, 1.0), visible_camera=True)
+    lamp = SphereLight("lamp", (0.0, 0.0, 2.0), 1.0, (3.0, 2.0, 1.0), rays=SEEN)
     seen = means(scene(floor(), material(), ABOVE, (lamp,)), seed)
     assert set(seen) == {LightPass.EMISSION}
 

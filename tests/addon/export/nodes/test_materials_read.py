@@ -382,11 +382,12 @@ def test_what_reads_the_plain_normal_is_refused_beside_a_bump():
     assert "a normal as coordinates beside a displacement" in refusal
 
 
-def test_opaque_shadows_of_transparent_surfaces_are_refused():
-    material = glowing("Gold", lambda t: node(t, "BsdfTransparent"))
-    material.use_transparent_shadow = False
-    (refusal,) = refused(material)
-    assert "Transparent Shadows" in refusal
+@pytest.mark.parametrize("transparent", [False, True])
+def test_opaque_shadows_of_transparent_surfaces_are_read(transparent):
+    material, refusals = glowing("Gold", lambda t: node(t, "BsdfTransparent")), []
+    material.use_transparent_shadow = transparent
+    assert read_material(material, ImageTable(), refusals).transparent_shadows == transparent
+    assert refusals == []
 
 
 def test_all_refusals_come_together():

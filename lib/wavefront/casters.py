@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays that pass through some objects as if these were not there: they meet the other objects only."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..scene.mesh import Mesh
+from ..scene.rays import has_bits
+from .raycaster import Hits, Raycaster
+
+
+class PartCaster:
+    """Embree over a part of the objects; the triangles of its hits are numbered as in the whole mesh."""
+
+    def __init__(self, mesh: Mesh, met: np.ndarray) -> None:
+        """`met` (objects,) bool: which objects rays meet."""
+        index = np.flatnonzero(np.take(met, mesh.object_index))
+        self._index = np.append(index, -1).astype(np.int32)  # a miss, -1, reads the last entry
+        self._caster = Raycaster(replace(mesh, triangles=np.take(mesh.triangles, index, axis=1)))
+
+    def occluded(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """As Raycaster.occluded."""
+        return self._caster.occluded(origin, direction, reach)
+
+    def closest(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray | None = None) -> Hits:
+        """As Raycaster.closest."""
+        hits = self._caster.closest(origin, direction, reach)
+        return replace(hits, triangle=np.take(self._index, hits.triangle))
+
+
+class Casters:
+    """One caster for each set of objects that rays of some kind meet; those of the same set share it.
+
+    `whole` meets every object.
+    """
+
+    def __init__(self, mesh: Mesh) -> None:
+        self._mesh = mesh
+        self.whole = Raycaster(mesh)
+        self._parts: dict[tuple[bool, ...], PartCaster] = {}
+
+    def for_bits(self, bits: int) -> Raycaster | PartCaster:
+        """The caster for rays that meet the objects whose masks have all of `bits`."""
+        met = tuple(has_bits(thing.rays, bits) for thing in self._mesh.objects)
+        if all(met):
+            return self.whole
+        if met not in self._parts:
+            self._parts[met] = PartCaster(self._mesh, np.array(met))
+        return self._parts[met]

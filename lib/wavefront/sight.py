@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who sees whom: which rays meet which objects, lights and worlds, by one mask for each of them.
+
+Kinds of rays that see the same things make one class; class 0 is the camera's rays. Where rays need not be told apart, there is nothing
+to ask. Light samples ask shadow rays, and directions that lobes choose are answered by the ray itself. Where the two would
+meet different faces, or where a light does not shine as far as rays reach, direct light is what light sampling finds: such a light is
+`alone`, as one without size is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..effects.masks import reads_flags, shades_transparently
+from ..effects.names import Effect
+from ..effects.plan import Plan
+from ..scene.lights import Switches
+from ..scene.rays import (
+    CAMERA,
+    FLAGS,
+    FLAGS_BY_KIND,
+    LIGHT_BITS,
+    OBJECT_BITS,
+    SHADOW,
+    Kind,
+    has_bits,
+    tells_shadows_apart,
+)
+from ..scene.scene import Scene
+from .casters import Casters
+from .paths import Paths
+from .raycaster import Hits
+
+
+class Sight:
+    """The masks of one scene, as far as the plan calls for them; read-only once made.
+
+    `camera`, `shadow`: the casters of camera rays and shadow rays. `class_of` (kinds,): the class of each kind of ray, or None where all
+    scattered rays see everything. `sees` (classes, lights) bool: which lights each class sees; `sees_world` (classes,) bool.
+    `shows` (lights,) bool: which lights camera rays see. `alone` (lights,) bool: which ones light sampling alone finds. `reads_flags`:
+    shaders ask of what kind rays are. `casts_shadow` (lights,) bool and `max_bounces` (lights,) int are None where no light has such a
+    switch.
+    """
+
+    def __init__(
+        self, scene: Scene, plan: Plan, casters: Casters, lights: Sequence[tuple[Switches, bool]], delta: np.ndarray
+    ) -> None:
+        """`lights`: the switches of each sampler, and whether it is made of faces; `delta` (lights,) bool: which have no size."""
+        hides, told = plan.needs(Effect.HIDDEN_OBJECTS), plan.needs(Effect.RAY_KINDS)
+        self.camera = casters.for_bits(CAMERA) if hides else casters.whole
+        self.shadow = casters.for_bits(SHADOW) if hides else casters.whole
+        switches = [light for light, _ in lights]
+        self.shows = np.array([has_bits(light.rays, CAMERA) or faces for light, faces in lights], bool)
+        self.casts_shadow = self.max_bounces = self.class_of = None
+        self.alone = delta.copy()
+        if plan.needs(Effect.SHADOWS_APART):
+            apart = any(tells_shadows_apart(thing.rays) for thing in scene.mesh.objects)
+            self.alone |= apart or any(map(shades_transparently, scene.materials))
+        if plan.needs(Effect.LIGHTS_WITHOUT_SHADOWS):
+            self.casts_shadow = np.array([light.casts_shadow for light in switches], bool)
+            self.alone |= ~self.casts_shadow
+        if plan.needs(Effect.LIGHT_BOUNCES):
+            self.max_bounces = np.array([light.max_bounces for light in switches], np.intp)
+            self.alone |= self.max_bounces < scene.transport.max_bounces
+        asked = told and plan.needs(Effect.RAY_FLAGS)
+        self.reads_flags = asked and any(map(reads_flags, (scene.world, *scene.materials)))
+        if told:
+            self._tell_apart(scene, casters, lights)
+
+    def _tell_apart(self, scene: Scene, casters: Casters, lights: Sequence[tuple[Switches, bool]]) -> None:
+        """Sort the kinds of rays into classes that meet the same objects and see the same lights."""
+        seen = {}
+        for kind in Kind:
+            bits = [OBJECT_BITS[kind] if faces else LIGHT_BITS[kind] for _, faces in lights]
+            row = tuple(has_bits(light.rays, b) for (light, _), b in zip(lights, bits, strict=True))
+            sees_world = has_bits(scene.world.rays, LIGHT_BITS[kind])
+            # Where shaders ask for the kind, each kind is a class of its own, with its number.
+            seen[kind] = casters.for_bits(OBJECT_BITS[kind]), row, sees_world, kind if self.reads_flags else None
+        scattered = list(dict.fromkeys(seen[kind] for kind in Kind if kind != Kind.CAMERA))
+        self.class_of = np.array([0, *(1 + scattered.index(seen[kind]) for kind in Kind if kind != Kind.CAMERA)])
+        classes = [seen[Kind.CAMERA], *scattered]
+        self._casters = [caster for caster, _, _, _ in classes]
+        self.sees = np.array([row for _, row, _, _ in classes], bool).reshape(len(classes), len(lights))
+        self.sees_world = np.array([world for _, _, world, _ in classes], bool)
+
+    @property
+    def splits(self) -> bool:
+        """Whether what lobes scatter is of several classes, so that they cannot stand in for each other."""
+        return self.class_of is not None and self.class_of.max() > 1
+
+    def flags_of(self, paths: Paths, index: np.ndarray | None = None) -> np.ndarray | int:
+        """The flags of rays, (n,) int, or 0 where no shader asks for them; `index` of some of them."""
+        if not self.reads_flags:
+            return 0
+        kind, pdf = (x if index is None else x[index] for x in (paths.ray_class, paths.pdf))
+        singular = np.isinf(pdf) & (kind != Kind.CAMERA)
+        return np.array(FLAGS_BY_KIND)[kind] | FLAGS["SINGULAR"] * singular
+
+    def closest(self, ray_class: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """First triangle along rays (3, n) of the classes `ray_class` (n,)."""
+        groups = self._groups(ray_class)
+        if len(groups) == 1:
+            return groups[0][0].closest(origin, direction)
+        size = ray_class.size
+        whole = Hits(np.empty(size, np.int32), np.empty(size), np.empty(size, np.float32), np.empty(size, np.float32))
+        for caster, index in groups:
+            hits = caster.closest(np.take(origin, index, axis=1), np.take(direction, index, axis=1))
+            for array, part in zip(vars(whole).values(), vars(hits).values(), strict=True):
+                array[index] = part
+        return whole
+
+    def occluded(self, ray_class: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Whether rays meet any triangle, (n,) bool; the rest as `closest`."""
+        hidden = np.zeros(ray_class.size, bool)
+        for caster, index in self._groups(ray_class):
+            far = np.full(index.size, np.inf)
+            hidden[index] = caster.occluded(np.take(origin, index, axis=1), np.take(direction, index, axis=1), far)
+        return hidden
+
+    def _groups(self, ray_class: np.ndarray) -> list[tuple[object, np.ndarray]]:
+        """Each caster that is asked, with the indices of its rays."""
+        present = np.unique(ray_class)
+        casters = list(dict.fromkeys(self._casters[k] for k in present))
+        if len(casters) == 1:
+            return [(casters[0], np.arange(ray_class.size))]
+        of_class = np.array([casters.index(c) if c in casters else -1 for c in self._casters])
+        return [(caster, np.flatnonzero(of_class[ray_class] == k)) for k, caster in enumerate(casters)]
