@@ -133,7 +133,8 @@ def _srgb_textures(scene: Scene) -> bool:
 
 
 def _multiplied_alpha(scene: Scene) -> bool:
-    return any(isinstance(n, ImageTexture) and n.association != "SEPARATE" for n in _nodes(scene))
+    read = (n for n in _nodes(scene) if isinstance(n, ImageTexture | EnvironmentTexture))
+    return any(n.association != "SEPARATE" for n in read)
 
 
 def _faces_in_one_plane(scene: Scene) -> bool:

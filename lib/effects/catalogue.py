@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..scene.expressions import Attribute, Bump, Checker, ImageTexture, NormalMap
+from ..scene.expressions import Attribute, Bump, Checker, EnvironmentTexture, ImageTexture, NormalMap
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import (
     Anisotropic,
@@ -71,7 +71,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.TRANSPARENT_SURFACES, Stage.PASS_THROUGH, transport.transparency),
     Entry(Effect.EMISSION, Stage.EMISSION, transport.emission),
     # Nodes that sockets read.
-    Entry(Effect.IMAGE_TEXTURES, Stage.SHADE, socket((ImageTexture,), "no socket reads an image")),
+    Entry(Effect.IMAGE_TEXTURES, Stage.SHADE, socket((ImageTexture, EnvironmentTexture), "no socket reads an image")),
     Entry(Effect.PROCEDURAL_TEXTURES, Stage.SHADE, socket((Checker, *PATTERNS), "no socket reads a pattern")),
     Entry(Effect.NORMAL_MAPS, Stage.SHADE, socket((NormalMap,), "no normal is mapped")),
     Entry(Effect.BUMPS, Stage.SHADE, socket((Bump,), "no bump is linked")),

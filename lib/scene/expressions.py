@@ -96,7 +96,9 @@ class Mapping(Expression):
 class ImageTexture(Expression):
     """Colour (or alpha, a value) of image `image` (an index into `Scene.images`) at `vector`'s x and y.
 
-    `interpolation`: 'LINEAR' or 'CLOSEST'; `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR'; `output`: 'COLOR' or 'ALPHA'.
+    `interpolation`: 'LINEAR', 'CLOSEST' or 'CUBIC' (B-spline); `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR'; `output`: 'COLOR'
+    or 'ALPHA'. `projection`: 'FLAT', 'SPHERE', 'TUBE' or 'BOX', which needs the `normal` in the object's space and blends its
+    faces over `blend` (0..1).
     `association`: 'SEPARATE' (the colour knows nothing of alpha), 'MULTIPLIED' (the texels' colours times alpha are
     interpolated) or 'WEIGHTED' (alpha weighs the texels in the interpolation).
     """
@@ -107,15 +109,23 @@ class ImageTexture(Expression):
     extension: str = "REPEAT"
     output: str = "COLOR"
     association: str = "SEPARATE"
+    projection: str = "FLAT"
+    normal: Expression | None = None
+    blend: float = 0.0
 
 
 @dataclass(frozen=True)
 class EnvironmentTexture(Expression):
-    """Colour of an equirectangular image in direction `vector` (need not be of unit length)."""
+    """Colour of an image of all directions in direction `vector` (need not be of unit length).
+
+    `projection`: 'EQUIRECTANGULAR' or 'MIRROR_BALL'; `interpolation` and `association` are ImageTexture's.
+    """
 
     vector: Expression
     image: int
     interpolation: str = "LINEAR"
+    projection: str = "EQUIRECTANGULAR"
+    association: str = "SEPARATE"
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from .math_node import math
 from .mix import mix
 from .normals import bump, normal_map
 from .patterns import PATTERNS
+from .projections import Place, box_faces, box_weights, mirror_ball, sphere, tube
 from .ramp import color_ramp
 from .sky import sky
 
@@ -70,6 +71,13 @@ def _constant(node: ex.Constant) -> np.ndarray:
     return value[:, None] if value.ndim else value
 
 
+_PROJECTIONS: dict[str, Callable[[np.ndarray], Place]] = {
+    "FLAT": lambda point: (point[0], point[1]),
+    "SPHERE": sphere,
+    "TUBE": tube,
+    "EQUIRECTANGULAR": equirectangular,
+    "MIRROR_BALL": mirror_ball,
+}
 _OBJECT = {"LOCATION": slice(3), "COLOR": slice(3, 6), "ALPHA": 6, "INDEX": 7, "RANDOM": 8}
 _CHANNELS = {"ALPHA": 3, "FACTOR": 4, "PRESENCE": 5}
 
@@ -79,17 +87,34 @@ def _attribute(node: ex.Attribute, read: Evaluator) -> np.ndarray:
     return values[:3] if node.output == "COLOR" else values[_CHANNELS[node.output]]
 
 
+def _sampled(node: ex.ImageTexture, place: Place, read: Evaluator) -> np.ndarray:
+    return read.images.sample(node.image, *place, node.interpolation, node.extension, node.association)
+
+
+def _box(node: ex.ImageTexture, point: np.ndarray, read: Evaluator) -> np.ndarray:
+    """RGBA (4, n) of the faces of a box, each asked only where it counts."""
+    point, normal = np.broadcast_arrays(point, read(node.normal))
+    rgba = np.zeros((4, normal.shape[1]))
+    for weight, (u, v) in zip(box_weights(normal, node.blend), box_faces(point, normal), strict=True):
+        (seen,) = np.nonzero(weight)
+        rgba[:, seen] += weight[seen] * _sampled(node, (u[seen], v[seen]), read)
+    return rgba
+
+
 def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
-    u, v, _ = read(node.vector)
-    rgba = read.images.sample(node.image, u, v, node.interpolation, node.extension, node.association)
+    point = read(node.vector)
+    if node.projection == "BOX":
+        rgba = _box(node, point, read)
+    else:
+        rgba = _sampled(node, _PROJECTIONS[node.projection](point), read)
     if node.output == "COLOR":
         return rgba[:3]
     return as_value(rgba[3])
 
 
 def _environment_texture(node: ex.EnvironmentTexture, read: Evaluator) -> np.ndarray:
-    u, v = equirectangular(read(node.vector))
-    return read.images.sample(node.image, u, v, node.interpolation)[:3]
+    u, v = _PROJECTIONS[node.projection](read(node.vector))
+    return read.images.sample(node.image, u, v, node.interpolation, association=node.association)[:3]
 
 
 def _checker(node: ex.Checker, read: Evaluator) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sampling images: nearest or bilinear, texel centres at halves, v growing from the bottom row."""
+"""Sampling images: nearest, bilinear or by cubic B-splines, texel centres at halves, v growing from the bottom row."""
 
 from __future__ import annotations
 
@@ -26,6 +26,12 @@ def _wrap_index(index: np.ndarray, size: int, extension: str) -> np.ndarray:
     return np.clip(index, 0, size - 1)
 
 
+def _cubic_weights(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The uniform cubic B-spline's weights of four neighbours at `t` in 0..1 between the middle two. Texels are not interpolated."""
+    s = 1.0 - t
+    return s**3 / 6.0, (4.0 - 3.0 * t**2 * (1.0 + s)) / 6.0, (4.0 - 3.0 * s**2 * (1.0 + t)) / 6.0, t**3 / 6.0
+
+
 class _Axis:
     """Along one axis of `size` texels: the texels around coordinate `x` (in images) and their weights.
 
@@ -38,6 +44,10 @@ class _Axis:
         if interpolation == "CLOSEST":
             first = np.floor(x * size)
             neighbours = [(first, np.ones_like(x))]
+        elif interpolation == "CUBIC":
+            position = x * size - 0.5
+            first = np.floor(position)
+            neighbours = [(first + k - 1, weight) for k, weight in enumerate(_cubic_weights(position - first))]
         else:
             position = x * size - 0.5
             first = np.floor(position)

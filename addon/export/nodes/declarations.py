@@ -230,8 +230,9 @@ DECLARATIONS: Mapping[str, Declaration] = {
             "interpolation": ("Linear", "Closest", "Cubic", "Smart"),
             "extension": ("REPEAT", "EXTEND", "CLIP", "MIRROR"),
             "image_user": None,
+            "projection_blend": None,
         },
-        unused=("color_mapping", "projection_blend"),
+        unused=("color_mapping",),
     ),
     "ShaderNodeTexMagic": Declaration(
         reads=("Vector", "Scale", "Distortion"),

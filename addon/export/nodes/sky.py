@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sky Textures of the world: what Blender itself makes of them, as a table of radiance, and their sun's disc beside it.
+"""Sky Textures: what Blender itself makes of them, as a table of radiance, and their sun's disc beside it.
 
 A sky is given to both renderers, as an image would be, so Cycles is asked for it: once, at the directions of a table's texels. Cycles
 keeps the sky of its scattering models in a table too, and the one here has its texels. Root mean square of the error, measured at
@@ -59,9 +59,6 @@ class PendingImage(Image):
 
 def read_sky(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
     """The reader of Sky Texture nodes. Its images are pending; `render_skies` has them rendered."""
-    if not reader.is_world:
-        reader.refuse(node, scope, " outside of a world", "bake it to an image")
-        return ex.BLACK
     refuse_mapping(reader, node, scope)
     vector = reader.read_or(node.inputs[0], scope, _DIRECTION)  # with a sun's disc, Blender takes no Vector
     settings = _settings(node)
@@ -75,6 +72,8 @@ def read_sky(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> 
     if node.sky_type in _ANALYTIC or not node.sun_disc or elevation <= -_dip(node) - 0.5 * node.sun_size:
         return Sky(vector, table, azimuth)
     remedy = "switch Sun Disc off and add a sun lamp"
+    if not reader.is_world:
+        reader.refuse(node, scope, ", Sun Disc outside of a world,", "switch Sun Disc off")
     if elevation < 0.5 * node.sun_size:
         reader.refuse(node, scope, ", Sun Disc cut by the horizon,", remedy)
     if node.sun_size < _LEAST_SUN:

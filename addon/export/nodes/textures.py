@@ -66,7 +66,8 @@ _VOLUME_NAMES = (
     "radius",
 )
 _VOLUME_NAMES_TAKEN = Versions(None, "5.2")
-_INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST"}
+# Smart is cubic in Cycles but for Open Shading Language.
+_INTERPOLATIONS = {"Linear": "LINEAR", "Closest": "CLOSEST", "Cubic": "CUBIC", "Smart": "CUBIC"}
 _NEUTRAL_MAPPING = {
     "translation": (0.0, 0.0, 0.0),
     "rotation": (0.0, 0.0, 0.0),
@@ -184,16 +185,11 @@ def refuse_mapping(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> No
             reader.refuse(node, scope, f", built-in texture mapping ({name}),", "reset it and use a Mapping node")
 
 
-def _interpolation(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> str:
-    if node.interpolation not in _INTERPOLATIONS:
-        reader.refuse(node, scope, f", interpolation {node.interpolation},", "choose Linear or Closest")
-    return _INTERPOLATIONS.get(node.interpolation, "LINEAR")
-
-
 def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
     refuse_mapping(reader, node, scope)
-    if node.projection != "FLAT":
-        reader.refuse(node, scope, f", projection {node.projection.title()},", "choose Flat")
+    box = node.projection == "BOX"
+    if box and reader.is_world:
+        reader.refuse(node, scope, ", projection Box in a world,", "choose another projection")
     key = (*scope.path, node.as_pointer())
     # Cycles divides alpha out of the colour only where the Alpha output is in use.
     alpha_linked = any(valid_link(link.to_socket) == link for link in node.outputs["Alpha"].links)
@@ -213,28 +209,27 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
     return ex.ImageTexture(
         reader.read_or(node.inputs[0], scope, ex.Coordinates("UV")),
         entry.index,
-        interpolation=_interpolation(reader, node, scope),
+        interpolation=_INTERPOLATIONS[node.interpolation],
         extension=node.extension,
         output=output.upper(),
         association=entry.association,
+        projection=node.projection,
+        normal=ex.Coordinates("NORMAL") if box else None,
+        blend=node.projection_blend if box else 0.0,
     )
 
 
 def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
     refuse_mapping(reader, node, scope)
-    if node.projection != "EQUIRECTANGULAR":
-        reader.refuse(node, scope, ", projection Mirror Ball,", "choose Equirectangular")
-    if not reader.is_world and not valid_link(node.inputs[0]):
-        reader.refuse(node, scope, ", socket 'Vector' (unlinked) on a surface,", "link its coordinates")
     if reader.images.is_missing(node, reader.owner):
         return ex.Constant(MISSING)
     entry = reader.images.add(node.image, False, lambda what, remedy: reader.refuse(node, scope, what, remedy))
     if entry is None:
         return ex.BLACK
-    if entry.association != "SEPARATE":
-        reader.refuse(node, scope, f", image '{node.image.name}', which has alpha,", "set the image's Alpha to None")
-    vector = reader.read_or(node.inputs[0], scope, _DIRECTION)
-    return ex.EnvironmentTexture(vector, entry.index, interpolation=_interpolation(reader, node, scope))
+    vector = reader.read_or(node.inputs[0], scope, _DIRECTION if reader.is_world else ex.Coordinates("POSITION"))
+    return ex.EnvironmentTexture(
+        vector, entry.index, _INTERPOLATIONS[node.interpolation], node.projection, entry.association
+    )
 
 
 def _checker(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:

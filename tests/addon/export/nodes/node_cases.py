@@ -122,6 +122,15 @@ def image_case(image, alpha="unused", **options):
     return build
 
 
+def projected_case(image, projection):
+    def build(tree):
+        made = node(tree, "TexImage", image=image(), projection=projection, interpolation="Closest")
+        tree.links.new(affine(tree, (0.3, 0.5, 0.7), (3.2, 3.1, 1.0), (-0.9, -1.4, 1.9)), made.node.inputs[0])
+        return made
+
+    return build
+
+
 def checker(output):
     inputs = {"Scale": 3.3, "Color1": (0.8, 0.2, 0.1, 1), "Color2": (0.1, 0.2, 0.7, 1)}
     return lambda tree: node(tree, "TexChecker", {"Vector": uv(tree), **inputs}, output=output)
@@ -189,11 +198,13 @@ def backfacing(tree):
 def image_cases(folder, numbers):
     plain = stored_image(folder, "plain", "png", "Non-Color", "STRAIGHT", True, numbers)
     for extension in ("REPEAT", "EXTEND", "CLIP", "MIRROR"):
-        for interpolation in ("Linear", "Closest"):
+        for interpolation in ("Linear", "Closest", "Cubic", "Smart"):
             yield (
                 f"image {extension} {interpolation}",
                 image_case(plain, extension=extension, interpolation=interpolation),
             )
+    for projection in ("SPHERE", "TUBE"):
+        yield f"image {projection}", projected_case(plain, projection)
     for suffix, spaces in {
         "png": ("sRGB", "Linear Rec.709"),
         "exr": ("Linear Rec.709", "Non-Color"),

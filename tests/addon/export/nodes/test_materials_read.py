@@ -315,8 +315,6 @@ REFUSED = {
     "object 'Null'": colored(lambda t: node(t, "TexCoord", output="Object", object=bpy.data.objects.new("Null", None))),
     "option 'From Instancer'": colored(lambda t: node(t, "TexCoord", output="UV", from_instancer=True)),
     "built-in texture mapping (scale)": colored(mapped_inside),
-    "interpolation Cubic": textured(interpolation="Cubic"),
-    "projection Box": textured(projection="BOX"),
     "image 'rug' (colour space Filmic Log)": odd_space,
     "image 'rug' (texels that are not finite)": broken_texels,
     "image 'tiles' (tiled)": tiled,

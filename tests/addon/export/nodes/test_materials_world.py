@@ -12,7 +12,7 @@ from etalon.tests.addon.export.nodes.node_cases import mix_colors
 from etalon.tests.addon.export.nodes.node_cells import Points, assert_same, node, prepare, rendered, stored_image
 
 
-@pytest.mark.parametrize("kind", ["plain", "mixed", "emission"])
+@pytest.mark.parametrize("kind", ["plain", "mirror ball", "mixed", "emission"])
 def test_world_radiance_is_cycles_radiance(tmp_path, rng, kind):
     scene = prepare("PERSP", 48, 24)
     scene.camera.data.lens = 12
@@ -31,7 +31,9 @@ def test_world_radiance_is_cycles_radiance(tmp_path, rng, kind):
     direction = rendered(scene, tmp_path).reshape(3, -1) - 1
 
     sky = node(tree, "TexEnvironment", image=image)
-    if kind == "plain":
+    if kind == "mirror ball":
+        sky.node.projection = "MIRROR_BALL"
+    if kind in ("plain", "mirror ball"):
         surface = node(tree, "Background", {"Color": sky, "Strength": 1.7})
     else:
         inputs = {"Vector": node(tree, "TexCoord", output="Object"), "Rotation": (0.3, 0.2, 0.8), "Scale": (1, 2, 1)}

@@ -129,9 +129,9 @@ def test_suns_that_are_not_simulated_are_refused(change, named):
     assert "add a sun lamp" in refusal
 
 
-def test_a_sky_on_a_surface_is_refused():
+def test_a_sun_disc_on_a_surface_is_refused():
     prepare("PERSP", 8, 8)
     refusals = []
     read_material(glowing("glow", through_emission(lambda tree: node(tree, "TexSky"))), ImageTable(), refusals)
     (refusal,) = map(str, refusals)
-    assert "(Sky Texture) outside of a world" in refusal
+    assert "(Sky Texture), Sun Disc outside of a world" in refusal
