@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 
 from ...lib.film.view_transform import ViewTransform
+from ..host.color_configuration import color_configuration
 
 
 def export_view_transform(scene: bpy.types.Scene) -> ViewTransform:
@@ -16,12 +15,11 @@ def export_view_transform(scene: bpy.types.Scene) -> ViewTransform:
     Curves and the white balance of the view are named as omitted. The verdict rests on nothing of it.
     """
     settings = scene.view_settings
-    config = Path(bpy.utils.system_resource("DATAFILES", path="colormanagement")) / "config.ocio"
     # Blender 4.2 has no white balance of the view.
     balance = getattr(settings, "use_white_balance", False)
     omitted = (("curves", settings.use_curve_mapping), ("white balance", balance))
     return ViewTransform(
-        config,
+        color_configuration(),
         settings.view_transform,
         "" if settings.look == "None" else settings.look,
         settings.exposure,

@@ -104,8 +104,8 @@ def _box(node: ex.ImageTexture, point: np.ndarray, read: Evaluator) -> np.ndarra
 
 def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
     point = read(node.vector)
-    boxed = node.projection == "BOX"
-    rgba = _box(node, point, read) if boxed else _sampled(node, _PROJECTIONS[node.projection](point), read)
+    is_box = node.projection == "BOX"
+    rgba = _box(node, point, read) if is_box else _sampled(node, _PROJECTIONS[node.projection](point), read)
     if node.output == "COLOR":
         return rgba[:3]
     return as_value(rgba[3])

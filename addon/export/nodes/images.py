@@ -10,12 +10,20 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ....lib.blender_versions import Versions
 from ....lib.errors import Refusal
 from ....lib.scene.images import Image
 from ....lib.srgb import srgb_encode
+from ....lib.textures.linearize import linearize
+from ...host.color_configuration import color_configuration
 from ..properties.declared import refuse_undeclared
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
+# Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
+_PACKED_IN_ANY_SPACE = Versions("5.0")
+# Of floats in these, Blender and Cycles make values of twice and of once the size.
+_SCALED = ("Rec.2100-PQ", "Rec.2100-HLG")
+_GREY = 1e-4
 _SOURCES = ("FILE", "GENERATED")
 _PREMULTIPLIED_FORMATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER")
 _TYPES = ("IMAGE", "UV_TEST")
@@ -94,7 +102,15 @@ class ImageTable:
         if not np.isfinite(pixels).all():
             refuse(f", image '{image.name}' (texels that are not finite),", "repair the image")
             return None
-        encoding = _ENCODINGS[image.colorspace_settings.name]
+        space = image.colorspace_settings
+        encoding = "DATA" if space.is_data else _ENCODINGS.get(space.name, "LINEAR")
+        if space.name not in _ENCODINGS and not space.is_data:
+            linear = pixels if image.is_float else linearize(pixels, space.name, color_configuration())
+            fault = _fault_of_space(image, pixels, linear)
+            if fault:
+                refuse(f", image '{image.name}' (colour space {space.name}, {fault[0]}),", fault[1])
+                return None
+            pixels = linear
         # Blender decodes floats as it loads them. Cycles takes generated and packed images from Blender, others from the file.
         codes_lost = image.is_float and encoding == "SRGB"
         if codes_lost and (image.source == "GENERATED" or image.packed_file is not None):
@@ -130,10 +146,23 @@ def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
         return f"{kind.lower().replace('_', ' ')}", "use a single still image"
     if not image.size[0] or not image.size[1]:  # the colour space is known only once it is loaded
         return "no texels", "restore its file, or choose another image"
-    if image.colorspace_settings.name not in _ENCODINGS:
-        return f"colour space {image.colorspace_settings.name}", f"convert it to {' or '.join(_ENCODINGS)}"
     if image.is_dirty and image.source == "FILE" and image.packed_file is None:
         return "changes that are not saved", "save or pack the image: Cycles reads the file"
+    return None
+
+
+def _fault_of_space(image: bpy.types.Image, codes: np.ndarray, linear: np.ndarray) -> tuple[str, str] | None:
+    """(what, remedy) where Cycles makes something else of the image's colour space than its definition."""
+    packed = image.alpha_mode == "CHANNEL_PACKED" and np.any(codes[..., 3] != 1.0)
+    if packed and bpy.app.version not in _PACKED_IN_ANY_SPACE:
+        return "alpha Channel Packed", "set its Alpha to None"
+    if image.is_float and image.colorspace_settings.name in _SCALED:
+        return "of floats", f"convert it to {' or '.join(_ENCODINGS)}"
+    if not np.isfinite(linear).all():
+        return "colours beyond its range", f"convert it to {' or '.join(_ENCODINGS)}"
+    grey = not image.is_float and np.all(np.ptp(codes[..., :3], axis=2) == 0.0)
+    if grey and np.any(np.ptp(linear[..., :3], axis=2) > _GREY):  # of greys, Cycles keeps one channel
+        return "tinted greys", f"convert it to {' or '.join(_ENCODINGS)}"
     return None
 
 

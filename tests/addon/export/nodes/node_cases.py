@@ -222,6 +222,18 @@ def image_cases(folder, numbers):
                     yield f"image {suffix} {space} {mode}, alpha {alpha}", image_case(image, alpha)
 
 
+def space_cases(folder, numbers):
+    """Images in every colour space of this Blender, but those that are in `image_cases`."""
+    names = bpy.types.ColorManagedInputColorspaceSettings.bl_rna.properties["name"].enum_items
+    usual = ("sRGB", "Linear Rec.709", "Non-Color")
+    for space in (item.identifier for item in names if item.identifier not in usual):
+        for suffix in ("png", "exr"):
+            if suffix == "exr" and space.startswith("Rec.2100"):
+                continue  # refused
+            image = stored_image(folder, f"in {space}", suffix, space, "NONE", True, numbers)
+            yield f"{suffix} in {space}", image_case(image, interpolation="Closest")
+
+
 CASES = {
     **{f"math {operation}": (math_case(operation), FACING) for operation in MATH},
     "math clamped": (math_case("ADD", use_clamp=True), FACING),
