@@ -9,6 +9,7 @@ from ..scene.findings import Finding
 from ..scene.scene import Scene
 from .geometry import find_mirrored, find_overlapping_faces, find_turned_normals
 from .materials import find_color_normal_maps, find_negative_colors
+from .shadows import find_shadows_apart
 
 CHECKS: tuple[Callable[[Scene], Finding | None], ...] = (
     find_overlapping_faces,
@@ -16,6 +17,7 @@ CHECKS: tuple[Callable[[Scene], Finding | None], ...] = (
     find_turned_normals,
     find_negative_colors,
     find_mirrored,
+    find_shadows_apart,
 )
 
 

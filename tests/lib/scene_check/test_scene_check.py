@@ -8,8 +8,10 @@ import pytest
 from etalon.lib.scene.expressions import ColorRamp, Constant, Coordinates, ImageTexture, NormalMap
 from etalon.lib.scene.findings import Finding
 from etalon.lib.scene.images import Image
+from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.materials import Diffuse, Emission, Material, WeightedClosure
 from etalon.lib.scene.mesh import Object
+from etalon.lib.scene.rays import EVERY, SHADOW
 from etalon.lib.scene_check.check import check_scene
 from etalon.tests import scenes
 
@@ -92,3 +94,17 @@ def test_findings_of_the_export_come_last():
     told = Finding("soft falloff", "Soft falloff of 1 light is off on both sides: 'Lamp'.", "E.", "R.")
     scene = replace(scenes.scene([scenes.floor(), scenes.floor()], scenes.diffuse(0.8), CAMERA), findings=(told,))
     assert [finding.check for finding in check_scene(scene)] == ["overlapping faces", "soft falloff"]
+
+
+def test_shadows_that_depend_on_how_light_is_found_are_named():
+    """Only where a light has a size: what has none is found in one way alone."""
+    area = AreaLight("area", (0, 0, 3.0), (1.0, 0, 0), (0, -1.0, 0), (0, 0, -1.0), "RECTANGLE", (1.0,) * 3, np.pi)
+    point = PointLight("point", (0.0, 0.0, 3.0), (1.0, 1.0, 1.0))
+    for light, found in ((area, False), (point, False), (replace(area, casts_shadow=False), True)):
+        assert ("shadows apart" in checked(scenes.cube(), lights=(light,))) == found
+    for light, found in ((area, True), (point, False)):
+        one = scenes.scene(scenes.cube(), scenes.diffuse(0.8), CAMERA, (light,))
+        hidden = replace(one.mesh.objects[0], rays=EVERY & ~SHADOW)
+        findings = check_scene(replace(one, mesh=replace(one.mesh, objects=(hidden,))))
+        assert [finding.check for finding in findings] == ["shadows apart"] * found
+        assert all("'object 0'" in finding.what for finding in findings)
