@@ -95,5 +95,7 @@ class Side:
         self.regions.add(rendering.radiance, of, weight)
         where = None if rendering.windows is None else rendering.windows.mask
         for name, regions in self.passes.items():
-            regions.add(rendering.passes[name], None if of is None else of[: len(regions.regions)], weight)
-            self.pass_films[name].add(rendering.passes[name], where, weight)
+            light = rendering.passes[name]
+            light = np.where(np.isfinite(light).all(axis=2, keepdims=True), light, np.nan)
+            regions.add(light, None if of is None else of[: len(regions.regions)], weight)
+            self.pass_films[name].add(light, where, weight)

@@ -31,15 +31,21 @@ def pass_sentences(comparison: Comparison) -> list[str]:
     if not others.any():
         return said
     name = "all other passes" if said else "all light passes"
-    bound, where = float(np.nanmax(found.bounds[others, 0])), ""
-    if found.outcomes.shape[1] > 1 and math.isfinite(float(np.nanmax(found.bounds[others]))):
-        bound, where = float(np.nanmax(found.bounds[others])), ", in the image and in every material and object"
+    bound, everywhere = _largest(found.bounds[others, 0]), _largest(found.bounds[others])
     if math.isfinite(bound):
-        rest = f"{name} agree to within {format_bound(bound)}{where}."
+        rest = f"{name} agree to within {format_bound(bound)} as a whole"
+        is_larger = bound < everywhere < math.inf
+        rest += f", and to within {format_bound(everywhere)} in every region with a name." if is_larger else "."
     else:
         noisy = [str(p) for p, one in zip(found.passes, found.bounds[:, 0], strict=True) if not math.isfinite(one)]
         rest = f"too few samples to judge: {listed(tuple(noisy))}."
     return [*said, rest[0].upper() + rest[1:]]
+
+
+def _largest(bounds: np.ndarray) -> float:
+    """The largest bound of those that there are; infinite where there is none."""
+    known = bounds[~np.isnan(bounds)]
+    return float(known.max()) if known.size else math.inf
 
 
 def _by_size(comparison: Comparison, numbers: np.ndarray, region: int) -> list[int]:

@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 from etalon.addon.cycles import light_passes as light_passes_of_cycles
 from etalon.addon.cycles.renderer import CyclesRenderer
-from etalon.addon.job import export
+from etalon.addon.job import compare_here, export
 from etalon.lib.effects.light_passes import light_passes
 from etalon.lib.film.light_passes import LightPass
+from etalon.lib.report.read import read_verdict
+from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.reference_scenes import building
@@ -176,3 +178,17 @@ def test_a_pass_taken_for_another_is_seen(monkeypatch, seed):
     )
     monkeypatch.setattr(light_passes_of_cycles, "_PROPERTIES", swapped)
     assert compare_patches(reference, cycles, replicates=4, samples=16)
+
+
+@pytest.mark.compares_with_cycles
+def test_a_comparison_reports_the_passes_that_were_asked_for(tmp_path):
+    """From the option to verdict.json: those of one family, which the scene can have, and the settings of the user's return."""
+    scene = samples_of_surfaces(["diffuse", "glossy"])
+    before = read_properties(scene)
+    settings = Settings(time=None, samples=4, replicates=4, passes="glossy", threads=1)
+    comparison = compare_here(scene, settings, tmp_path / "out")
+    assert comparison.passes.passes == (LightPass.GLOSSY_DIRECT, LightPass.GLOSSY_INDIRECT)
+    figures = read_verdict(tmp_path / "out" / "verdict.json")
+    assert [one["name"] for one in figures["passes"]] == ["glossy direct", "glossy indirect"]
+    assert "Light passes" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert read_properties(scene) == before

@@ -31,3 +31,8 @@ def test_nothing_is_said_where_no_pass_was_compared():
     comparison = made()
     assert pass_sentences(comparison) == []
     assert pass_figures(comparison) is None
+
+
+def test_an_image_without_a_finite_pixel_has_no_bound():
+    (only,) = pass_sentences(made(change=CASES["nothing finite"]["change"], passes=OFF))
+    assert only == "Too few samples to judge: glossy indirect and diffuse direct."

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""False claims on light passes, counted over simulated comparisons."""
+
+import numpy as np
+from etalon.lib.film.light_passes import LightPass
+from etalon.lib.film.regions import RegionMoments, image_regions
+from etalon.lib.verdict import passes as module
+from etalon.lib.verdict import sequential
+from etalon.lib.verdict.boundaries import next_look
+from etalon.lib.verdict.outcome import Outcome
+from etalon.lib.verdict.passes import PassTest
+from scipy.stats import binom
+
+NAMES = (LightPass.DIFFUSE_DIRECT, LightPass.GLOSSY_DIRECT, LightPass.GLOSSY_INDIRECT)
+TOLERANCE, CONFIDENCE, REPLICATES, RUNS = 0.01, 0.5, 12, 100
+LEFT = np.pad(np.ones((2, 1)), ((0, 0), (0, 1)))
+REGIONS = image_regions(2, 2, {"material": [("Left", LEFT)]}, (16,)).named
+
+
+def false_claims(rng, off, wrong):
+    """How many of RUNS comparisons make a claim that is `wrong` of any pass, whose truth is `off` by so much everywhere."""
+    count = 0
+    for _ in range(RUNS):
+        test = PassTest(NAMES, REGIONS.families, TOLERANCE, CONFIDENCE, 3)
+        sides = [{name: RegionMoments(REGIONS) for name in NAMES} for _ in range(2)]
+        claimed = False
+        for replicate in range(1, REPLICATES + 1):
+            for side, truth in zip(sides, (1.0, 1.0 + off), strict=True):
+                for moments in side.values():
+                    moments.add(truth * (1.0 + 0.005 * rng.standard_normal((2, 2, 3))))
+            if replicate == next_look(replicate - 1):
+                test.look(*sides, (10**6, 10**6), np.full(3, 1e-3), replicate == REPLICATES)
+                claimed |= bool((test.conclude(*sides).outcomes == wrong).any())
+        count += claimed
+    return count
+
+
+def test_false_claims_stay_within_the_level_of_passes(rng):
+    """At the edge of the tolerance each claim is false; together they may be made in a twentieth of 1 - confidence of the runs."""
+    most = binom.ppf(0.9999, RUNS, module.PASSES_SHARE * (1.0 - CONFIDENCE))
+    assert false_claims(rng, 1.0001 * TOLERANCE, Outcome.EQUIVALENT) <= most
+    assert false_claims(rng, 0.9999 * TOLERANCE, Outcome.DIFFERENT) <= most
+
+
+def test_claims_at_fifty_times_the_level_would_be_seen(rng, monkeypatch):
+    """The error planted: claims that passes differ spend all of 1 - confidence."""
+    most = binom.ppf(0.9999, RUNS, module.PASSES_SHARE * (1.0 - CONFIDENCE))
+    monkeypatch.setattr(module, "PASSES_SHARE", 1.0)
+    monkeypatch.setattr(sequential, "ONE_DIFFERS", 1.0)
+    assert false_claims(rng, 0.9999 * TOLERANCE, Outcome.DIFFERENT) > most
+
+
+def test_a_clear_difference_is_claimed(rng):
+    assert false_claims(rng, 5.0 * TOLERANCE, Outcome.DIFFERENT) == RUNS
