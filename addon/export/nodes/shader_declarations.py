@@ -107,6 +107,7 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
         reads=("Height", "Midlevel", "Scale", "Normal"), properties={"space": ("OBJECT", "WORLD")}
     ),
     "ShaderNodeEmission": Declaration(reads=("Color", "Strength")),
+    "ShaderNodeHoldout": Declaration(),
     "ShaderNodeMixShader": Declaration(reads=("Fac", "Shader", "Shader_001")),
     "ShaderNodeOutputLight": Declaration(reads=("Surface",), properties={"target": None, "is_active_output": None}),
     "ShaderNodeOutputMaterial": Declaration(

@@ -95,6 +95,11 @@ def _emission(
     return [reader.lobe(closure, weight)]
 
 
+def _holdout(_: ShaderReader, __: bpy.types.Node, ___: Scope, ____: ex.Expression) -> list[mt.WeightedClosure]:
+    """No lobe: on an opaque film a holdout takes what arrives and sends nothing on."""
+    return []
+
+
 def _transparent(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
@@ -156,6 +161,7 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBsdfAnisotropic": _glossy,
     "ShaderNodeBsdfGlossy": _glossy,
     "ShaderNodeEmission": _emission,
+    "ShaderNodeHoldout": _holdout,
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeBsdfTranslucent": _translucent,
     "ShaderNodeBsdfSheen": _sheen,
