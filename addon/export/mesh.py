@@ -15,16 +15,12 @@ from ...lib.scene.placements import LocalMesh
 from .mesh_attributes import read_attribute
 
 
-def finish_edited_meshes(depsgraph: bpy.types.Depsgraph) -> None:
-    """Have Blender write out the meshes of objects in Edit Mode, which show no faces before.
+def faces_of(thing: bpy.types.Object) -> bpy.types.Mesh:
+    """The evaluated mesh of a mesh object.
 
-    A file that was saved in Edit Mode opens in it, and Cycles renders what is edited.
+    A file that was saved in Edit Mode opens in it. The evaluated mesh of what is edited lacks faces or attributes, which Cycles renders.
     """
-    for instance in depsgraph.object_instances:
-        thing = instance.object
-        if isinstance(thing.data, bpy.types.Mesh) and thing.data.is_editmode:
-            thing.to_mesh()  # fills thing.data as well
-            thing.to_mesh_clear()
+    return thing.to_mesh() if thing.data.is_editmode else thing.data
 
 
 def read_mesh(

@@ -19,7 +19,7 @@ from ...lib.textures.requirements import requirements
 from .camera import read_camera
 from .lights import read_light
 from .materials import DEFAULT_MATERIAL, read_material, read_world
-from .mesh import finish_edited_meshes, read_mesh
+from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings
@@ -45,7 +45,6 @@ def export_scene(
     camera = scene.camera if camera is None else camera.evaluated_get(depsgraph)
     if camera is None:
         raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
-    finish_edited_meshes(depsgraph)
     bounces = scene.cycles.max_bounces if max_bounces is None else max_bounces
     refusals: list[Refusal] = []
     refuse_settings(scene, layer, refusals)
@@ -159,7 +158,7 @@ def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) 
         seen.add((mesh.as_pointer(), slots))
         for index in dict.fromkeys(slots):
             for name in sorted(requirements([materials.materials[index]]).attributes):
-                found = unreadable(mesh, name)
+                found = unreadable(faces_of(thing), name)
                 if found is not None:
                     materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", *found))
 
@@ -177,7 +176,7 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Me
         # Addresses of evaluated meshes hold for as long as the depsgraph does.
         key = mesh.as_pointer()
         if key not in read:
-            read[key] = read_mesh(mesh, thing.name, needed.uv_maps, needed.generated, needed.attributes)
+            read[key] = read_mesh(faces_of(thing), thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
             placements.add(_object(instance, depsgraph.view_layer_eval), read[key], materials.of_slots(thing))
     return placements.join(needed.uv_maps, needed.generated, needed.attributes)

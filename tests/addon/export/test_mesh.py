@@ -383,9 +383,13 @@ def test_an_object_in_edit_mode_is_exported_as_cycles_renders_it(studio, rays, h
     quad = studio.quad(half=0.4)
     row = quad.modifiers.new("row", "ARRAY")
     row.count, row.show_in_editmode = 2, shown_in_edit_mode
+    quad.data.materials.append(bpy.data.materials.new("second"))
+    quad.data.polygons[0].material_index = 1
     studio.quad(half=0.5, z=-1.0)
     studio.layer.objects.active = quad
     bpy.ops.object.mode_set(mode="EDIT")
     studio.look_down(2.47)
     scene = same_as_cycles(studio, rays, hits, position, "ShaderNodeNewGeometry", "Position", 1e-5, offset=2.0)
     assert scene.mesh.triangle_count == (6 if shown_in_edit_mode else 4)
+    names = np.array([material.name for material in scene.materials])[scene.mesh.material_index]
+    assert sorted(names) == ["plain", "plain", *["second"] * (scene.mesh.triangle_count - 2)]
