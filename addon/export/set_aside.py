@@ -26,13 +26,18 @@ _MOST_FILES = 20
 
 def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding, ...]:
     """The settings of the scene's objects and lights that are compared in their neutral state."""
-    things = [instance.object for instance in depsgraph.object_instances if instance.show_self]
+    # The object of an instance is a temporary copy, gone at the next step; its original stays.
+    things = [
+        instance.object.original if instance.is_instance else instance.object
+        for instance in depsgraph.object_instances
+        if instance.show_self
+    ]
     found = (
         _motion_blur(depsgraph),
         _terminator(things, mesh),
         _soft_falloff(things),
         _light_sampling(things),
-        _bump_filter(things),
+        _bump_filter(depsgraph),
     )
     return tuple(finding for finding in found if finding is not None)
 
@@ -112,8 +117,9 @@ def _soft_falloff(things: list[bpy.types.Object]) -> Finding | None:
     )
 
 
-def _bump_filter(things: list[bpy.types.Object]) -> Finding | None:
-    materials = dict.fromkeys(slot.material for thing in things for slot in thing.material_slots)
+def _bump_filter(depsgraph: bpy.types.Depsgraph) -> Finding | None:
+    shown = (instance.object for instance in depsgraph.object_instances if instance.show_self)
+    materials = dict.fromkeys(slot.material for thing in shown for slot in thing.material_slots)
     names = [one.name for one in materials if one is not None and one.node_tree and any(_wide_bumps(one.node_tree))]
     if not names:
         return None
