@@ -67,38 +67,64 @@ def _sweep(boxes: Boxes) -> Pairs:
 
 def _grid(boxes: Boxes) -> Pairs:
     """Each box against those in cells near it, of its size and of each larger one."""
+    if boxes.group.size == 0:
+        return
     extent = np.maximum(np.maximum(boxes.right - boxes.left, boxes.high - boxes.low), 1e-300)
     level = np.ceil(_LEVELS * np.log2(extent)).astype(np.int64)
+    group = np.cumsum(np.append(False, boxes.group[1:] != boxes.group[:-1]))
     for one in np.unique(level):
-        size = 2.0 ** (float(one) / _LEVELS)
-        x, y = np.floor(boxes.left / size).astype(np.int64), np.floor(boxes.low / size).astype(np.int64)
-        columns, rows = np.ptp(x) + 3, np.ptp(y) + 3
-        cell = (boxes.group * columns + (x - x.min() + 1)) * rows + (y - y.min() + 1)
-        entries = np.flatnonzero(level == one)
-        entries = entries[np.argsort(cell[entries], kind="stable")]
-        finer = np.flatnonzero((level < one) & np.isin(boxes.group, boxes.group[entries]))
+        has_level = np.zeros(group[-1] + 1, bool)
+        has_level[group[level == one]] = True
+        within = np.flatnonzero((level <= one) & has_level[group])
+        cell, rows = _cells(boxes, within, group, 2.0 ** (float(one) / _LEVELS))
+        own = level[within] == one
+        entries = _Table(within[own], cell[own])
+        finer, their_cell = within[~own], cell[~own]
         # A box reaches at most one cell beyond that of its lower corner, so those that overlap lie in 3 x 3 cells;
         # between boxes of one level half of these give each pair once.
-        for dx in (-1, 0, 1):
-            for dy in (-1, 0, 1):
-                offset = dx * rows + dy
-                if offset >= 0:
-                    yield from _joined(boxes, cell, entries, entries, offset, halved=offset == 0)
-                if finer.size:
-                    yield from _joined(boxes, cell, entries, finer, offset, halved=False)
+        offsets = [dx * rows + dy for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
+        for offset in offsets:
+            if offset >= 0:
+                yield from _joined(boxes, entries, entries.box, entries.cell + offset, halved=offset == 0)
+        if (
+            entries.box.size < finer.size
+        ):  # all nine at once: the few into nine cells each, so that the many are looked up once
+            spread = _Table(np.tile(entries.box, 9), np.concatenate([entries.cell - offset for offset in offsets]))
+            yield from _joined(boxes, spread, finer, their_cell, halved=False)
+        elif finer.size:
+            for offset in offsets:
+                yield from _joined(boxes, entries, finer, their_cell + offset, halved=False)
 
 
-def _joined(
-    boxes: Boxes, cell: np.ndarray, entries: np.ndarray, asking: np.ndarray, offset: int, halved: bool
-) -> Pairs:
-    """The boxes `asking` beside those `entries`, sorted by cell, whose cell is by `offset` further on."""
-    keys = cell[entries]
-    starts = np.flatnonzero(np.append(True, keys[1:] != keys[:-1]))
-    counts = np.diff(np.append(starts, keys.size))
-    wanted = cell[asking] + offset
-    at = np.searchsorted(keys[starts], wanted)
-    found = np.flatnonzero(keys[starts[np.minimum(at, starts.size - 1)]] == wanted)
-    start, count, asking = starts[at[found]], counts[at[found]], asking[found]
+def _cells(boxes: Boxes, index: np.ndarray, group: np.ndarray, size: float) -> tuple[np.ndarray, int]:
+    """The cell (k,), of `size`, of the lower corner of each box at `index` (k,), a number for each group's own; and the cells in a column."""
+    x = np.floor(boxes.left[index] / size).astype(np.int64)
+    y = np.floor(boxes.low[index] / size).astype(np.int64)
+    columns, rows = int(np.ptp(x)) + 3, int(np.ptp(y)) + 3
+    return (group[index] * columns + (x - x.min() + 1)) * rows + (y - y.min() + 1), rows
+
+
+class _Table:
+    """Boxes (n,) sorted by the cell (n,) that each is in, and where each cell that has any begins."""
+
+    def __init__(self, box: np.ndarray, cell: np.ndarray) -> None:
+        order = np.argsort(cell, kind="stable")
+        self.box, self.cell = box[order], cell[order]
+        self._starts = np.flatnonzero(np.append(True, self.cell[1:] != self.cell[:-1]))
+        self._counts = np.diff(np.append(self._starts, self.cell.size))
+
+    def find(self, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Which of the cells (k,) have boxes, where these begin, and how many there are."""
+        at = np.searchsorted(self.cell[self._starts], cell)
+        at = np.minimum(at, self._starts.size - 1)
+        found = np.flatnonzero(self.cell[self._starts[at]] == cell)
+        return found, self._starts[at[found]], self._counts[at[found]]
+
+
+def _joined(boxes: Boxes, entries: _Table, asking: np.ndarray, cell: np.ndarray, halved: bool) -> Pairs:
+    """The boxes `asking` (k,) with those entries in `cell` (k,) that they overlap."""
+    found, start, count = entries.find(cell)
+    asking = asking[found]
     total = np.cumsum(count)
     begin = 0
     while begin < count.size:
@@ -106,7 +132,7 @@ def _joined(
         end = max(int(np.searchsorted(total, before + _PAIRS_AT_ONCE, "right")), begin + 1)
         n = count[begin:end]
         first = np.repeat(asking[begin:end], n)
-        second = entries[np.repeat(start[begin:end] - np.cumsum(n) + n, n) + np.arange(first.size)]
+        second = entries.box[np.repeat(start[begin:end] - np.cumsum(n) + n, n) + np.arange(first.size)]
         hit = boxes.overlap(first, second)
         if halved:
             hit &= first < second
