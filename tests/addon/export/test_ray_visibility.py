@@ -99,8 +99,20 @@ CASES = {
 }
 
 
+# Of the default run: an object, a lamp, the world, a flag, and a shadow.
+QUICK = (
+    "a card hidden from glossy rays",
+    "a lamp hidden from diffuse rays",
+    "a world hidden from the camera",
+    "a card that is clear to shadow rays",
+    "a half transparent card with an opaque shadow",
+)
+
+
 @pytest.mark.compares_with_cycles
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=() if case in QUICK else pytest.mark.slow) for case in CASES]
+)
 def test_what_is_hidden_from_some_rays_is_hidden_as_in_cycles(studio, case):
     """And the comparison notices a reference that knows nothing of it."""
     things = stage(studio)

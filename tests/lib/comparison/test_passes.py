@@ -74,9 +74,10 @@ def test_pixels_that_are_not_finite_count_in_no_pass():
     assert (found.outcomes[found.passes.index(LightPass.GLOSSY_INDIRECT)] == Outcome.DIFFERENT).all()
 
 
-def test_equal_passes_are_seldom_called_different():
-    """Noise alone, at a tolerance far below it: 40 comparisons, no claim of a difference at 99 % confidence."""
-    for k in range(40):
+@pytest.mark.parametrize("runs", [10, pytest.param(40, marks=pytest.mark.slow)])
+def test_equal_passes_are_seldom_called_different(runs):
+    """Noise alone, at a tolerance far below it: no claim of a difference at 99 % confidence in `runs` comparisons."""
+    for k in range(runs):
         options = CompareOptions(time=None, samples=1, replicates=12, tolerance=1e-4, seed=k)
 
         def shift(replicate, image, k=k):

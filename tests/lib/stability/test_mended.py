@@ -71,7 +71,7 @@ def test_a_tinted_dielectric_keeps_its_digits_as_f0_falls_to_0(eta, angle):
 @pytest.mark.parametrize("cosine", [1e-3, 1e-6, 1e-9])
 def test_a_reflecting_lobe_knows_its_facet_between_opposite_grazing_directions(cosine):
     class White:
-        delta = False
+        delta = diffuse = False
 
         def evaluate(self, wi):
             return np.ones(wi.shape), np.ones(wi.shape[1])

@@ -12,7 +12,7 @@ from etalon.lib.verdict.passes import PassTest
 from scipy.stats import binom
 
 NAMES = (LightPass.DIFFUSE_DIRECT, LightPass.GLOSSY_DIRECT, LightPass.GLOSSY_INDIRECT)
-TOLERANCE, CONFIDENCE, REPLICATES, RUNS = 0.01, 0.5, 12, 100
+TOLERANCE, CONFIDENCE, REPLICATES, RUNS = 0.01, 0.5, 12, 50
 LEFT = np.pad(np.ones((2, 1)), ((0, 0), (0, 1)))
 REGIONS = image_regions(2, 2, {"material": [("Left", LEFT)]}, (16,)).named
 
