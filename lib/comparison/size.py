@@ -13,13 +13,14 @@ import math
 from ..sampling.streams import FIRST_CALLS
 from ..scene.camera import Camera
 from ..verdict.allocation import fit_cost
+from ..verdict.boundaries import FIRST_LOOK
 from .run import TimedRun
 from .sides import Renderer
 
-# Images of up to so many pixels are always compared as they are.
-SMALL = 1 << 17
-# So many replicates of one sample a pixel are to fit into this share of the time.
-REPLICATES, SHARE = 24, 0.5
+# An image is made no smaller than this for REPLICATES, and no smaller than TINY for FIRST_LOOK, of one sample a pixel each.
+SMALL, TINY = 1 << 17, 1 << 13
+# They are to fit into these shares of the time.
+REPLICATES, SHARE, FIRST_SHARE = 24, 0.5, 0.75
 # Samples of the two timed renders of each side, whose images have about so many pixels.
 FEW, MORE, PROBED = 1, 4, 1 << 14
 
@@ -32,16 +33,24 @@ def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: Ti
     """
     pixels = camera.width * camera.height
     divisors = [d for d in range(1, camera.width + 1) if camera.width % d == camera.height % d == 0]
-    if run.budget is None or pixels <= SMALL or len(divisors) == 1:
+    if run.budget is None or pixels <= TINY or len(divisors) == 1:
         return 1
     small = min(divisors, key=lambda d: abs(math.log(pixels / d**2 / PROBED)))
-    seconds = 0.0
+    fixed = per_sample = 0.0
     for side, renderer in enumerate(renderers):
         probe, timings = renderer.at_size(camera.width // small, camera.height // small), []
         for k, samples in enumerate((FEW, FEW, MORE)):
             _, spent = run.render(probe, FIRST_CALLS.number(3 * side + k), samples)
             timings.append(spent)
         # The first call sets things up.
-        seconds += fit_cost([FEW, MORE], timings[1:]).per_sample * small**2
-    affordable = SHARE * run.budget / (REPLICATES * max(seconds, 1e-9))
-    return next((d for d in divisors if d**2 * affordable >= 1.0 or pixels / d**2 <= SMALL), divisors[-1])
+        cost = fit_cost([FEW, MORE], timings[1:])
+        fixed, per_sample = fixed + cost.fixed, per_sample + cost.per_sample * small**2
+
+    def fits(divisor: int, replicates: int, share: float, least: int) -> bool:
+        of_pixels = per_sample / divisor**2
+        # Where a call's fixed part is more than its pixels', fewer pixels gain little.
+        small_enough = pixels / divisor**2 <= least or (least == TINY and of_pixels <= fixed)
+        return small_enough or replicates * (fixed + of_pixels) <= share * run.budget
+
+    enough = next((d for d in divisors if fits(d, REPLICATES, SHARE, SMALL)), divisors[-1])
+    return next((d for d in divisors if d >= enough and fits(d, FIRST_LOOK, FIRST_SHARE, TINY)), divisors[-1])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.run import TimedRun
-from etalon.lib.comparison.size import SMALL, choose_divisor
+from etalon.lib.comparison.size import SMALL, TINY, choose_divisor
 from etalon.lib.film.rendering import Rendering
 from etalon.lib.progress import NO_PROGRESS
 from etalon.lib.scene.camera import smaller_camera
@@ -47,7 +47,7 @@ def chosen(monkeypatch, width, height, seconds, per=1e-6):
         (3840, 2160, 60.0, 4),
         (3840, 2160, 600.0, 2),
         (1921, 1080, 60.0, 1),
-        (1920, 1080, 1.0, 4),
+        (1920, 1080, 1.0, 5),
     ],
 )
 def test_the_size_is_the_largest_of_which_replicates_enough_fit_into_the_time(
@@ -59,8 +59,17 @@ def test_the_size_is_the_largest_of_which_replicates_enough_fit_into_the_time(
 
 
 def test_no_image_is_made_smaller_than_need_be(monkeypatch):
-    found, _ = chosen(monkeypatch, 1920, 1080, 1.0, per=1e-3)
+    """24 replicates do not fit, but 8 do: one divisor less, and the image were larger than SMALL."""
+    found, _ = chosen(monkeypatch, 1920, 1080, 10.0, per=2e-6)
     assert 1920 * 1080 / found**2 <= SMALL < 1920 * 1080 / (found - 1) ** 2
+
+
+def test_eight_replicates_come_before_the_size(monkeypatch):
+    """A small image of a slow scene is made smaller still, but never tiny."""
+    assert chosen(monkeypatch, 256, 144, 15.0, per=1e-5)[0] == 1
+    assert chosen(monkeypatch, 256, 144, 15.0, per=4e-5)[0] == 2  # 8 x 2 sides x 37 k pixels take 24 s
+    found, _ = chosen(monkeypatch, 1920, 1080, 15.0, per=1e-3)
+    assert 1920 * 1080 / found**2 <= TINY < 1920 * 1080 / (found // 2) ** 2
 
 
 @pytest.mark.parametrize("divisor", [2, 4])
