@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -21,6 +21,8 @@ from ..properties.declared import refuse_undeclared
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 # Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
 _PACKED_IN_ANY_SPACE = Versions("5.0")
+# Cycles then takes PNG files for straight and OpenEXR files for multiplied by alpha, whatever the setting is.
+_MODE_IGNORED = Versions(None, "5.0")
 # Of floats in these, Blender and Cycles make values of twice and of once the size.
 _SCALED = ("Rec.2100-PQ", "Rec.2100-HLG")
 _GREY = 1e-4
@@ -103,6 +105,13 @@ class ImageTable:
             refuse(f", image '{image.name}' (texels that are not finite),", "repair the image")
             return None
         space = image.colorspace_settings
+        if not space.is_data and np.any(pixels[..., 3] != 1.0):
+            fault = _fault_of_alpha(image)
+            if fault:
+                refuse(f", image '{image.name}' ({fault[0]}),", fault[1])
+                return None
+            if image.source == "FILE" and image.alpha_mode == "PREMUL" and not image.is_float:
+                pixels = _codes(image)
         encoding = "DATA" if space.is_data else _ENCODINGS.get(space.name, "LINEAR")
         if space.name not in _ENCODINGS and not space.is_data:
             linear = pixels if image.is_float else linearize(pixels, space.name, color_configuration())
@@ -116,22 +125,15 @@ class ImageTable:
         if codes_lost and (image.source == "GENERATED" or image.packed_file is not None):
             encoding, codes_lost = "LINEAR", False
 
-        pixels, association = _associate(pixels, image, encoding, codes_lost, alpha_linked)
-        if association is None:
-            natural = _natural_alpha(image).title()
-            what = f", image '{image.name}' (alpha {image.alpha_mode.title()}, colour where alpha is 0),"
-            refuse(what, f"set its Alpha to {natural}, Channel Packed or None, and clear colour where alpha is 0")
-            return None
-        if codes_lost:
-            pixels[..., :3] = srgb_encode(pixels[..., :3])
-        return Entry(self.place(Image(image.name, pixels, encoding)), association)
+        texels, association = _associate(Image(image.name, pixels, encoding), image, codes_lost, alpha_linked)
+        return Entry(self.place(texels), association)
 
     def place(self, image: Image) -> int:
         """The image's index, that of an equal one where there is one."""
         for index, other in enumerate(self._images):
             if (
                 other.name == image.name
-                and other.encoding == image.encoding
+                and (other.encoding, other.multiplied) == (image.encoding, image.multiplied)
                 and np.array_equal(other.pixels, image.pixels)
             ):
                 return index
@@ -182,30 +184,48 @@ def _load(image: bpy.types.Image) -> np.ndarray:
     return pixels
 
 
-def _natural_alpha(image: bpy.types.Image) -> str:
-    """The alpha that the file's kind calls for; with any other, versions of Blender disagree on what the colours mean."""
-    return "PREMUL" if image.source == "FILE" and image.file_format in _PREMULTIPLIED_FORMATS else "STRAIGHT"
+def _fault_of_alpha(image: bpy.types.Image) -> tuple[str, str] | None:
+    """(what, remedy) where Cycles does not follow the image's alpha mode, or is not known to."""
+    mode = image.alpha_mode
+    premultiplied = image.source == "FILE" and image.file_format in _PREMULTIPLIED_FORMATS
+    natural = "PREMUL" if premultiplied else "STRAIGHT"
+    if mode in ("NONE", "CHANNEL_PACKED", natural):
+        return None
+    remedy = f"set its Alpha to {natural.title()}, Channel Packed or None"
+    if bpy.app.version in _MODE_IGNORED:
+        return f"alpha {mode.title()}, which Cycles before 5.1 takes for {natural.title()}", remedy
+    if image.source != "FILE" or image.packed_file is not None:
+        return f"alpha {mode.title()} of an image that Blender keeps", remedy
+    if not image.is_float and image.colorspace_settings.name not in _ENCODINGS:
+        return f"alpha {mode.title()} in the colour space {image.colorspace_settings.name}", remedy
+    return None
 
 
-def _associate(
-    pixels: np.ndarray, image: bpy.types.Image, encoding: str, codes_lost: bool, alpha_linked: bool
-) -> tuple[np.ndarray, str | None]:
-    """Texels as Image holds them, and the association; None where there is no telling what was meant.
+def _codes(image: bpy.types.Image) -> np.ndarray:
+    """The texels of the image's file as they are stored: Blender divides bytes by an alpha that is multiplied in, and rounds."""
+    plain = image.copy()
+    try:
+        plain.alpha_mode = "CHANNEL_PACKED"
+        return _load(plain)
+    finally:
+        bpy.data.images.remove(plain)
+
+
+def _associate(image: Image, settings: bpy.types.Image, codes_lost: bool, alpha_linked: bool) -> tuple[Image, str]:
+    """The image with what its alpha mode means applied, and the association.
 
     Blender holds bytes with straight alpha and floats with alpha multiplied in, whatever the file. Cycles multiplies
     alpha in, and divides it out again after interpolation where it is in use.
     """
-    if image.alpha_mode == "NONE":
+    pixels, mode = image.pixels, settings.alpha_mode
+    if mode == "NONE":
         pixels[..., 3] = 1.0
-    if image.alpha_mode in ("NONE", "CHANNEL_PACKED") or encoding == "DATA" or np.all(pixels[..., 3] == 1.0):
-        return pixels, "SEPARATE"
-    if image.alpha_mode != _natural_alpha(image):
-        return pixels, None
-    if image.is_float:
-        if not alpha_linked and not codes_lost:
-            return pixels, "SEPARATE"
-        alpha = pixels[..., 3:]
-        if np.any(pixels[..., :3] * (alpha == 0)):
-            return pixels, None
-        pixels[..., :3] /= np.where(alpha == 0, 1.0, alpha)
-    return pixels, "WEIGHTED" if alpha_linked else "MULTIPLIED"
+    color, alpha = pixels[..., :3], pixels[..., 3:]
+    divisor = np.where(alpha == 0, np.float32(1.0), alpha)
+    separate = mode in ("NONE", "CHANNEL_PACKED") or image.encoding == "DATA" or np.all(alpha == 1.0)
+    multiplied = not separate and (settings.is_float or mode == "PREMUL")
+    if codes_lost:
+        color[:] = divisor * srgb_encode(color / divisor) if multiplied else srgb_encode(color)
+    if separate or (multiplied and image.encoding == "LINEAR" and not alpha_linked):
+        return image, "SEPARATE"
+    return replace(image, multiplied=multiplied), "WEIGHTED" if alpha_linked else "MULTIPLIED"
