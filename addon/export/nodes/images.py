@@ -17,6 +17,7 @@ from ....lib.srgb import srgb_encode
 from ....lib.textures.linearize import linearize
 from ...host.color_configuration import color_configuration
 from ..properties.declared import refuse_undeclared
+from .image_files import frame_of_user, numbered_path, path_of_image, read_file
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 # Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
@@ -47,8 +48,10 @@ class Entry:
 class ImageTable:
     """Collects the images that materials and world use, and gives each an index."""
 
-    def __init__(self) -> None:
-        self._entries: dict[tuple[int, bool], Entry | None] = {}
+    def __init__(self, frame: int = 1) -> None:
+        """`frame`: the scene's, which chooses among the files of a sequence."""
+        self._frame = frame
+        self._entries: dict[tuple[int, bool, str], Entry | None] = {}
         self._images: list[Image] = []
         self.missing: dict[str, None] = {}
         """What has no image, in the order in which it was met: the files that are not there, and nodes without an image."""
@@ -68,47 +71,72 @@ class ImageTable:
             self.missing[f"{owner}: node '{node.name}' has no image"] = None
             return True
         image = image.original
+        if _is_sequence(image):
+            return self._lacks(image, self._path(image, node))
         if image.source != "FILE" or image.type not in _TYPES or (image.size[0] and image.size[1]):
             return False
         space = image.colorspace_settings.name  # empty where Blender has never read the file
         if bpy.app.version < (5, 0, 0) and space and space not in _ENCODINGS:
             return False
-        path = bpy.path.abspath(image.filepath, library=image.library)
-        fault = "cannot be read" if os.path.isfile(path) else "is not there"
-        self.missing[f"image '{image.name}': file '{path}' {fault}"] = None
+        self._note(image, path_of_image(image))
         return True
 
-    def add(self, image: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
-        """The entry of `image`, read at its first use; None where it is refused, by `refuse(what, remedy)`.
+    def add(self, node: bpy.types.Node, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of a node's image, read at its first use; None where it is refused, by `refuse(what, remedy)`.
 
         `alpha_linked` says whether the node's alpha is in use. The image is none that `is_missing`.
         """
-        image = image.original
-        key = (image.session_uid, alpha_linked)
+        image = node.image.original
+        path = self._path(image, node) if _is_sequence(image) else ""
+        return self._entry(image, path, alpha_linked, refuse)
+
+    def _entry(self, image: bpy.types.Image, path: str, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of `image`, or of the one file of it at `path`."""
+        key = (image.session_uid, alpha_linked, path)
         if key not in self._entries:
-            self._entries[key] = self._read(image, alpha_linked, refuse)
+            if path:
+                with read_file(path, image) as still:
+                    self._entries[key] = self._read(still, image, alpha_linked, refuse)
+            else:
+                self._entries[key] = self._read(image, image, alpha_linked, refuse)
         return self._entries[key]
 
-    def _read(self, image: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+    def _path(self, image: bpy.types.Image, node: bpy.types.Node) -> str:
+        return numbered_path(path_of_image(image), frame_of_user(node.image_user, self._frame))
+
+    def _lacks(self, image: bpy.types.Image, path: str) -> bool:
+        """Whether one file of `image` cannot be read, which is noted."""
+        with read_file(path, image) as still:
+            if still is None:
+                self._note(image, path)
+            return still is None
+
+    def _note(self, image: bpy.types.Image, path: str) -> None:
+        fault = "cannot be read" if os.path.isfile(path) else "is not there"
+        self.missing[f"image '{image.name}': file '{path}' {fault}"] = None
+
+    def _read(self, image: bpy.types.Image, owner: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of `image`, which is `owner` or one of its files."""
+        name = owner.name
         reason = _unsupported(image)
         if reason:
-            refuse(f", image '{image.name}' ({reason[0]}),", reason[1])
+            refuse(f", image '{name}' ({reason[0]}),", reason[1])
             return None
         changed: list[Refusal] = []
-        refuse_undeclared("", "image", image, changed)
+        refuse_undeclared("", "image", owner, changed)
         for refusal in changed:
-            refuse(f", image '{image.name}', {refusal.what},", refusal.remedy)
+            refuse(f", image '{name}', {refusal.what},", refusal.remedy)
         if changed:
             return None
         pixels = _load(image)
         if not np.isfinite(pixels).all():
-            refuse(f", image '{image.name}' (texels that are not finite),", "repair the image")
+            refuse(f", image '{name}' (texels that are not finite),", "repair the image")
             return None
         space = image.colorspace_settings
         if not space.is_data and np.any(pixels[..., 3] != 1.0):
             fault = _fault_of_alpha(image)
             if fault:
-                refuse(f", image '{image.name}' ({fault[0]}),", fault[1])
+                refuse(f", image '{name}' ({fault[0]}),", fault[1])
                 return None
             if image.source == "FILE" and image.alpha_mode == "PREMUL" and not image.is_float:
                 pixels = _codes(image)
@@ -117,7 +145,7 @@ class ImageTable:
             linear = pixels if image.is_float else linearize(pixels, space.name, color_configuration())
             fault = _fault_of_space(image, pixels, linear)
             if fault:
-                refuse(f", image '{image.name}' (colour space {space.name}, {fault[0]}),", fault[1])
+                refuse(f", image '{name}' (colour space {space.name}, {fault[0]}),", fault[1])
                 return None
             pixels = linear
         # Blender decodes floats as it loads them. Cycles takes generated and packed images from Blender, others from the file.
@@ -125,7 +153,7 @@ class ImageTable:
         if codes_lost and (image.source == "GENERATED" or image.packed_file is not None):
             encoding, codes_lost = "LINEAR", False
 
-        texels, association = _associate(Image(image.name, pixels, encoding), image, codes_lost, alpha_linked)
+        texels, association = _associate(Image(name, pixels, encoding), image, codes_lost, alpha_linked)
         return Entry(self.place(texels), association)
 
     def place(self, image: Image) -> int:
@@ -141,11 +169,15 @@ class ImageTable:
         return len(self._images) - 1
 
 
+def _is_sequence(image: bpy.types.Image) -> bool:
+    return image.source == "SEQUENCE" and image.packed_file is None
+
+
 def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
     """(what, remedy) where the image is of a kind that is not simulated."""
     if image.source not in _SOURCES or image.type not in _TYPES:
         kind = image.source if image.source not in _SOURCES else image.type
-        return f"{kind.lower().replace('_', ' ')}", "use a single still image"
+        return f"{kind.lower().replace('_', ' ')}", "use a still image or a sequence of image files"
     if not image.size[0] or not image.size[1]:  # the colour space is known only once it is loaded
         return "no texels", "restore its file, or choose another image"
     if image.is_dirty and image.source == "FILE" and image.packed_file is None:
