@@ -48,7 +48,7 @@ def export_scene(
     bounces = scene.cycles.max_bounces if max_bounces is None else max_bounces
     refusals: list[Refusal] = []
     refuse_settings(scene, layer, refusals)
-    images = ImageTable()
+    images = ImageTable(scene.frame_current)
     view = read_camera(camera, scene.render, refusals)
     world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
     materials = MaterialTable(layer.material_override, images, refusals, partial)

@@ -100,12 +100,13 @@ class ImageSet:
                 rgba += part
         decodes = self._images[index].encoding == "SRGB" and not self._decode_first
         divided = association == "WEIGHTED" or (association == "MULTIPLIED" and decodes and not self._alpha_in_codes)
+        alpha = _divisor(rgba[3])
         if divided:
-            rgba[:3] /= np.where(rgba[3] == 0, 1.0, rgba[3])
+            rgba[:3] /= alpha
         if decodes:
             rgba[:3] = srgb_decode(rgba[:3])
         if divided and association == "MULTIPLIED":
-            rgba[:3] *= rgba[3]
+            rgba[:3] *= alpha
         return rgba
 
     def _prepared(self, index: int, association: str) -> np.ndarray:
@@ -119,23 +120,32 @@ class ImageSet:
         """The texels (n, 4) of `image`, decoded and multiplied by alpha as far as that comes before interpolation."""
         texels = image.pixels.reshape(-1, 4)
         decode = image.encoding == "SRGB" and self._decode_first
-        multiplied = association != "SEPARATE"
+        multiplied = association != "SEPARATE" and not image.multiplied
         if not (decode or multiplied):
             return texels
         texels = texels.astype(np.float32)
         color, alpha = texels[:, :3], texels[:, 3:]
+        if image.multiplied:
+            whole = self._alpha_in_codes and association == "MULTIPLIED"
+            color[:] = srgb_decode(color) if whole else _divisor(alpha) * srgb_decode(color / _divisor(alpha))
+            return texels
         if multiplied and self._alpha_in_codes:
             color[:] = _multiplied_codes(color, alpha)
             if decode and association == "MULTIPLIED":
                 color[:] = srgb_decode(color)
             elif decode:
-                color[:] = alpha * srgb_decode(color / np.where(alpha == 0.0, 1.0, alpha))
+                color[:] = alpha * srgb_decode(color / _divisor(alpha))
             return texels
         if decode:
             color[:] = srgb_decode(color)
         if multiplied:
             color *= alpha
         return texels
+
+
+def _divisor(alpha: np.ndarray) -> np.ndarray:
+    """What divides alpha out of a colour: where alpha is 0 the colour stays as it is."""
+    return np.where(alpha == 0.0, np.ones_like(alpha), alpha)
 
 
 def _multiplied_codes(codes: np.ndarray, alpha: np.ndarray) -> np.ndarray:

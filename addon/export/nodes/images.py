@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -17,10 +17,13 @@ from ....lib.srgb import srgb_encode
 from ....lib.textures.linearize import linearize
 from ...host.color_configuration import color_configuration
 from ..properties.declared import refuse_undeclared
+from .image_files import frame_of_user, numbered_path, path_of_image, read_file
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 # Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
 _PACKED_IN_ANY_SPACE = Versions("5.0")
+# Cycles then takes PNG files for straight and OpenEXR files for multiplied by alpha, whatever the setting is.
+_MODE_IGNORED = Versions(None, "5.0")
 # Of floats in these, Blender and Cycles make values of twice and of once the size.
 _SCALED = ("Rec.2100-PQ", "Rec.2100-HLG")
 _GREY = 1e-4
@@ -45,8 +48,10 @@ class Entry:
 class ImageTable:
     """Collects the images that materials and world use, and gives each an index."""
 
-    def __init__(self) -> None:
-        self._entries: dict[tuple[int, bool], Entry | None] = {}
+    def __init__(self, frame: int = 1) -> None:
+        """`frame`: the scene's, which chooses among the files of a sequence."""
+        self._frame = frame
+        self._entries: dict[tuple[int, bool, str], Entry | None] = {}
         self._images: list[Image] = []
         self.missing: dict[str, None] = {}
         """What has no image, in the order in which it was met: the files that are not there, and nodes without an image."""
@@ -66,49 +71,81 @@ class ImageTable:
             self.missing[f"{owner}: node '{node.name}' has no image"] = None
             return True
         image = image.original
+        if _is_sequence(image):
+            return self._lacks(image, self._path(image, node))
         if image.source != "FILE" or image.type not in _TYPES or (image.size[0] and image.size[1]):
             return False
         space = image.colorspace_settings.name  # empty where Blender has never read the file
         if bpy.app.version < (5, 0, 0) and space and space not in _ENCODINGS:
             return False
-        path = bpy.path.abspath(image.filepath, library=image.library)
-        fault = "cannot be read" if os.path.isfile(path) else "is not there"
-        self.missing[f"image '{image.name}': file '{path}' {fault}"] = None
+        self._note(image, path_of_image(image))
         return True
 
-    def add(self, image: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
-        """The entry of `image`, read at its first use; None where it is refused, by `refuse(what, remedy)`.
+    def add(self, node: bpy.types.Node, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of a node's image, read at its first use; None where it is refused, by `refuse(what, remedy)`.
 
         `alpha_linked` says whether the node's alpha is in use. The image is none that `is_missing`.
         """
-        image = image.original
-        key = (image.session_uid, alpha_linked)
+        image = node.image.original
+        path = self._path(image, node) if _is_sequence(image) else ""
+        return self._entry(image, path, alpha_linked, refuse)
+
+    def _entry(self, image: bpy.types.Image, path: str, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of `image`, or of the one file of it at `path`."""
+        key = (image.session_uid, alpha_linked, path)
         if key not in self._entries:
-            self._entries[key] = self._read(image, alpha_linked, refuse)
+            if path:
+                with read_file(path, image) as still:
+                    self._entries[key] = self._read(still, image, alpha_linked, refuse)
+            else:
+                self._entries[key] = self._read(image, image, alpha_linked, refuse)
         return self._entries[key]
 
-    def _read(self, image: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+    def _path(self, image: bpy.types.Image, node: bpy.types.Node) -> str:
+        return numbered_path(path_of_image(image), frame_of_user(node.image_user, self._frame))
+
+    def _lacks(self, image: bpy.types.Image, path: str) -> bool:
+        """Whether one file of `image` cannot be read, which is noted."""
+        with read_file(path, image) as still:
+            if still is None:
+                self._note(image, path)
+            return still is None
+
+    def _note(self, image: bpy.types.Image, path: str) -> None:
+        fault = "cannot be read" if os.path.isfile(path) else "is not there"
+        self.missing[f"image '{image.name}': file '{path}' {fault}"] = None
+
+    def _read(self, image: bpy.types.Image, owner: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of `image`, which is `owner` or one of its files."""
+        name = owner.name
         reason = _unsupported(image)
         if reason:
-            refuse(f", image '{image.name}' ({reason[0]}),", reason[1])
+            refuse(f", image '{name}' ({reason[0]}),", reason[1])
             return None
         changed: list[Refusal] = []
-        refuse_undeclared("", "image", image, changed)
+        refuse_undeclared("", "image", owner, changed)
         for refusal in changed:
-            refuse(f", image '{image.name}', {refusal.what},", refusal.remedy)
+            refuse(f", image '{name}', {refusal.what},", refusal.remedy)
         if changed:
             return None
         pixels = _load(image)
         if not np.isfinite(pixels).all():
-            refuse(f", image '{image.name}' (texels that are not finite),", "repair the image")
+            refuse(f", image '{name}' (texels that are not finite),", "repair the image")
             return None
         space = image.colorspace_settings
+        if not space.is_data and np.any(pixels[..., 3] != 1.0):
+            fault = _fault_of_alpha(image)
+            if fault:
+                refuse(f", image '{name}' ({fault[0]}),", fault[1])
+                return None
+            if image.source == "FILE" and image.alpha_mode == "PREMUL" and not image.is_float:
+                pixels = _codes(image)
         encoding = "DATA" if space.is_data else _ENCODINGS.get(space.name, "LINEAR")
         if space.name not in _ENCODINGS and not space.is_data:
             linear = pixels if image.is_float else linearize(pixels, space.name, color_configuration())
             fault = _fault_of_space(image, pixels, linear)
             if fault:
-                refuse(f", image '{image.name}' (colour space {space.name}, {fault[0]}),", fault[1])
+                refuse(f", image '{name}' (colour space {space.name}, {fault[0]}),", fault[1])
                 return None
             pixels = linear
         # Blender decodes floats as it loads them. Cycles takes generated and packed images from Blender, others from the file.
@@ -116,22 +153,15 @@ class ImageTable:
         if codes_lost and (image.source == "GENERATED" or image.packed_file is not None):
             encoding, codes_lost = "LINEAR", False
 
-        pixels, association = _associate(pixels, image, encoding, codes_lost, alpha_linked)
-        if association is None:
-            natural = _natural_alpha(image).title()
-            what = f", image '{image.name}' (alpha {image.alpha_mode.title()}, colour where alpha is 0),"
-            refuse(what, f"set its Alpha to {natural}, Channel Packed or None, and clear colour where alpha is 0")
-            return None
-        if codes_lost:
-            pixels[..., :3] = srgb_encode(pixels[..., :3])
-        return Entry(self.place(Image(image.name, pixels, encoding)), association)
+        texels, association = _associate(Image(name, pixels, encoding), image, codes_lost, alpha_linked)
+        return Entry(self.place(texels), association)
 
     def place(self, image: Image) -> int:
         """The image's index, that of an equal one where there is one."""
         for index, other in enumerate(self._images):
             if (
                 other.name == image.name
-                and other.encoding == image.encoding
+                and (other.encoding, other.multiplied) == (image.encoding, image.multiplied)
                 and np.array_equal(other.pixels, image.pixels)
             ):
                 return index
@@ -139,11 +169,15 @@ class ImageTable:
         return len(self._images) - 1
 
 
+def _is_sequence(image: bpy.types.Image) -> bool:
+    return image.source == "SEQUENCE" and image.packed_file is None
+
+
 def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
     """(what, remedy) where the image is of a kind that is not simulated."""
     if image.source not in _SOURCES or image.type not in _TYPES:
         kind = image.source if image.source not in _SOURCES else image.type
-        return f"{kind.lower().replace('_', ' ')}", "use a single still image"
+        return f"{kind.lower().replace('_', ' ')}", "use a still image or a sequence of image files"
     if not image.size[0] or not image.size[1]:  # the colour space is known only once it is loaded
         return "no texels", "restore its file, or choose another image"
     if image.is_dirty and image.source == "FILE" and image.packed_file is None:
@@ -182,30 +216,48 @@ def _load(image: bpy.types.Image) -> np.ndarray:
     return pixels
 
 
-def _natural_alpha(image: bpy.types.Image) -> str:
-    """The alpha that the file's kind calls for; with any other, versions of Blender disagree on what the colours mean."""
-    return "PREMUL" if image.source == "FILE" and image.file_format in _PREMULTIPLIED_FORMATS else "STRAIGHT"
+def _fault_of_alpha(image: bpy.types.Image) -> tuple[str, str] | None:
+    """(what, remedy) where Cycles does not follow the image's alpha mode, or is not known to."""
+    mode = image.alpha_mode
+    premultiplied = image.source == "FILE" and image.file_format in _PREMULTIPLIED_FORMATS
+    natural = "PREMUL" if premultiplied else "STRAIGHT"
+    if mode in ("NONE", "CHANNEL_PACKED", natural):
+        return None
+    remedy = f"set its Alpha to {natural.title()}, Channel Packed or None"
+    if bpy.app.version in _MODE_IGNORED:
+        return f"alpha {mode.title()}, which Cycles before 5.1 takes for {natural.title()}", remedy
+    if image.source != "FILE" or image.packed_file is not None:
+        return f"alpha {mode.title()} of an image that Blender keeps", remedy
+    if not image.is_float and image.colorspace_settings.name not in _ENCODINGS:
+        return f"alpha {mode.title()} in the colour space {image.colorspace_settings.name}", remedy
+    return None
 
 
-def _associate(
-    pixels: np.ndarray, image: bpy.types.Image, encoding: str, codes_lost: bool, alpha_linked: bool
-) -> tuple[np.ndarray, str | None]:
-    """Texels as Image holds them, and the association; None where there is no telling what was meant.
+def _codes(image: bpy.types.Image) -> np.ndarray:
+    """The texels of the image's file as they are stored: Blender divides bytes by an alpha that is multiplied in, and rounds."""
+    plain = image.copy()
+    try:
+        plain.alpha_mode = "CHANNEL_PACKED"
+        return _load(plain)
+    finally:
+        bpy.data.images.remove(plain)
+
+
+def _associate(image: Image, settings: bpy.types.Image, codes_lost: bool, alpha_linked: bool) -> tuple[Image, str]:
+    """The image with what its alpha mode means applied, and the association.
 
     Blender holds bytes with straight alpha and floats with alpha multiplied in, whatever the file. Cycles multiplies
     alpha in, and divides it out again after interpolation where it is in use.
     """
-    if image.alpha_mode == "NONE":
+    pixels, mode = image.pixels, settings.alpha_mode
+    if mode == "NONE":
         pixels[..., 3] = 1.0
-    if image.alpha_mode in ("NONE", "CHANNEL_PACKED") or encoding == "DATA" or np.all(pixels[..., 3] == 1.0):
-        return pixels, "SEPARATE"
-    if image.alpha_mode != _natural_alpha(image):
-        return pixels, None
-    if image.is_float:
-        if not alpha_linked and not codes_lost:
-            return pixels, "SEPARATE"
-        alpha = pixels[..., 3:]
-        if np.any(pixels[..., :3] * (alpha == 0)):
-            return pixels, None
-        pixels[..., :3] /= np.where(alpha == 0, 1.0, alpha)
-    return pixels, "WEIGHTED" if alpha_linked else "MULTIPLIED"
+    color, alpha = pixels[..., :3], pixels[..., 3:]
+    divisor = np.where(alpha == 0, np.float32(1.0), alpha)
+    separate = mode in ("NONE", "CHANNEL_PACKED") or image.encoding == "DATA" or np.all(alpha == 1.0)
+    multiplied = not separate and (settings.is_float or mode == "PREMUL")
+    if codes_lost:
+        color[:] = divisor * srgb_encode(color / divisor) if multiplied else srgb_encode(color)
+    if separate or (multiplied and image.encoding == "LINEAR" and not alpha_linked):
+        return image, "SEPARATE"
+    return replace(image, multiplied=multiplied), "WEIGHTED" if alpha_linked else "MULTIPLIED"

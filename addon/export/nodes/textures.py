@@ -209,7 +209,7 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
         )
     if reader.images.is_missing(node, reader.owner):
         return ex.Constant(MISSING) if output == "Color" else ex.ONE
-    entry = reader.images.add(node.image, alpha_linked, lambda what, remedy: reader.refuse(node, scope, what, remedy))
+    entry = reader.images.add(node, alpha_linked, lambda what, remedy: reader.refuse(node, scope, what, remedy))
     if entry is None:
         return ex.BLACK if output == "Color" else ex.ZERO
     if entry.association == "WEIGHTED":
@@ -231,7 +231,7 @@ def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope
     refuse_mapping(reader, node, scope)
     if reader.images.is_missing(node, reader.owner):
         return ex.Constant(MISSING)
-    entry = reader.images.add(node.image, False, lambda what, remedy: reader.refuse(node, scope, what, remedy))
+    entry = reader.images.add(node, False, lambda what, remedy: reader.refuse(node, scope, what, remedy))
     if entry is None:
         return ex.BLACK
     vector = reader.read_or(node.inputs[0], scope, _DIRECTION if reader.is_world else ex.Coordinates("POSITION"))

@@ -80,3 +80,30 @@ def test_stored_texels_are_not_written_to(rng):
     for association in ("SEPARATE", "MULTIPLIED", "WEIGHTED"):
         images.sample(0, rng.random(9), rng.random(9), association=association)
     np.testing.assert_array_equal(pixels, before)
+
+
+@pytest.mark.parametrize("encoding", ["SRGB", "LINEAR"])
+@pytest.mark.parametrize("association", ["MULTIPLIED", "WEIGHTED"])
+@pytest.mark.parametrize("decode_first", [False, True])
+@pytest.mark.parametrize("alpha_in_codes", [False, True])
+def test_colours_stored_times_alpha_are_those_of_straight_ones(
+    encoding, association, decode_first, alpha_in_codes, rng
+):
+    straight = texels(rng)
+    multiplied = straight.copy()
+    multiplied[..., :3] *= straight[..., 3:]
+    images = ImageSet(
+        [Image("", straight, encoding), Image("", multiplied, encoding, multiplied=True)], decode_first, alpha_in_codes
+    )
+    u, v = rng.uniform(-1, 2, (2, 200))
+    expected, got = (images.sample(k, u, v, association=association) for k in (0, 1))
+    np.testing.assert_allclose(got, expected, rtol=2e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("association", ["MULTIPLIED", "WEIGHTED"])
+def test_a_colour_stored_times_alpha_stays_where_alpha_is_zero(association):
+    """An image that only adds light, as of a flame, has colours and no alpha."""
+    image = Image("", np.array([[[0.5, 0.25, 0.75, 0.0]]], np.float32), "SRGB", multiplied=True)
+    for decode_first in (False, True):
+        got = ImageSet([image], decode_first).sample(0, np.zeros(1), np.zeros(1), association=association)
+        np.testing.assert_allclose(got[:, 0], [*srgb_decode(np.array([0.5, 0.25, 0.75])), 0.0], rtol=1e-6)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files behind images that have several: which one a frame shows, and how one of them is read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+
+
+def frame_of_user(user: bpy.types.ImageUser, scene_frame: int) -> int:
+    """The number of the file that a sequence shows at `scene_frame`.
+
+    The sequence's first frame shows file 1 plus the offset, its last stays; a cyclic one starts again. Without a duration it is 0,
+    whatever the offset.
+    """
+    length = user.frame_duration
+    if length == 0:
+        return 0
+    frame = scene_frame - user.frame_start + 1
+    frame = (frame - 1) % length + 1 if user.use_cyclic else min(max(frame, 0), length)
+    return frame + user.frame_offset
+
+
+def numbered_path(path: str, number: int) -> str:
+    """`path` with the last digits of its name, before its suffix, replaced by `number`, which keeps as many places."""
+    folder, name = Path(path).parent, Path(path)
+    found = re.fullmatch(r"(.*?)(\d+)(\D*)", name.stem, re.DOTALL)
+    head, digits, tail = found.groups() if found else (name.stem, "", "")
+    return str(folder / f"{head}{max(number, 0):0{len(digits)}d}{tail}{name.suffix}")
+
+
+def path_of_image(image: bpy.types.Image) -> str:
+    """The image's path, absolute; of several files, the one (or the pattern) that it was given."""
+    return bpy.path.abspath(image.filepath, library=image.library)
+
+
+@contextmanager
+def read_file(path: str, image: bpy.types.Image) -> Iterator[bpy.types.Image | None]:
+    """One file with the settings of `image`, for a while; None where it cannot be read. Nothing is left in Blender's data."""
+    try:
+        still = bpy.data.images.load(path)
+    except RuntimeError:
+        yield None
+        return
+    try:
+        if image.colorspace_settings.name:
+            still.colorspace_settings.name = image.colorspace_settings.name
+        still.alpha_mode = image.alpha_mode
+        readable = still.type not in ("IMAGE", "UV_TEST") or (still.size[0] and still.size[1])
+        yield still if readable else None
+    finally:
+        bpy.data.images.remove(still)
