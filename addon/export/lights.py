@@ -17,12 +17,14 @@ from ...lib.textures.fold import fold, is_constant
 from .nodes.images import ImageTable
 from .nodes.tree import Scope, TreeReader
 from .nodes.values import VALUES
-from .refusals import refuse_light
+from .refusals import is_portal, refuse_light
 
 
 def read_light(light: bpy.types.Object, matrix: np.ndarray, rays: int, refusals: list[Refusal]) -> Light | None:
     """The light object `light` with the (3, 4) `matrix`, seen by the `rays` of that mask; None where it gives no light or is refused."""
     data = light.data
+    if is_portal(data):
+        return None
     owner = f"light '{light.name}'"
     before = len(refusals)
     refuse_light(light, refusals)

@@ -112,7 +112,6 @@ def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
     data = light.data
     cycles = data.cycles
     switches = {
-        "a light portal": data.type == "AREA" and cycles.is_portal,
         "shadow caustics": cycles.is_caustics_light,
         "light linking": _is_linked(light),
     }
@@ -121,6 +120,11 @@ def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
     refuse_undeclared(owner, "light", data, refusals)
     refuse_undeclared(owner, "light.cycles", cycles, refusals)
     refusals.extend(Refusal(owner, what, "set it back to its default") for what, on in switches.items() if on)
+
+
+def is_portal(data: bpy.types.Light) -> bool:
+    """Whether a light shows Cycles where light of the world comes in, and gives none itself."""
+    return data.type == "AREA" and data.cycles.is_portal
 
 
 def _object_flags(

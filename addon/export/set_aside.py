@@ -12,6 +12,7 @@ from ...lib.plural import plural
 from ...lib.scene.findings import Finding, list_names
 from ...lib.scene.mesh import Mesh
 from ..cycles.neutral import BUMP_FILTER_WIDTH
+from .refusals import is_portal
 
 # By release: the object's own properties, or those that Cycles adds to it. The first moves shadow rays, the others darken less near the edge.
 _TERMINATOR = (
@@ -37,6 +38,7 @@ def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding,
         _terminator(things, mesh),
         _soft_falloff(things),
         _light_sampling(things),
+        _portals(things),
         _bump_filter(depsgraph),
     )
     return tuple(finding for finding in found if finding is not None)
@@ -80,6 +82,18 @@ def _light_sampling(things: list[bpy.types.Object]) -> Finding | None:
         f"Multiple importance sampling of {plural(len(names), 'light')} is on on both sides: {list_names(names)}.",
         "With it off, Cycles' reflected and refracted rays do not meet the light: mirrors do not show it, and noise differs.",
         "Switch Multiple Importance on in the light's settings to render what is compared.",
+    )
+
+
+def _portals(things: list[bpy.types.Object]) -> Finding | None:
+    names = list(dict.fromkeys(o.name for o in things if o.type == "LIGHT" and is_portal(o.data)))
+    if not names:
+        return None
+    return Finding(
+        "light portals",
+        f"{plural(len(names), 'area light is a portal', 'area lights are portals')}: {list_names(names)}.",
+        "A portal gives no light. It changes the noise of Cycles' image, not its mean; the reference samples the world without it.",
+        "Switch Portal off where the light should shine.",
     )
 
 

@@ -221,7 +221,6 @@ def test_visibility_to_rays(studio):
 
 
 REFUSED = {
-    "a light portal": lambda lamp: setattr(lamp.data.cycles, "is_portal", True),
     "shadow caustics": lambda lamp: setattr(lamp.data.cycles, "is_caustics_light", True),
     "a spread of 0": lambda lamp: setattr(lamp.data, "spread", 0.0),
     "negative power": lambda lamp: setattr(lamp.data, "energy", -1.0),

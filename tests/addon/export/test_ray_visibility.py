@@ -160,6 +160,24 @@ def test_an_environment_left_out_of_the_view_layer_is_black(studio):
     assert not np.any(exported.world.radiance.value)
 
 
+@pytest.mark.compares_with_cycles
+def test_a_portal_gives_no_light_and_leaves_the_mean_of_the_world(studio):
+    """The comparison notices a reference for which it is a light."""
+    _, panel, lamp, _ = stage(studio)
+    bpy.data.objects.remove(panel)
+    bpy.data.objects.remove(lamp)
+    opening = studio.add("opening", bpy.data.lights.new("opening", "AREA"), Matrix.Translation((0.5, 0.3, 2.5)))
+    opening.data.energy, opening.data.size = 60.0, 1.5
+    unaware = studio.export()
+    opening.data.cycles.is_portal = True
+    exported = studio.export()
+    assert exported.lights == ()
+    (finding,) = exported.findings
+    assert finding.what == "1 area light is a portal: 'opening'."
+    assert np.sqrt((apart(studio, exported) ** 2).mean()) < 1.5
+    assert np.sqrt((apart(studio, unaware) ** 2).mean()) > 1.9
+
+
 @pytest.mark.parametrize("output", ["Ray Depth", "Ray Length", "Transparent Depth"])
 def test_other_outputs_of_a_light_path_are_refused(studio, output):
     stage(studio)

@@ -269,7 +269,7 @@ def test_all_refusals_come_at_once_and_each_once(studio):
     for i in range(3):
         studio.add(f"hair {i}", bpy.data.hair_curves.new("hair"))
     studio.scene.render.use_simplify = True
-    studio.add("lamp", bpy.data.lights.new("lamp", "AREA")).data.cycles.is_portal = True
+    studio.add("lamp", bpy.data.lights.new("lamp", "AREA")).data.cycles.is_caustics_light = True
     with pytest.raises(Refused) as caught:
         studio.export()
     owners = [refusal.owner for refusal in caught.value.refusals]
