@@ -115,6 +115,19 @@ class ImageTexture(Expression):
 
 
 @dataclass(frozen=True)
+class Tile(Expression):
+    """`inside` where `vector` lies in tile `number` of a tiled image (UDIM: 1001 + column + 10 rows), and `outside` elsewhere.
+
+    There are 10 columns. As in Cycles, what is above -1 belongs to the first column or row.
+    """
+
+    vector: Expression
+    number: int
+    inside: Expression
+    outside: Expression
+
+
+@dataclass(frozen=True)
 class EnvironmentTexture(Expression):
     """Colour of an image of all directions in direction `vector` (need not be of unit length).
 

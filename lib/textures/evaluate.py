@@ -30,6 +30,7 @@ from .patterns import PATTERNS
 from .projections import Place, box_faces, box_weights, mirror_ball, sphere, tube
 from .ramp import color_ramp
 from .sky import sky
+from .tiles import lies_in_tile
 
 
 class Evaluator:
@@ -181,6 +182,9 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
         node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)
     ),
     ex.ImageTexture: _image_texture,
+    ex.Tile: lambda node, read: np.where(
+        lies_in_tile(read(node.vector), node.number), read(node.inside), read(node.outside)
+    ),
     ex.EnvironmentTexture: _environment_texture,
     Sky: sky,
     ex.Checker: _checker,

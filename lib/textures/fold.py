@@ -20,6 +20,7 @@ from .patterns import PATTERNS
 _POINTWISE = (
     ex.Mapping,
     ex.Checker,
+    ex.Tile,
     ex.Math,
     ex.Mix,
     ex.ColorRamp,

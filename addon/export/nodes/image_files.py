@@ -10,6 +10,8 @@ from pathlib import Path
 
 import bpy
 
+from ....lib.textures.tiles import tile_corner
+
 
 def frame_of_user(user: bpy.types.ImageUser, scene_frame: int) -> int:
     """The number of the file that a sequence shows at `scene_frame`.
@@ -31,6 +33,13 @@ def numbered_path(path: str, number: int) -> str:
     found = re.fullmatch(r"(.*?)(\d+)(\D*)", name.stem, re.DOTALL)
     head, digits, tail = found.groups() if found else (name.stem, "", "")
     return str(folder / f"{head}{max(number, 0):0{len(digits)}d}{tail}{name.suffix}")
+
+
+def tile_path(pattern: str, number: int) -> str | None:
+    """The file of a tile; None where the pattern has no place for its number."""
+    column, row = tile_corner(number)
+    path = pattern.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
+    return None if path == pattern else path
 
 
 def path_of_image(image: bpy.types.Image) -> str:

@@ -17,7 +17,7 @@ from ....lib.srgb import srgb_encode
 from ....lib.textures.linearize import linearize
 from ...host.color_configuration import color_configuration
 from ..properties.declared import refuse_undeclared
-from .image_files import frame_of_user, numbered_path, path_of_image, read_file
+from .image_files import frame_of_user, numbered_path, path_of_image, read_file, tile_path
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 # Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
@@ -52,6 +52,7 @@ class ImageTable:
         """`frame`: the scene's, which chooses among the files of a sequence."""
         self._frame = frame
         self._entries: dict[tuple[int, bool, str], Entry | None] = {}
+        self._lacking: dict[tuple[int, str], bool] = {}
         self._images: list[Image] = []
         self.missing: dict[str, None] = {}
         """What has no image, in the order in which it was met: the files that are not there, and nodes without an image."""
@@ -90,6 +91,21 @@ class ImageTable:
         path = self._path(image, node) if _is_sequence(image) else ""
         return self._entry(image, path, alpha_linked, refuse)
 
+    def add_tiles(self, node: bpy.types.Node, alpha_linked: bool, refuse: Refuse) -> dict[int, Entry]:
+        """The entries of a tiled image by number of tile, without those whose file cannot be read: Cycles shows MISSING there.
+
+        What is refused has none.
+        """
+        image = node.image.original
+        fault = _fault_of_tiles(image)
+        if fault:
+            refuse(f", image '{image.name}' (tiled, {fault[0]}),", fault[1])
+            return {}
+        files = {tile.number: tile_path(path_of_image(image), tile.number) for tile in image.tiles}
+        there = {number: path for number, path in files.items() if not self._lacks(image, path)}
+        entries = {number: self._entry(image, path, alpha_linked, refuse) for number, path in there.items()}
+        return {number: entry for number, entry in entries.items() if entry is not None}
+
     def _entry(self, image: bpy.types.Image, path: str, alpha_linked: bool, refuse: Refuse) -> Entry | None:
         """The entry of `image`, or of the one file of it at `path`."""
         key = (image.session_uid, alpha_linked, path)
@@ -106,10 +122,13 @@ class ImageTable:
 
     def _lacks(self, image: bpy.types.Image, path: str) -> bool:
         """Whether one file of `image` cannot be read, which is noted."""
-        with read_file(path, image) as still:
-            if still is None:
-                self._note(image, path)
-            return still is None
+        key = (image.session_uid, path)
+        if key not in self._lacking:
+            with read_file(path, image) as still:
+                self._lacking[key] = still is None
+        if self._lacking[key]:
+            self._note(image, path)
+        return self._lacking[key]
 
     def _note(self, image: bpy.types.Image, path: str) -> None:
         fault = "cannot be read" if os.path.isfile(path) else "is not there"
@@ -171,6 +190,17 @@ class ImageTable:
 
 def _is_sequence(image: bpy.types.Image) -> bool:
     return image.source == "SEQUENCE" and image.packed_file is None
+
+
+def _fault_of_tiles(image: bpy.types.Image) -> tuple[str, str] | None:
+    """(what, remedy) where the files of a tiled image are not what Cycles reads."""
+    if image.packed_file is not None:
+        return "packed", "unpack it"
+    if image.is_dirty or not image.filepath:
+        return "not saved", "save it: Cycles reads the files"
+    if tile_path(image.filepath, image.tiles[0].number) is None:
+        return f"path '{image.filepath}'", "write <UDIM> or <UVTILE> where its number stands"
+    return None
 
 
 def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:

@@ -7,7 +7,9 @@ import bpy
 
 from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
-from .images import MISSING
+from ....lib.scene.converters import VectorMath
+from ....lib.textures.tiles import FIRST, tile_corner
+from .images import MISSING, Entry
 from .tree import Scope, TreeReader, valid_link
 
 _SURFACE_COORDINATES = {
@@ -207,24 +209,48 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
         reader.refuse(
             node, scope, ", socket 'Vector' (unlinked) in a world,", "link Texture Coordinate, Generated to it"
         )
+    missing = ex.Constant(MISSING) if output == "Color" else ex.ONE
     if reader.images.is_missing(node, reader.owner):
-        return ex.Constant(MISSING) if output == "Color" else ex.ONE
-    entry = reader.images.add(node, alpha_linked, lambda what, remedy: reader.refuse(node, scope, what, remedy))
-    if entry is None:
-        return ex.BLACK if output == "Color" else ex.ZERO
-    if entry.association == "WEIGHTED":
+        return missing
+
+    def refuse(what: str, remedy: str) -> None:
+        reader.refuse(node, scope, what, remedy)
+
+    tiled = node.image.source == "TILED"
+    if tiled and node.projection != "FLAT":
+        refuse(f", projection {node.projection.title()} of a tiled image,", "choose the projection Flat")
+    if tiled:
+        tiles = reader.images.add_tiles(node, alpha_linked, refuse)
+    else:
+        entry = reader.images.add(node, alpha_linked, refuse)
+        if entry is None:
+            return ex.BLACK if output == "Color" else ex.ZERO
+        tiles = {FIRST: entry}
+    if any(entry.association == "WEIGHTED" for entry in tiles.values()):
         reader.alpha_expected[key] = (node, scope)
-    return ex.ImageTexture(
-        reader.read_or(node.inputs[0], scope, ex.Coordinates("UV")),
-        entry.index,
-        interpolation=_INTERPOLATIONS[node.interpolation],
-        extension=node.extension,
-        output=output.upper(),
-        association=entry.association,
-        projection=node.projection,
-        normal=ex.Coordinates("NORMAL") if box else None,
-        blend=node.projection_blend if box else 0.0,
-    )
+    vector = reader.read_or(node.inputs[0], scope, ex.Coordinates("UV"))
+
+    def texture(entry: Entry, vector: ex.Expression) -> ex.Expression:
+        return ex.ImageTexture(
+            vector,
+            entry.index,
+            interpolation=_INTERPOLATIONS[node.interpolation],
+            extension=node.extension,
+            output=output.upper(),
+            association=entry.association,
+            projection=node.projection,
+            normal=ex.Coordinates("NORMAL") if box else None,
+            blend=node.projection_blend if box else 0.0,
+        )
+
+    if not tiled:
+        return texture(entry, vector)
+    shown = missing
+    for number, entry in tiles.items():
+        corner = ex.Constant((*map(float, tile_corner(number)), 0.0))
+        within = VectorMath("SUBTRACT", vector, corner, ex.BLACK, ex.ONE)
+        shown = ex.Tile(vector, number, texture(entry, within), shown)
+    return shown
 
 
 def _environment_texture(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:

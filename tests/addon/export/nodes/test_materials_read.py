@@ -327,7 +327,7 @@ REFUSED = {
     "built-in texture mapping (scale)": colored(mapped_inside),
     "image 'rug' (colour space Linear CIE-XYZ D65, tinted greys)": tinted_greys,
     "image 'rug' (texels that are not finite)": broken_texels,
-    "image 'tiles' (tiled)": tiled,
+    "image 'tiles' (tiled, not saved)": tiled,
     "image 'leaf' (alpha Premul": with_alpha({"alpha_mode": "PREMUL"}),
     "output 'Alpha', whose links lead nowhere": dead_alpha,
 }  # fmt: skip
