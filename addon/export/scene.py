@@ -24,6 +24,7 @@ from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings
 from .set_aside import find_missing_images, find_set_aside
+from .tiles import skipped_tiles
 
 
 def export_scene(
@@ -59,6 +60,9 @@ def export_scene(
     mesh = _read_meshes(depsgraph, materials)
     if mesh.triangle_count == 0:
         raise EtalonError(f"{scene.name}: the scene has no faces to render; add an object with a surface")
+    _check_tiles(mesh, materials)
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
     result = Scene(
         name=scene.name,
         mesh=mesh,
@@ -161,6 +165,14 @@ def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) 
                 found = unreadable(faces_of(thing), name)
                 if found is not None:
                     materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", *found))
+
+
+def _check_tiles(mesh: Mesh, materials: MaterialTable) -> None:
+    """Refuse tiles of images that Cycles does not load although faces show them."""
+    for index, number in list(skipped_tiles(mesh, materials.materials)):
+        what = f"tile {number} of an image, which faces reach over without a corner in it (Cycles does not load it),"
+        remedy = "cut the faces at the tiles' borders"
+        materials.refuse_attribute(index, Refusal(f"material '{materials.materials[index].name}'", what, remedy))
 
 
 def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Mesh:

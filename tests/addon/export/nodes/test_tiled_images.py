@@ -8,6 +8,7 @@ import pytest
 from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.image_files import tile_path
 from etalon.addon.export.nodes.images import ImageTable
+from etalon.lib.errors import Refused
 from etalon.lib.scene import expressions as ex
 from etalon.lib.textures.fold import walk
 from etalon.tests.addon.export.nodes.node_cells import (
@@ -132,3 +133,57 @@ def test_tiles_are_those_of_cycles(tmp_path, rng):
         if error.max() > 5e-5:
             wrong[name] = float(error.max()), float((error.max(axis=0) > 5e-5).mean())
     assert not wrong
+
+
+def spread(studio, image, corners, lift=None):
+    """A square metre with these texture coordinates, linked directly or through a Mapping node that lifts them in z."""
+
+    def build(tree):
+        uv = node(tree, "TexCoord", output="UV")
+        if lift is not None:
+            uv = node(tree, "Mapping", {"Vector": uv, "Location": (0.0, 0.0, lift)})
+        return node(tree, "TexImage", {"Vector": uv}, image=image)
+
+    mesh = studio.mesh("wall", np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float), [(0, 1, 2, 3)])
+    layer = mesh.uv_layers.new(name="UVMap")
+    for place, corner in zip(layer.data, corners, strict=True):
+        place.uv = corner
+    mesh.materials.append(glowing("wall", through_emission(build)))
+    studio.add("wall", mesh)
+
+
+OVER_THREE_ROWS = ((0.2, 0.2), (0.8, 0.2), (0.8, 2.8), (0.2, 2.8))
+WITHIN_TILES = ((0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 2.0))
+"""Its upper corners lie on the border of tile 1011, and count to it."""
+
+
+@pytest.mark.parametrize("lift", [None, 0.0])
+def test_a_tile_without_a_corner_of_the_faces_that_show_it_is_refused(lift, studio, tmp_path, rng):
+    """A Mapping node that changes nothing changes nothing."""
+    spread(studio, tiled(tmp_path, rng), OVER_THREE_ROWS, lift)
+    with pytest.raises(Refused, match="tile 1011 of an image, which faces reach over"):
+        studio.export()
+
+
+@pytest.mark.parametrize(("corners", "lift"), [(OVER_THREE_ROWS, 1.0), (WITHIN_TILES, None)])
+def test_tiles_that_cycles_loads_are_not_refused(corners, lift, studio, tmp_path, rng):
+    spread(studio, tiled(tmp_path, rng), corners, lift)
+    assert len(studio.export().images) == len(TILES)
+
+
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize("lift", [None, 0.0, 1.0])
+def test_cycles_shows_magenta_in_a_tile_without_a_corner(lift, studio, tmp_path, rng):
+    spread(studio, tiled(tmp_path, rng), OVER_THREE_ROWS, lift)
+    scene = bpy.context.scene
+    camera = bpy.data.cameras.new("above")
+    camera.type, camera.ortho_scale = "ORTHO", 1.0
+    scene.camera = bpy.data.objects.new("above", camera)
+    scene.camera.location = (0.5, 0.5, 10)
+    scene.collection.objects.link(scene.camera)
+    scene.render.engine, scene.render.resolution_x, scene.render.resolution_y = "CYCLES", 9, 9
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.max_bounces = 1, False, 0
+    middle = rendered(scene, tmp_path)[:, 4, 4]
+    assert np.allclose(middle, (1.0, 0.0, 1.0)) == (lift != 1.0)
