@@ -22,7 +22,8 @@ from .image_files import frame_of_user, numbered_path, path_of_image, read_file,
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 # Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
 _PACKED_IN_ANY_SPACE = Versions("5.0")
-# Cycles then takes PNG files for straight and OpenEXR files for multiplied by alpha, whatever the setting is.
+# Cycles then multiplies bytes by alpha and floats not, whatever the mode: right for images that Blender keeps and for PNG and OpenEXR
+# files with the mode that belongs to the format.
 _MODE_IGNORED = Versions(None, "5.0")
 # Of floats in these, Blender and Cycles make values of twice and of once the size.
 _SCALED = ("Rec.2100-PQ", "Rec.2100-HLG")
@@ -157,7 +158,7 @@ class ImageTable:
             if fault:
                 refuse(f", image '{name}' ({fault[0]}),", fault[1])
                 return None
-            if image.source == "FILE" and image.alpha_mode == "PREMUL" and not image.is_float:
+            if _holds_multiplied_codes(image):
                 pixels = _codes(image)
         encoding = "DATA" if space.is_data else _ENCODINGS.get(space.name, "LINEAR")
         if space.name not in _ENCODINGS and not space.is_data:
@@ -169,7 +170,7 @@ class ImageTable:
             pixels = linear
         # Blender decodes floats as it loads them. Cycles takes generated and packed images from Blender, others from the file.
         codes_lost = image.is_float and encoding == "SRGB"
-        if codes_lost and (image.source == "GENERATED" or image.packed_file is not None):
+        if codes_lost and _is_kept(image):
             encoding, codes_lost = "LINEAR", False
 
         texels, association = _associate(Image(name, pixels, encoding), image, codes_lost, alpha_linked)
@@ -249,18 +250,30 @@ def _load(image: bpy.types.Image) -> np.ndarray:
 def _fault_of_alpha(image: bpy.types.Image) -> tuple[str, str] | None:
     """(what, remedy) where Cycles does not follow the image's alpha mode, or is not known to."""
     mode = image.alpha_mode
-    premultiplied = image.source == "FILE" and image.file_format in _PREMULTIPLIED_FORMATS
-    natural = "PREMUL" if premultiplied else "STRAIGHT"
-    if mode in ("NONE", "CHANNEL_PACKED", natural):
-        return None
+    if _is_kept(image):
+        natural = "PREMUL" if image.is_float else "STRAIGHT"
+        follows = bpy.app.version in _MODE_IGNORED
+        fault = f"alpha {mode.title()} of an image that Blender keeps, whose texels follow the mode already when Cycles applies it"
+    else:
+        natural = "PREMUL" if image.file_format in _PREMULTIPLIED_FORMATS else "STRAIGHT"
+        follows = bpy.app.version not in _MODE_IGNORED
+        fault = f"alpha {mode.title()}, which Cycles before 5.1 takes for {natural.title()}"
     remedy = f"set its Alpha to {natural.title()}, Channel Packed or None"
-    if bpy.app.version in _MODE_IGNORED:
-        return f"alpha {mode.title()}, which Cycles before 5.1 takes for {natural.title()}", remedy
-    if image.source != "FILE" or image.packed_file is not None:
-        return f"alpha {mode.title()} of an image that Blender keeps", remedy
-    if not image.is_float and image.colorspace_settings.name not in _ENCODINGS:
+    if mode not in ("NONE", "CHANNEL_PACKED", natural) and not follows:
+        return fault, remedy
+    if _holds_multiplied_codes(image) and image.colorspace_settings.name not in _ENCODINGS:
         return f"alpha {mode.title()} in the colour space {image.colorspace_settings.name}", remedy
     return None
+
+
+def _is_kept(image: bpy.types.Image) -> bool:
+    """Whether Cycles takes the texels from Blender, and not from a file."""
+    return image.source == "GENERATED" or image.packed_file is not None
+
+
+def _holds_multiplied_codes(image: bpy.types.Image) -> bool:
+    """Whether Cycles reads bytes that have alpha multiplied in."""
+    return image.alpha_mode == "PREMUL" and not image.is_float and not _is_kept(image)
 
 
 def _codes(image: bpy.types.Image) -> np.ndarray:
@@ -285,7 +298,7 @@ def _associate(image: Image, settings: bpy.types.Image, codes_lost: bool, alpha_
     color, alpha = pixels[..., :3], pixels[..., 3:]
     divisor = np.where(alpha == 0, np.float32(1.0), alpha)
     separate = mode in ("NONE", "CHANNEL_PACKED") or image.encoding == "DATA" or np.all(alpha == 1.0)
-    multiplied = not separate and (settings.is_float or mode == "PREMUL")
+    multiplied = not separate and (settings.is_float or _holds_multiplied_codes(settings))
     if codes_lost:
         color[:] = divisor * srgb_encode(color / divisor) if multiplied else srgb_encode(color)
     if separate or (multiplied and image.encoding == "LINEAR" and not alpha_linked):

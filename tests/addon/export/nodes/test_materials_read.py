@@ -328,10 +328,11 @@ REFUSED = {
     "image 'rug' (colour space Linear CIE-XYZ D65, tinted greys)": tinted_greys,
     "image 'rug' (texels that are not finite)": broken_texels,
     "image 'tiles' (tiled, not saved)": tiled,
-    "image 'leaf' (alpha Premul": with_alpha({"alpha_mode": "PREMUL"}),
     "output 'Alpha', whose links lead nowhere": dead_alpha,
 }  # fmt: skip
 
+if bpy.app.version >= (5, 1):
+    REFUSED["image 'leaf' (alpha Premul of an image that Blender keeps"] = with_alpha({"alpha_mode": "PREMUL"})
 if bpy.app.version >= (5, 0):
     REFUSED["image 'rug' (colour space Rec.2100-PQ, of floats)"] = high_dynamic_range
 
