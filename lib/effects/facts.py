@@ -22,6 +22,7 @@ from ..scene.materials import (
     Transparent,
     WeightedClosure,
 )
+from ..scene.mesh import Object
 from ..scene.scene import Scene
 from ..textures.fold import fold_scene
 from .geometry import Answer, meets_again
@@ -101,6 +102,13 @@ class Facts:
     def broad_lights(self) -> tuple[Light, ...]:
         """Those of them that rays can meet."""
         return tuple(light for light, delta in self._lights if not delta)
+
+    @cached_property
+    def shining(self) -> tuple[Object, ...]:
+        """The objects with faces that emit light."""
+        mesh = self.scene.mesh
+        emits = [any(isinstance(x.closure, Emission) for x in adding_lobes(m)) for m in self.scene.materials]
+        return tuple(mesh.objects[k] for k in np.unique(mesh.object_index[np.take(emits, mesh.material_index)]))
 
     def named(self, kind: type | tuple[type, ...]) -> list[str]:
         """Names of the materials with a closure of that kind."""

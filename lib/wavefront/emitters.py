@@ -51,6 +51,8 @@ class Emitters:
             near = light.candidates(origin, paths.direction)
             if paths.ray_class is not None:
                 near = near[kernel.sight.sees[paths.ray_class[near], k]]
+            if paths.receiver is not None:
+                near = near[kernel.sight.lights[paths.receiver[near], k]]
             if near.size == 0:
                 continue
             start, direction, reach = np.take(origin, near, axis=1), np.take(paths.direction, near, axis=1), end[near]
@@ -94,6 +96,8 @@ class Emitters:
         """Emissive faces: `points` are the hits from `start` to `stop` of `paths`, all of one material."""
         kernel = self._kernel
         arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
+        if paths.receiver is not None:
+            arriving *= kernel.sight.faces_lit(paths, points.triangle, start, stop)
         pdf = paths.pdf[start:stop]
         if kernel.emissive and not np.all(np.isinf(pdf)):
             reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]
