@@ -18,7 +18,7 @@ from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
 from .camera import read_camera
 from .lights import read_light
-from .links import LinkTable
+from .links import LinkTable, refuse_linked_faces
 from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
@@ -74,6 +74,7 @@ def export_scene(
         findings=(*find_missing_images(tuple(images.missing)), *find_set_aside(depsgraph, mesh)),
     )
     validate(result)
+    refuse_linked_faces(result)
     return result
 
 

@@ -132,6 +132,11 @@ class Facts:
         ]
 
     @cached_property
+    def smooth(self) -> list[str]:
+        """Names of the materials with a lobe that scatters into one or two directions."""
+        return [m.name for m in self.materials if any(scatters(x.closure) and is_smooth(x.closure) for x in m.lobes)]
+
+    @cached_property
     def scattering(self) -> list[str]:
         """Names of the materials that scatter."""
         return [m.name for m in self.materials if any(scatters(lobe.closure) for lobe in m.lobes)]

@@ -45,7 +45,7 @@ class Sight:
     switch. `receiver_of` (triangles,) is the set of linked objects to which each belongs, or None where all lights reach all objects;
     `lights` (sets + 1, lights) and `faces_light` (sets + 1, objects) bool say what is lit by which light, and by which object's faces. Their
     last row is for camera rays, whose set is -1. `shadow_of` (lights,) numbers the `shadow_casters`, or is None where all lights have the
-    same.
+    same; `hidden_apart` (lights,) bool: which lights have linked blockers.
     """
 
     def __init__(
@@ -90,6 +90,7 @@ class Sight:
         """Give each light the caster of what hides it; scattered rays would meet other faces."""
         linked = np.array([light.links.blockers != EVERY_SET for light in switches], bool)
         self.alone |= linked
+        self.hidden_apart = linked
         of_lights = [casters.for_blockers(light.links.blockers) for light in switches]
         self.shadow_casters: list[Raycaster | PartCaster] = list(dict.fromkeys(of_lights))
         self.shadow_of = np.array([self.shadow_casters.index(one) for one in of_lights], np.intp)

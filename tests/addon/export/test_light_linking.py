@@ -7,7 +7,8 @@ import pytest
 from etalon.lib.errors import Refused
 from etalon.lib.scene.links import EVERY_SET, Links
 from etalon.tests.addon.export.test_ray_visibility import stage
-from etalon.tests.addon.export.test_visibility import apart
+from etalon.tests.addon.export.test_visibility import apart, shader
+from mathutils import Matrix
 
 
 def collect(name, included=(), excluded=(), children=()):
@@ -39,7 +40,16 @@ def blockers(thing, make):
     return lambda: setattr(bpy.data.objects[thing].light_linking, "blocker_collection", make())
 
 
+def through_a_card():
+    """A mirror that shows the lamp behind an upright card, which does not hide it."""
+    bpy.data.materials["wall"].node_tree.nodes["Glossy BSDF"].inputs["Roughness"].default_value = 0.0
+    bpy.data.lights["lamp"].shadow_soft_size = 0.4
+    bpy.data.objects["card"].matrix_world = Matrix.Translation((-1.5, 1.2, 2.5)) @ Matrix.Rotation(np.pi / 2, 4, "X")
+    blockers("lamp", lambda: collect("some", (), ("card",)))()
+
+
 CASES = {
+    "a lamp that the card does not hide from a mirror": through_a_card,
     "a lamp for the floor": receivers("lamp", lambda: collect("some", ("floor",))),
     "a lamp for all but the floor": receivers("lamp", lambda: collect("some", (), ("floor",))),
     "a lamp for the floor and not the card": receivers("lamp", lambda: collect("some", ("floor", "wall"), ("card",))),
@@ -73,6 +83,7 @@ def test_links_are_read(studio):
     lamp, panel = bpy.data.objects["lamp"], bpy.data.objects["panel"]
     lamp.light_linking.receiver_collection = collect("lit", ("floor", "wall"), ("card",))
     lamp.light_linking.blocker_collection = collect("empty")
+    bpy.data.objects["pane"].data.materials[0] = bpy.data.materials["grey"]
     panel.light_linking.blocker_collection = collect("hiding", (), ("card", "pane"))
     read = studio.export()
     things = {thing.name: thing for thing in read.mesh.objects}
@@ -98,6 +109,15 @@ def test_an_instance_is_lit_as_its_instancer_is(studio):
     (light,) = read.lights
     lit = [light.links.receivers >> one.receiver & 1 for one in read.mesh.objects if one.name == "thing"]
     assert sorted(lit) == [0, 1]
+
+
+def test_glowing_faces_that_a_mirror_may_show_behind_what_does_not_hide_them_are_refused(studio):
+    _, panel, _, _ = stage(studio)
+    panel.light_linking.blocker_collection = collect("some", (), ("card",))
+    with pytest.raises(Refused, match="object 'panel': shadow linking of its faces beside the smooth material 'pane'"):
+        studio.export()
+    bpy.data.objects["pane"].data.materials[0] = shader("rough", "BsdfGlass", Roughness=0.5)
+    studio.export()
 
 
 def test_more_sets_than_blender_tells_apart_are_refused(studio):

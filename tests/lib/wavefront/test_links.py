@@ -106,6 +106,20 @@ def test_a_screen_that_blocks_other_lamps_only(direct, seed):
         assert not replicates(hidden, 2, 64, direct=direct, seed=seed).any()
 
 
+def test_a_mirror_shows_a_lamp_through_what_does_not_block_it(seed):
+    """Whole behind a screen that does not block it, not at all where the screen alone does; half of it through a clear pane that blocks."""
+    down = orthographic(1, 1, 0.01, (0.3, 0.2, 0.4))
+    pane = quad((-2.0, -2.0, 0.5), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0), 2)
+    coats = [material(Glossy("GGX")), diffuse(0.0), material(Transparent(color(0.5)))]
+    for blockers, screen, clear in ((FIRST, 3.0, 1.5), (SECOND, 0.0, 0.0), (0, 3.0, 3.0)):
+        lamp = replace(AREA, links=Links(blockers=blockers))
+        for more, shown in (([], screen), ([pane], clear)):
+            mirror = linked(
+                scene([floor(3.0), SCREEN, *more], coats, down, [lamp]), {}, {"blocker": 1}, *[{}] * len(more)
+            )
+            np.testing.assert_allclose(replicates(mirror, 2, 16, seed=seed), shown, rtol=1e-9)
+
+
 def test_faces_shine_through_what_does_not_block_them(seed):
     """As if the screen, which is black, were not there."""
     coats = [diffuse(0.5), emission(3.0), diffuse(0.0)]
