@@ -24,7 +24,7 @@ from .paths import Paths
 from .raycaster import Hits
 from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
-from .visibility import coplanar_transmittance, transmittance_to
+from .visibility import coplanar_transmittance, transmittance, transmittance_to
 
 
 class Tracer:
@@ -265,10 +265,12 @@ class Tracer:
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
-        number = np.broadcast_to(light.number, paths.pixel.shape)[index]
-        through, unknown = transmittance_to(
-            self._kernel, self._flow.transparent, number, origin, direction, sample.distance[index]
-        )
+        rays = origin, direction, sample.distance[index]
+        if self._kernel.sight.shadow_of is None:
+            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays)
+        else:
+            number = np.broadcast_to(light.number, paths.pixel.shape)[index]
+            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays)
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
         if self._kernel.coplanar is not None:

@@ -64,8 +64,6 @@ def transmittance_to(
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `transmittance`, towards the lights `number` (n,), each of which is hidden by the objects linked to its shadows."""
     sight = kernel.sight
-    if sight.shadow_of is None:
-        return transmittance(kernel, transparent, origin, direction, reach)
     through, unknown = np.zeros((3 if transparent else 1, reach.size)), []
     group = np.take(sight.shadow_of, number)
     for k in np.unique(group):
