@@ -26,6 +26,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
+from etalon.lib.scene.links import Links
 from etalon.lib.scene.materials import (
     Diffuse,
     Emission,
@@ -103,6 +104,14 @@ def hiding(the_scene, without):
     )
 
 
+def linked(the_scene, **facts):
+    """The scene with those facts of its second object, which is alone in its sets."""
+    first, second = the_scene.mesh.objects
+    second = replace(second, receiver=1, blocker=1, **facts)
+    return replace(the_scene, mesh=replace(the_scene.mesh, objects=(first, second)))
+
+
+ONE_LIT, UNHIDDEN = replace(AREA, links=Links(receivers=1)), replace(AREA, links=Links(blockers=1))
 HIDING = hiding(CROWDED, rays.CAMERA)
 SHADOWLESS = replace(AREA, casts_shadow=False)
 NEAR_ONLY = replace(AREA, max_bounces=0)
@@ -305,6 +314,17 @@ CASES = {
     "light bounces": (
         [replace(CROWDED, lights=(NEAR_ONLY, POINT), transport=Transport(2))],
         [PLAIN, replace(CROWDED, lights=(NEAR_ONLY,)), replace(CROWDED, lights=(AREA,), transport=Transport(2))],
+    ),
+    "linked lights": (
+        [
+            linked(replace(CROWDED, lights=(ONE_LIT, POINT))),
+            linked(CROWDED_LAMP, links=Links(receivers=2)),
+        ],
+        [PLAIN, replace(CROWDED, lights=(UNHIDDEN,)), linked(CROWDED, links=Links(receivers=1))],
+    ),
+    "linked shadows": (
+        [linked(replace(CROWDED, lights=(UNHIDDEN, POINT))), linked(CROWDED_LAMP, links=Links(blockers=1))],
+        [PLAIN, replace(CROWDED, lights=(ONE_LIT,)), linked(CROWDED, links=Links(blockers=1))],
     ),
     "scattered rays": (
         [

@@ -184,6 +184,8 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "shadows apart": _as_it_is,
     "lights without shadows": _as_it_is,
     "light bounces": _as_it_is,
+    "linked lights": _as_it_is,
+    "linked shadows": _as_it_is,
     "scattered rays": _as_it_is,
     "last rays": _as_it_is,
     "last hits": _as_it_is,

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...lib.errors import Refusal
 from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
+from ...lib.scene.links import Links
 from ...lib.scene.matrices import is_sheared
 from ...lib.scene.rays import SEEN
 from ...lib.textures.fold import fold, is_constant
@@ -20,8 +21,13 @@ from .nodes.values import VALUES
 from .refusals import is_portal, refuse_light
 
 
-def read_light(light: bpy.types.Object, matrix: np.ndarray, rays: int, refusals: list[Refusal]) -> Light | None:
-    """The light object `light` with the (3, 4) `matrix`, seen by the `rays` of that mask; None where it gives no light or is refused."""
+def read_light(
+    light: bpy.types.Object, matrix: np.ndarray, rays: int, links: Links, refusals: list[Refusal]
+) -> Light | None:
+    """The light object `light` with the (3, 4) `matrix`, seen by the `rays` of that mask, with its `links`.
+
+    None where it gives no light or is refused.
+    """
     data = light.data
     if is_portal(data):
         return None
@@ -43,7 +49,7 @@ def read_light(light: bpy.types.Object, matrix: np.ndarray, rays: int, refusals:
     if read is None:
         return None
     switches = {"casts_shadow": data.use_shadow, "max_bounces": data.cycles.max_bounces}
-    return replace(read, rays=rays & SEEN, **switches)
+    return replace(read, rays=rays & SEEN, links=links, **switches)
 
 
 def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.ndarray:

@@ -113,7 +113,6 @@ def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
     cycles = data.cycles
     switches = {
         "shadow caustics": cycles.is_caustics_light,
-        "light linking": _is_linked(light),
     }
     owner = f"light '{light.name}'"
     refuse_undeclared(owner, "object", light, refusals)
@@ -137,8 +136,6 @@ def _object_flags(
         yield "a holdout", "switch it off"
     if any(one.is_shadow_catcher for one in both):
         yield "a shadow catcher", "switch it off"
-    if _is_linked(thing):
-        yield "light linking", "remove the linked collections"
     if _is_adaptive(thing, depsgraph.scene_eval):
         yield "adaptive subdivision", "switch it off"
 
@@ -181,8 +178,3 @@ def _has_strands(thing: bpy.types.Object) -> bool:
         if modifier.type == "PARTICLE_SYSTEM" and modifier.show_render
     ]
     return any(one.type == "HAIR" and one.render_type == "PATH" for one in settings)
-
-
-def _is_linked(thing: bpy.types.Object) -> bool:
-    linking = thing.light_linking
-    return linking.receiver_collection is not None or linking.blocker_collection is not None

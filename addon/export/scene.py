@@ -18,6 +18,7 @@ from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
 from .camera import read_camera
 from .lights import read_light
+from .links import LinkTable, refuse_linked_faces
 from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
@@ -53,11 +54,12 @@ def export_scene(
     view = read_camera(camera, scene.render, refusals)
     world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
     materials = MaterialTable(layer.material_override, images, refusals, partial)
-    lights = _read_things(depsgraph, materials, refusals)
+    links = LinkTable(depsgraph, refusals)
+    lights = _read_things(depsgraph, materials, links, refusals)
     _check_attributes(depsgraph, materials)
     if refusals:
         raise Refused(list(dict.fromkeys(refusals)))
-    mesh = _read_meshes(depsgraph, materials)
+    mesh = _read_meshes(depsgraph, materials, links)
     if mesh.triangle_count == 0:
         raise EtalonError(f"{scene.name}: the scene has no faces to render; add an object with a surface")
     _check_tiles(mesh, materials)
@@ -76,6 +78,7 @@ def export_scene(
         findings=(*find_missing_images(tuple(images.missing)), *find_set_aside(depsgraph, mesh)),
     )
     validate(result)
+    refuse_linked_faces(result)
     return result
 
 
@@ -127,7 +130,7 @@ class MaterialTable:
 
 
 def _read_things(
-    depsgraph: bpy.types.Depsgraph, materials: MaterialTable, refusals: list[Refusal]
+    depsgraph: bpy.types.Depsgraph, materials: MaterialTable, links: LinkTable, refusals: list[Refusal]
 ) -> tuple[Light, ...]:
     """The lights; on the way, every object's refusals and materials."""
     lights: list[Light] = []
@@ -136,7 +139,7 @@ def _read_things(
         thing = instance.object
         if instance.show_self and thing.type == "LIGHT":
             rays = read_rays(instance, depsgraph.view_layer_eval)
-            light = read_light(thing, affine(instance.matrix_world), rays, refusals)
+            light = read_light(thing, affine(instance.matrix_world), rays, links.links_of(thing), refusals)
             if light is not None:
                 lights.append(light)
             continue
@@ -175,7 +178,7 @@ def _check_tiles(mesh: Mesh, materials: MaterialTable) -> None:
         materials.refuse_attribute(index, Refusal(f"material '{materials.materials[index].name}'", what, remedy))
 
 
-def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Mesh:
+def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable, links: LinkTable) -> Mesh:
     """Every instance of every mesh; each mesh is read once, with what the materials ask of it."""
     needed = requirements(materials.materials)
     placements = Placements()
@@ -190,11 +193,11 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> Me
         if key not in read:
             read[key] = read_mesh(faces_of(thing), thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
-            placements.add(_object(instance, depsgraph.view_layer_eval), read[key], materials.of_slots(thing))
+            placements.add(_object(instance, depsgraph.view_layer_eval, links), read[key], materials.of_slots(thing))
     return placements.join(needed.uv_maps, needed.generated, needed.attributes)
 
 
-def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> Object:
+def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer, links: LinkTable) -> Object:
     """What materials can ask of an object; an instance has its instancer's colour, and an index of its own."""
     thing = instance.object
     if instance.is_instance:
@@ -208,6 +211,8 @@ def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLa
         thing.pass_index,
         float(unit(random)[0]),
         read_rays(instance, layer),
+        *links.sets_of(instance),
+        links.links_of(thing),
     )
 
 

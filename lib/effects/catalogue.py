@@ -95,6 +95,8 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.SHADOWS_APART, Stage.SHADOW_RAYS, masks.shadows_apart),
     Entry(Effect.LIGHTS_WITHOUT_SHADOWS, Stage.SHADOW_RAYS, masks.lights_without_shadows),
     Entry(Effect.LIGHT_BOUNCES, Stage.LIGHTS, masks.light_bounces),
+    Entry(Effect.LINKED_LIGHTS, Stage.LIGHTS, masks.linked_lights),
+    Entry(Effect.LINKED_SHADOWS, Stage.SHADOW_RAYS, masks.linked_shadows),
     Entry(Effect.SCATTERED_RAYS, Stage.ADVANCE, transport.scattered_rays),
     Entry(Effect.LAST_RAYS, Stage.INTERSECT, transport.last_rays),
     Entry(Effect.LAST_HITS, Stage.INTERSECT, transport.last_hits),

@@ -22,6 +22,7 @@ from ..scene.materials import (
     Transparent,
     WeightedClosure,
 )
+from ..scene.mesh import Object
 from ..scene.scene import Scene
 from ..textures.fold import fold_scene
 from .geometry import Answer, meets_again
@@ -102,6 +103,13 @@ class Facts:
         """Those of them that rays can meet."""
         return tuple(light for light, delta in self._lights if not delta)
 
+    @cached_property
+    def shining(self) -> tuple[Object, ...]:
+        """The objects with faces that emit light."""
+        mesh = self.scene.mesh
+        emits = [any(isinstance(x.closure, Emission) for x in adding_lobes(m)) for m in self.scene.materials]
+        return tuple(mesh.objects[k] for k in np.unique(mesh.object_index[np.take(emits, mesh.material_index)]))
+
     def named(self, kind: type | tuple[type, ...]) -> list[str]:
         """Names of the materials with a closure of that kind."""
         return [m.name for m in self.materials if any(isinstance(lobe.closure, kind) for lobe in m.lobes)]
@@ -122,6 +130,11 @@ class Facts:
         return [
             m.name for m in self.materials if any(scatters(x.closure) and not is_smooth(x.closure) for x in m.lobes)
         ]
+
+    @cached_property
+    def smooth(self) -> list[str]:
+        """Names of the materials with a lobe that scatters into one or two directions."""
+        return [m.name for m in self.materials if any(scatters(x.closure) and is_smooth(x.closure) for x in m.lobes)]
 
     @cached_property
     def scattering(self) -> list[str]:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Questions about who sees whom: masks of rays, lights without shadows, lights that shine only so many bounces far."""
+"""Questions about who sees whom: masks of rays, linked lights, lights without shadows or with few bounces."""
 
 from __future__ import annotations
 
 from ..scene.expressions import Expression, RayFlag
+from ..scene.links import EVERY_SET
 from ..scene.materials import Material, Transparent, WeightedClosure
 from ..scene.rays import EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
 from ..scene.world import World
@@ -75,3 +76,15 @@ def light_bounces(facts: Facts) -> Answer:
     bounces = facts.scene.transport.max_bounces
     lights = [light.name for light in facts.lights if light.max_bounces < bounces]
     return named(lights, "fewer bounces than paths have reaches light", "all lights reach as far as paths")
+
+
+def linked_lights(facts: Facts) -> Answer:
+    """Whether an emitter lights some objects only."""
+    linked = [one.name for one in (*facts.lights, *facts.shining) if one.links.receivers != EVERY_SET]
+    return named(linked, "some objects are not lit by", "every light reaches every object")
+
+
+def linked_shadows(facts: Facts) -> Answer:
+    """Whether some objects do not hide an emitter."""
+    linked = [one.name for one in (*facts.lights, *facts.shining) if one.links.blockers != EVERY_SET]
+    return named(linked, "some objects do not hide", "every object hides every light")

@@ -62,6 +62,8 @@ class Effect(StrEnum):
     SHADOWS_APART = "shadows apart"
     LIGHTS_WITHOUT_SHADOWS = "lights without shadows"
     LIGHT_BOUNCES = "light bounces"
+    LINKED_LIGHTS = "linked lights"
+    LINKED_SHADOWS = "linked shadows"
     SCATTERED_RAYS = "scattered rays"
     LAST_RAYS = "last rays"
     LAST_HITS = "last hits"

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..scene.expressions import EnvironmentTexture
 from ..scene.materials import Emission
-from ..scene.rays import STEADY_FLAGS
+from ..scene.rays import SCATTERED, STEADY_FLAGS
 from ..scene.sky import Sky
 from ..textures.fold import walk
 from .facts import Facts
@@ -96,7 +96,13 @@ def _only_smooth(facts: Facts) -> str:
 
 def _sampled(facts: Facts) -> int:
     """How many lights light sampling can choose from."""
-    return len(facts.lights) + environment_table(facts)[0] + mesh_lights(facts)[0]
+    return len(facts.lights) + environment_table(facts)[0] + _mesh_samplers(facts)
+
+
+def _mesh_samplers(facts: Facts) -> int:
+    """How many samplers emissive faces have: one for those that the same rays see and that are linked alike."""
+    kinds = {(thing.rays, thing.links) for thing in facts.shining if thing.rays & SCATTERED}
+    return len(kinds) if mesh_lights(facts)[0] else 0
 
 
 def light_sampling(facts: Facts) -> Answer:

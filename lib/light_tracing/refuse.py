@@ -44,6 +44,8 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
         Effect.RAY_KINDS: "ray visibility by light tracing",
         Effect.SHADOWS_APART: "shadow visibility by light tracing",
         Effect.LIGHTS_WITHOUT_SHADOWS: "lights without shadows by light tracing",
+        Effect.LINKED_LIGHTS: "light linking by light tracing",
+        Effect.LINKED_SHADOWS: "shadow linking by light tracing",
         Effect.LIGHT_BOUNCES: "limits of a light's bounces by light tracing",
     }
     return [what for effect, what in names.items() if kernel.plan.needs(effect)]

@@ -15,7 +15,21 @@ import numpy as np
 
 from ..errors import EtalonError
 from ..files.atomic import replace_file
-from . import camera, converters, expressions, findings, images, lights, materials, mesh, procedural, scene, sky, world
+from . import (
+    camera,
+    converters,
+    expressions,
+    findings,
+    images,
+    lights,
+    links,
+    materials,
+    mesh,
+    procedural,
+    scene,
+    sky,
+    world,
+)
 from .checks import validate
 from .scene import Scene
 
@@ -30,6 +44,7 @@ _CLASSES = {
         findings,
         images,
         lights,
+        links,
         materials,
         mesh,
         procedural,

@@ -70,6 +70,9 @@ def _check_mesh(mesh: Mesh, materials: int) -> None:
     for thing in mesh.objects:
         _check_array(f"object '{thing.name}'", "its transform", thing.world_from_object, (3, 4), "f")
         _check_rays(f"object '{thing.name}'", thing.rays)
+        _demand(
+            min(thing.receiver, thing.blocker) >= 0, f"object '{thing.name}'", "its set of linked objects is negative"
+        )
     _check_array("mesh", "object_index", mesh.object_index, (t,), "i")
     _check_range("mesh", "object_index", mesh.object_index, len(mesh.objects))
     _check_array("mesh", "triangles", mesh.triangles, (3, t), "i")

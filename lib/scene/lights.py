@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .links import UNLINKED, Links
 from .rays import SCATTERED
 
 Vector = tuple[float, float, float]
@@ -19,12 +20,14 @@ class Switches:
     """What every light can be told.
 
     `rays` is the mask of the rays that see it (rays.py); point lights are seen by none, and light those that would. Faces hide it only
-    where it `casts_shadow`. It lights points at which a path has scattered at most `max_bounces` times before.
+    where it `casts_shadow`. It lights points at which a path has scattered at most `max_bounces` times before. `links` are the objects
+    that it lights, and those that hide it (links.py).
     """
 
     rays: int = SCATTERED
     casts_shadow: bool = True
     max_bounces: int = 1024
+    links: Links = UNLINKED
 
 
 @dataclass(frozen=True)

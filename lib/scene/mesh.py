@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .links import UNLINKED, Links
 from .overlaps import Overlaps, find_overlaps
 from .rays import EVERY
 
@@ -25,7 +26,8 @@ class Object:
     """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map.
 
     `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. `rays` is the mask of the rays
-    that meet it (rays.py); others pass through it as if it were not there.
+    that meet it (rays.py); others pass through it as if it were not there. `receiver` and `blocker` number the sets of objects to which it
+    belongs where lights are linked to what they light and to what hides them, `links` says so of the light that it emits (links.py).
     """
 
     name: str
@@ -34,6 +36,9 @@ class Object:
     index: int = 0
     random: float = 0.0
     rays: int = EVERY
+    receiver: int = 0
+    blocker: int = 0
+    links: Links = UNLINKED
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ..effects.facts import Facts
-from ..effects.masks import light_bounces, lights_without_shadows, shadows_apart
+from ..effects.masks import light_bounces, lights_without_shadows, linked_shadows, shadows_apart
 from ..effects.transport import multiple_importance_sampling
 from ..scene.findings import Finding
 from ..scene.scene import Scene
@@ -13,7 +13,7 @@ from ..scene.scene import Scene
 def find_shadows_apart(scene: Scene) -> Finding | None:
     """Lights with a size, where light samples and the rays that lobes choose do not find the same light."""
     facts = Facts(scene)
-    answers = [question(facts) for question in (shadows_apart, lights_without_shadows, light_bounces)]
+    answers = [question(facts) for question in (shadows_apart, lights_without_shadows, linked_shadows, light_bounces)]
     causes = [fact for needed, fact in answers if needed]
     if not causes or not multiple_importance_sampling(facts)[0]:
         return None

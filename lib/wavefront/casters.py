@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..scene.links import has_set
 from ..scene.mesh import Mesh
-from ..scene.rays import has_bits
+from ..scene.rays import SHADOW, has_bits
 from .raycaster import Hits, Raycaster
 
 
@@ -44,7 +45,14 @@ class Casters:
 
     def for_bits(self, bits: int) -> Raycaster | PartCaster:
         """The caster for rays that meet the objects whose masks have all of `bits`."""
-        met = tuple(has_bits(thing.rays, bits) for thing in self._mesh.objects)
+        return self._for_objects(tuple(has_bits(thing.rays, bits) for thing in self._mesh.objects))
+
+    def for_blockers(self, sets: int) -> Raycaster | PartCaster:
+        """The caster for shadow rays of a light that only objects of these `sets` hide (links.py)."""
+        things = self._mesh.objects
+        return self._for_objects(tuple(has_bits(one.rays, SHADOW) and has_set(sets, one.blocker) for one in things))
+
+    def _for_objects(self, met: tuple[bool, ...]) -> Raycaster | PartCaster:
         if all(met):
             return self.whole
         if met not in self._parts:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..effects.names import Effect
 from ..film.light_passes import LightPass
+from ..lights.light import LightSampler
 from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
@@ -16,6 +17,7 @@ from .pass_sums import Index
 from .paths import Paths
 from .raycaster import Hits
 from .sums import PixelSums
+from .visibility import transmittance
 
 
 class Emitters:
@@ -51,6 +53,10 @@ class Emitters:
             near = light.candidates(origin, paths.direction)
             if paths.ray_class is not None:
                 near = near[kernel.sight.sees[paths.ray_class[near], k]]
+            if paths.receiver is not None:
+                near = near[kernel.sight.lights[paths.receiver[near], k]]
+            if kernel.sight.shadow_of is not None and kernel.sight.hidden_apart[k]:
+                near = self._mirrored(paths, light, k, near)
             if near.size == 0:
                 continue
             start, direction, reach = np.take(origin, near, axis=1), np.take(paths.direction, near, axis=1), end[near]
@@ -69,6 +75,25 @@ class Emitters:
             arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
             arriving *= self._weight(paths.pdf[index], k, density)
             self._add(paths, index, arriving, LightPass.EMISSION)
+
+    def _mirrored(self, paths: Paths, light: LightSampler, k: int, near: np.ndarray) -> np.ndarray:
+        """Add what rays of Dirac lobes see of light `k`, hidden by its blockers only; of the rays at `near`, those from the camera."""
+        kernel, transparent = self._kernel, paths.scatter_origin is not None
+        scattered = np.broadcast_to(np.greater(paths.scatterings, 0), paths.pixel.shape)[near]
+        sent = near[scattered & np.isinf(paths.pdf[near])]
+        if transparent:  # a ray that passed a face has been asked before
+            sent = sent[paths.travelled[sent] == 0.0]
+        origin, direction = np.take(paths.origin, sent, axis=1), np.take(paths.direction, sent, axis=1)
+        distance, radiance = light.intersect(origin, direction)
+        met = np.flatnonzero(radiance.any(axis=0))
+        caster = kernel.sight.shadow_casters[kernel.sight.shadow_of[k]]
+        rays = np.take(origin, met, axis=1), np.take(direction, met, axis=1), distance[met]
+        through, unknown = transmittance(kernel, transparent, *rays, caster=caster)
+        index = sent[met]
+        self._sums.add_unknown(paths.pixel[index[unknown]])
+        arriving = np.take(radiance, met, axis=1) * np.take(paths.throughput, index, axis=1) * through
+        self._add(paths, index, arriving, LightPass.EMISSION)
+        return near[~scattered]
 
     def sky(self, paths: Paths, escaped: np.ndarray) -> None:
         """The world, for the rays at `escaped` that left the scene."""
@@ -94,6 +119,8 @@ class Emitters:
         """Emissive faces: `points` are the hits from `start` to `stop` of `paths`, all of one material."""
         kernel = self._kernel
         arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
+        if paths.receiver is not None:
+            arriving *= kernel.sight.faces_lit(paths, points.triangle, start, stop)
         pdf = paths.pdf[start:stop]
         if kernel.emissive and not np.all(np.isinf(pdf)):
             reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]

@@ -43,9 +43,10 @@ class Kernel:
 
     `scene` is as it stands after the departures, folded where the plan prunes. `lights` are the samplers of light objects, then the
     environment's, then the emissive mesh's, as far as the plan calls for them; `selection` picks among them. `sky` is the constant
-    world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for each mask of rays. `one_sided`: all light leaves a
-    face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which. `coplanar` has the faces that
-    overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of others; both belong to departures.
+    world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for those of the same switches.
+    `one_sided`: all light leaves a face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which.
+    `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
+    others; both belong to departures.
     A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
     """
@@ -80,7 +81,7 @@ class Kernel:
         self.selection = LightSelection(self.lights) if self.lights else None
         switches = [(light, False) for light, _ in objects]
         switches += [(Switches(rays=scene.world.rays), False)] * (self.environment is not None)
-        switches += [(Switches(rays=rays), True) for rays, _ in meshes]
+        switches += [(one, True) for one, _ in meshes]
         delta = np.array([light.delta for light in self.lights], bool)
         self.sight = Sight(scene, plan, self._casters, switches, delta)
         lit_from_below = LIGHT_BELOW in options.departures
@@ -95,14 +96,19 @@ class Kernel:
         pairs = [(light, light_sampler(light, self.caster.radius)) for light in self.scene.lights]
         return [pair for pair in pairs if pair[1].power > 0.0 or not self.plan.prunes]
 
-    def _emissive_meshes(self) -> list[tuple[int, EmissiveMesh]]:
-        """Samplers of the emissive faces, one for each mask of rays; faces that no scattered ray meets are in none."""
+    def _emissive_meshes(self) -> list[tuple[Switches, EmissiveMesh]]:
+        """Samplers of the emissive faces, one for those of the same switches; faces that no scattered ray meets are in none."""
         mesh = self.scene.mesh
         emits = np.array([m.emits for m in self.materials])[mesh.material_index]
-        rays = np.array([thing.rays for thing in mesh.objects] or [0])[mesh.object_index]
-        masks = [int(mask) for mask in np.unique(rays[emits]) if mask & SCATTERED]
-        parts = [(mask, np.flatnonzero(emits & (rays == mask))) for mask in masks]
-        return [(mask, EmissiveMesh(self.tables, self.materials, self.caster.planes, part)) for mask, part in parts]
+        of_objects = [Switches(rays=thing.rays, links=thing.links) for thing in mesh.objects]
+        kinds = sorted(set(of_objects), key=lambda one: (one.rays, one.links.receivers, one.links.blockers))
+        kind = np.array([kinds.index(one) for one in of_objects] or [0])[mesh.object_index]
+        parts = [(kinds[k], np.flatnonzero(emits & (kind == k))) for k in np.unique(kind[emits])]
+        return [
+            (switches, EmissiveMesh(self.tables, self.materials, self.caster.planes, part))
+            for switches, part in parts
+            if switches.rays & SCATTERED
+        ]
 
     def _environment(self) -> EnvironmentSampler | SunnySampler:
         """The sampler of a world that depends on the direction, its suns apart."""

@@ -17,6 +17,7 @@ from ..effects.masks import reads_flags, shades_transparently
 from ..effects.names import Effect
 from ..effects.plan import Plan
 from ..scene.lights import Switches
+from ..scene.links import EVERY_SET, has_set
 from ..scene.rays import (
     CAMERA,
     FLAGS,
@@ -29,9 +30,9 @@ from ..scene.rays import (
     tells_shadows_apart,
 )
 from ..scene.scene import Scene
-from .casters import Casters
+from .casters import Casters, PartCaster
 from .paths import Paths
-from .raycaster import Hits
+from .raycaster import Hits, Raycaster
 
 
 class Sight:
@@ -41,7 +42,10 @@ class Sight:
     scattered rays see everything. `sees` (classes, lights) bool: which lights each class sees; `sees_world` (classes,) bool.
     `shows` (lights,) bool: which lights camera rays see. `alone` (lights,) bool: which ones light sampling alone finds. `reads_flags`:
     shaders ask of what kind rays are. `casts_shadow` (lights,) bool and `max_bounces` (lights,) int are None where no light has such a
-    switch.
+    switch. `receiver_of` (triangles,) is the set of linked objects to which each belongs, or None where all lights reach all objects;
+    `lights` (sets + 1, lights) and `faces_light` (sets + 1, objects) bool say what is lit by which light, and by which object's faces. Their
+    last row is for camera rays, whose set is -1. `shadow_of` (lights,) numbers the `shadow_casters`, or is None where all lights have the
+    same; `hidden_apart` (lights,) bool: which lights have linked blockers.
     """
 
     def __init__(
@@ -53,7 +57,7 @@ class Sight:
         self.shadow = casters.for_bits(SHADOW) if hides else casters.whole
         switches = [light for light, _ in lights]
         self.shows = np.array([has_bits(light.rays, CAMERA) or faces for light, faces in lights], bool)
-        self.casts_shadow = self.max_bounces = self.class_of = None
+        self.casts_shadow = self.max_bounces = self.class_of = self.receiver_of = self.shadow_of = None
         self.alone = delta.copy()
         if plan.needs(Effect.SHADOWS_APART):
             apart = any(tells_shadows_apart(thing.rays) for thing in scene.mesh.objects)
@@ -64,10 +68,36 @@ class Sight:
         if plan.needs(Effect.LIGHT_BOUNCES):
             self.max_bounces = np.array([light.max_bounces for light in switches], np.intp)
             self.alone |= self.max_bounces < scene.transport.max_bounces
+        if plan.needs(Effect.LINKED_SHADOWS):
+            self._link_shadows(casters, switches)
+        if plan.needs(Effect.LINKED_LIGHTS):
+            self._link_lights(scene, switches)
         asked = told and plan.needs(Effect.RAY_FLAGS)
         self.reads_flags = asked and any(map(reads_flags, (scene.world, *scene.materials)))
         if told:
             self._tell_apart(scene, casters, lights)
+
+    def _link_lights(self, scene: Scene, switches: list[Switches]) -> None:
+        """Say which sets of objects each light and each object's faces light."""
+        mesh = scene.mesh
+        self.receiver_of = np.array([thing.receiver for thing in mesh.objects] or [0])[mesh.object_index]
+        self._object_index = mesh.object_index
+        sets = range(max((thing.receiver for thing in mesh.objects), default=0) + 1)
+        rows = [[[has_set(one.links.receivers, k) for one in each] for k in sets] for each in (switches, mesh.objects)]
+        self.lights, self.faces_light = (np.array([*row, [True] * len(row[0])], bool) for row in rows)
+
+    def _link_shadows(self, casters: Casters, switches: list[Switches]) -> None:
+        """Give each light the caster of what hides it; scattered rays would meet other faces."""
+        linked = np.array([light.links.blockers != EVERY_SET for light in switches], bool)
+        self.alone |= linked
+        self.hidden_apart = linked
+        of_lights = [casters.for_blockers(light.links.blockers) for light in switches]
+        self.shadow_casters: list[Raycaster | PartCaster] = list(dict.fromkeys(of_lights))
+        self.shadow_of = np.array([self.shadow_casters.index(one) for one in of_lights], np.intp)
+
+    def faces_lit(self, paths: Paths, triangle: np.ndarray, start: int, stop: int) -> np.ndarray:
+        """Whether the faces that the paths from `start` to `stop` meet light what these left, (n,) bool."""
+        return self.faces_light[paths.receiver[start:stop], np.take(self._object_index, triangle)]
 
     def _tell_apart(self, scene: Scene, casters: Casters, lights: Sequence[tuple[Switches, bool]]) -> None:
         """Sort the kinds of rays into classes that meet the same objects and see the same lights."""

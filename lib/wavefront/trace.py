@@ -24,7 +24,7 @@ from .paths import Paths
 from .raycaster import Hits
 from .shade import Shaded, shade_all
 from .sums import PixelSums, StageClock
-from .visibility import coplanar_transmittance, transmittance
+from .visibility import coplanar_transmittance, transmittance, transmittance_to
 
 
 class Tracer:
@@ -128,6 +128,8 @@ class Tracer:
             paths.ray_class = np.zeros(count, np.intp)
         if self._kernel.coplanar is not None:
             paths.left = np.full(count, -1, np.int32)
+        if self._kernel.sight.receiver_of is not None:
+            paths.receiver = np.full(count, -1, np.intp)
         if self._flow.disperses:
             paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
             paths.awaits_color = np.ones(count, bool)
@@ -213,6 +215,9 @@ class Tracer:
             if kernel.sight.max_bounces is not None:
                 scatterings = step if paths.scatterings is None else paths.scatterings
                 light = light.where(kernel.sight.max_bounces[light.number] >= scatterings)
+            if kernel.sight.receiver_of is not None:
+                receiver = np.take(kernel.sight.receiver_of, points.triangle)
+                light = light.where(kernel.sight.lights[receiver, light.number])
         self._clock.lap(Stage.LIGHTS)
         uniforms = (pick, *self._pair(step_dimension(step, BSDF), paths)) if goes_on else None
         passes = self._sums.passes
@@ -260,9 +265,12 @@ class Tracer:
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
-        through, unknown = transmittance(
-            self._kernel, self._flow.transparent, origin, direction, sample.distance[index]
-        )
+        rays = origin, direction, sample.distance[index]
+        if self._kernel.sight.shadow_of is None:
+            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays)
+        else:
+            number = np.broadcast_to(light.number, paths.pixel.shape)[index]
+            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays)
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
         if self._kernel.coplanar is not None:
@@ -313,6 +321,8 @@ class Tracer:
             following.ray_class = np.ones(index.size, np.intp) if one else np.take(shaded.ray_class, index)
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
+        if self._kernel.sight.receiver_of is not None:
+            following.receiver = np.take(self._kernel.sight.receiver_of, origins.points.triangle[index])
         if self._flow.transparent:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]

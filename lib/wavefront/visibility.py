@@ -7,7 +7,9 @@ import numpy as np
 
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
+from .casters import PartCaster
 from .kernel import Kernel
+from .raycaster import Raycaster
 
 
 def transmittance(
@@ -17,14 +19,16 @@ def transmittance(
     direction: np.ndarray,
     reach: np.ndarray,
     to_camera: bool = False,
+    caster: Raycaster | PartCaster | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What part of the light arrives over distance `reach`, (1, n) or (3, n), and which rays a material that is not known ends, (k,).
 
     Opaque scenes need one occlusion query. Where materials are `transparent` the ray goes on through them, at most
     `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the light, meet only what the
-    camera sees, and pass faces as the camera sees them.
+    camera sees, and pass faces as the camera sees them. `caster` meets what hides the light, where that is not what shadow rays meet.
     """
-    caster = kernel.sight.camera if to_camera else kernel.sight.shadow
+    if caster is None:
+        caster = kernel.sight.camera if to_camera else kernel.sight.shadow
     viewer = 1.0 if to_camera else -1.0
     unknown = np.empty(0, np.intp)
     if not transparent:
@@ -53,6 +57,22 @@ def transmittance(
             return through, unknown
     through[:, active] = 0.0
     return through, unknown
+
+
+def transmittance_to(
+    kernel: Kernel, transparent: bool, number: np.ndarray, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `transmittance`, towards the lights `number` (n,), each of which is hidden by the objects linked to its shadows."""
+    sight = kernel.sight
+    through, unknown = np.zeros((3 if transparent else 1, reach.size)), []
+    group = np.take(sight.shadow_of, number)
+    for k in np.unique(group):
+        index = np.flatnonzero(group == k)
+        rays = np.take(origin, index, axis=1), np.take(direction, index, axis=1), reach[index]
+        part, ended = transmittance(kernel, transparent, *rays, caster=sight.shadow_casters[k])
+        through[:, index] = part
+        unknown.append(index[ended])
+    return through, np.concatenate(unknown)
 
 
 def coplanar_transmittance(kernel: Kernel, points: SurfacePoints, direction: np.ndarray) -> np.ndarray:

@@ -224,7 +224,6 @@ REFUSED = {
     "shadow caustics": lambda lamp: setattr(lamp.data.cycles, "is_caustics_light", True),
     "a spread of 0": lambda lamp: setattr(lamp.data, "spread", 0.0),
     "negative power": lambda lamp: setattr(lamp.data, "energy", -1.0),
-    "light linking": lambda lamp: setattr(lamp.light_linking, "receiver_collection", bpy.data.collections.new("some")),
 }
 
 

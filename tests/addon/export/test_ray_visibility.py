@@ -193,10 +193,3 @@ def test_emission_by_the_kind_of_ray_is_refused(studio):
     flagged("Glossy", "Emission")(things)
     with pytest.raises(Refused, match="'Is Glossy Ray' of a Light Path node in its emission is not simulated"):
         studio.export()
-
-
-def test_linked_lights_are_refused_still(studio):
-    _, _, lamp, _ = stage(studio)
-    lamp.light_linking.receiver_collection = bpy.data.collections.new("some")
-    with pytest.raises(Refused, match="light 'lamp': light linking"):
-        studio.export()

@@ -191,10 +191,6 @@ def flag(**values):
     return make
 
 
-def linking(studio):
-    studio.quad("thing").light_linking.blocker_collection = bpy.data.collections.new("some")
-
-
 def adaptive(studio):
     thing = studio.quad("thing")
     modifier = thing.modifiers.new("levels", "SUBSURF")
@@ -226,7 +222,6 @@ OBJECTS = {
     "smoke": smoke,
     "a holdout": flag(is_holdout=True),
     "a shadow catcher": flag(is_shadow_catcher=True),
-    "light linking": linking,
     "adaptive subdivision": adaptive,
 }
 

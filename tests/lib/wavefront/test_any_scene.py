@@ -12,6 +12,7 @@ from etalon.lib.scene.checks import validate
 from etalon.lib.scene.expressions import Constant, Coordinates, EnvironmentTexture, ImageTexture
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
+from etalon.lib.scene.links import EVERY_SET, Links
 from etalon.lib.scene.materials import (
     Diffuse,
     Emission,
@@ -75,6 +76,8 @@ materials = st.lists(st.builds(WeightedClosure, closures, values), max_size=3).m
 )
 masks = st.one_of(st.sampled_from([EVERY, SCATTERED, EVERY & ~SHADOW]), st.integers(0, EVERY))
 
+links = st.builds(Links, *[st.sampled_from([EVERY_SET, 0, 1, 2])] * 2)
+
 
 @st.composite
 def meshes(draw, count):
@@ -98,7 +101,16 @@ def meshes(draw, count):
         object_index=np.zeros(t, np.int32),
         smooth=smooth,
         corner_normals=normals,
-        objects=(Object("thing", np.eye(4)[:3], rays=draw(masks)),),
+        objects=(
+            Object(
+                "thing",
+                np.eye(4)[:3],
+                rays=draw(masks),
+                receiver=draw(st.integers(0, 1)),
+                blocker=draw(st.integers(0, 1)),
+                links=draw(links),
+            ),
+        ),
         generated=places,
     )
     return mesh, scale, offset
@@ -110,7 +122,12 @@ def lights(draw, scale, offset):
     kind = draw(st.sampled_from(["point", "sphere", "spot", "sun", "area"]))
     strength = draw(bright)
     radius = scale * draw(st.sampled_from([1e-9, 0.1, 3.0]))
-    switches = {"rays": draw(masks), "casts_shadow": draw(st.booleans()), "max_bounces": draw(st.integers(0, 4))}
+    switches = {
+        "rays": draw(masks),
+        "casts_shadow": draw(st.booleans()),
+        "max_bounces": draw(st.integers(0, 4)),
+        "links": draw(links),
+    }
     if kind == "point":
         return PointLight("light", at, strength, **switches)
     if kind == "sphere":

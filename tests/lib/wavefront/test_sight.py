@@ -165,6 +165,18 @@ def test_faces_hidden_from_diffuse_rays_light_no_diffuse_lobe(seed):
     assert_same(*shown, 0.03)
 
 
+@DIRECT
+def test_two_panels_that_different_rays_see_light_the_floor_together(direct, seed):
+    """Where no other light shines, too, each is sampled."""
+    panels = [quad((x, -0.2, 1.5), (0.6, 0.0, 0.0), (0.0, 0.8, 0.0), 1) for x in (-0.3, 0.3)]
+
+    def render(rays):
+        one = scene([floor(3.0), *panels], [diffuse(0.5), emission(3.0)], CAMERA_AT)
+        return replicates(masked(one, EVERY, EVERY & ~CAMERA, rays), 12, 512, direct=direct, seed=seed)
+
+    assert_same(render(EVERY & ~(CAMERA | GLOSSY)), render(EVERY & ~CAMERA), 0.15 if direct == "bsdf" else 0.03)
+
+
 def test_a_lamp_that_lights_only_what_the_camera_sees(seed):
     """A limit of 0 bounces leaves direct light, whatever else paths do; a limit of 1 leaves one bounce more."""
     room = [floor(3.0), quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0))]
