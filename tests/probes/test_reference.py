@@ -76,5 +76,5 @@ def test_reference_without_departures_does_not():
         "Beckmann", "Beckmann density", "F82", "GGX table", "mean reflectance of a conductor", "glass", "glass table",
         "glass table, index below 1", "layer albedo", "layer albedo, index below 1", "Principled", "coat albedo", "coat tint",
         "normal maps", "anisotropic glass", "anisotropic glass table", "dispersion", "Ashikhmin-Shirley sampling at grazing",
-        "thin film", "thin film layer",
+        "thin film", "thin film layer", "Principled sheen",
     }  # fmt: skip

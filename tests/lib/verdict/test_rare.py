@@ -17,7 +17,7 @@ from etalon.lib.verdict.rare import (
 from etalon.tests.lib.verdict.simulated import HEAVY, decided_on_heavy_tails, decided_on_samples
 from scipy import stats
 
-RUNS = [8, pytest.param(125, marks=pytest.mark.slow)]
+RUNS = [8, pytest.param(80, marks=pytest.mark.slow)]
 FEW = [2, pytest.param(40, marks=pytest.mark.slow)]
 
 

@@ -12,7 +12,7 @@ from etalon.tests.lib.verdict.simulated import decided, fireflies, gaussian
 from scipy import stats
 
 TOLERANCE = 0.01
-RUNS = [20, pytest.param(400, marks=pytest.mark.slow)]
+RUNS = [20, pytest.param(200, marks=pytest.mark.slow)]
 
 
 def test_holms_procedure_step_by_step(rng):

@@ -124,10 +124,18 @@ PRODUCTS = [
 ]
 
 
+# Masking changes a lobe's value, not how light is found: the other two forms are tried with one way of finding it.
+MASKED = [
+    (masking, *product)
+    for masking in ("correlated", "separable", "torrance_sparrow")
+    for product in PRODUCTS
+    if masking == "correlated" or product[1] == "mis"
+]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("alpha", "direct", "strategy"), PRODUCTS)
-@pytest.mark.parametrize("masking", ["correlated", "separable", "torrance_sparrow"])
-def test_every_product_of_options(alpha, masking, direct, strategy, seed):
+@pytest.mark.parametrize(("masking", "alpha", "direct", "strategy"), MASKED)
+def test_every_product_of_options(masking, alpha, direct, strategy, seed):
     the_scene = stage(**LIGHTINGS["all"], alpha=alpha)
     first = image(the_scene, seed, 0, samples=128, masking=masking)
     second = image(the_scene, seed, 1, samples=256, count=20, masking=masking, direct=direct, strategy=strategy)
