@@ -61,9 +61,14 @@ CASES = {
     "a panel that the card does not hide": blockers("panel", lambda: collect("some", (), ("card",))),
 }
 
+# Of the default run: an included and an excluded object, a lamp and a panel, light and shadow.
+QUICK = ("a lamp for a part of a collection", "a panel for all but the floor", "a lamp that the card does not hide")
+
 
 @pytest.mark.compares_with_cycles
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=() if case in QUICK else pytest.mark.slow) for case in CASES]
+)
 def test_what_is_linked_is_lit_as_in_cycles(studio, case):
     """And the comparison notices a reference that knows nothing of it."""
     card, panel, lamp, _ = stage(studio)

@@ -160,6 +160,7 @@ def test_an_environment_left_out_of_the_view_layer_is_black(studio):
     assert not np.any(exported.world.radiance.value)
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_a_portal_gives_no_light_and_leaves_the_mean_of_the_world(studio):
     """The comparison notices a reference for which it is a light."""

@@ -41,8 +41,9 @@ from etalon.tests import scenes
 ANGLES = np.radians([64.0, 78.0, 87.1])
 # Most are done after 27; where the difference is not much more than the tolerance its share takes longer.
 REPLICATES = 62
-# Of the default run; the other pairs are slow ones.
+# Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
 PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
+LONG = (("rational Beckmann density",), ("rational Beckmann Lambda",))
 
 
 def furnace():
@@ -257,7 +258,7 @@ def cases():
         names = [d.name for d in relevant(make(), masking(make))]
         for size in (1, 2):
             for chosen in combinations(names, size):
-                default = size == 1 or make is not furnace or chosen in PAIRS
+                default = make is not furnace or chosen in PAIRS or (size == 1 and chosen not in LONG)
                 marks = () if default else pytest.mark.slow
                 yield pytest.param(make, chosen, id=f"{make.__name__}: {' + '.join(chosen)}", marks=marks)
 
