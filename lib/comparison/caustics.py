@@ -23,9 +23,8 @@ from ..verdict.rare import room_for_rare_light
 from ..wavefront.kernel import Kernel
 from .run import TimedRun
 
-# Rays from the lights: of the trial that tells what they cost, at least, at most, and where there is no limit on time; and what the
-# pass may take of the time.
-TRIAL, LEAST, MOST, UNLIMITED, SHARE = 1 << 15, 1 << 16, 1 << 21, 1 << 18, 0.05
+# Rays from the lights: at least, at most, and where there is no limit on time; and what the pass may take of the time.
+LEAST, MOST, UNLIMITED, SHARE = 1 << 16, 1 << 21, 1 << 18, 0.05
 # What a region receives is taken to be at most so many standard errors above the estimate, and what so many contributions more of the mean
 # size would add: a region that met none may still receive some (with 5.3 in the mean, none comes with a probability of 0.5 %).
 STANDARD_ERRORS, UNMET = 3.0, 5.3
@@ -65,12 +64,12 @@ def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
     if kernel.scene.camera.kind in PANORAMAS or masks_not_traced(kernel):
         return None
     silent = Progress(is_cancelled=lambda: run.progress.is_cancelled)
-    trial = scout_caustics(kernel, TRIAL, progress=silent)
-    paths = UNLIMITED
-    if run.budget is not None:
-        paths = int(np.clip(SHARE * run.budget / max(trial.seconds, 1e-6) * TRIAL, LEAST, MOST))
-    # Also where the trial met nothing: so few rays are no proof. Where no caustic is possible this costs nothing.
-    return scout_caustics(kernel, paths, progress=silent)
+    if run.budget is None:
+        return scout_caustics(kernel, UNLIMITED, progress=silent)
+    least = scout_caustics(kernel, LEAST, progress=silent)
+    paths = int(min(SHARE * run.budget / max(least.seconds, 1e-6) * LEAST, MOST))
+    # Also where the first pass met nothing: so few rays are no proof. Where no caustic is possible this costs nothing.
+    return least if paths < 2 * LEAST else scout_caustics(kernel, paths, progress=silent)
 
 
 def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:

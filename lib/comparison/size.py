@@ -36,15 +36,17 @@ def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: Ti
     if run.budget is None or pixels <= TINY or len(divisors) == 1:
         return 1
     small = min(divisors, key=lambda d: abs(math.log(pixels / d**2 / PROBED)))
-    fixed = per_sample = 0.0
-    for side, renderer in enumerate(renderers):
-        probe, timings = renderer.at_size(camera.width // small, camera.height // small), []
-        for k, samples in enumerate((FEW, FEW, MORE)):
-            _, spent = run.render(probe, FIRST_CALLS.number(3 * side + k), samples)
-            timings.append(spent)
-        # The first call sets things up.
-        cost = fit_cost([FEW, MORE], timings[1:])
-        fixed, per_sample = fixed + cost.fixed, per_sample + cost.per_sample * small**2
+    probes = [renderer.at_size(camera.width // small, camera.height // small) for renderer in renderers]
+
+    def seconds(samples: int, number: int) -> list[float]:
+        return [run.render(probe, FIRST_CALLS.number(3 * k + number), samples)[1] for k, probe in enumerate(probes)]
+
+    seconds(FEW, 0)  # sets things up
+    few = seconds(FEW, 1)
+    if pixels <= SMALL and FIRST_LOOK * sum(few) * small**2 <= FIRST_SHARE * run.budget:
+        return 1  # even if all of a call's time went by pixels
+    costs = [fit_cost([FEW, MORE], list(pair)) for pair in zip(few, seconds(MORE, 2), strict=True)]
+    fixed, per_sample = sum(cost.fixed for cost in costs), sum(cost.per_sample for cost in costs) * small**2
 
     def fits(divisor: int, replicates: int, share: float, least: int) -> bool:
         of_pixels = per_sample / divisor**2
