@@ -298,13 +298,18 @@ def test_compare_ends_with_a_verdict_and_a_folder(capfd, blend, monkeypatch):
 def test_the_first_ctrl_c_is_a_wish_and_the_second_an_order():
     import signal
 
-    with interruptible() as interrupted:
-        assert not interrupted()
-        signal.raise_signal(signal.SIGINT)
-        assert interrupted()
-        with pytest.raises(KeyboardInterrupt):
+    # A shell that starts the tests in the background has Ctrl-C ignored.
+    found = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with interruptible() as interrupted:
+            assert not interrupted()
             signal.raise_signal(signal.SIGINT)
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+            assert interrupted()
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, found)
 
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
