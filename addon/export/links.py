@@ -12,10 +12,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...lib.effects.facts import Facts
-from ...lib.errors import Refusal, Refused
+from ...lib.errors import Refusal
 from ...lib.scene.links import EVERY_SET, Links
-from ...lib.scene.scene import Scene
 
 _MOST = 63
 """Sets and collections that Blender can tell apart; beyond them it drops some without saying so in the file."""
@@ -89,14 +87,3 @@ def _all_objects(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]
     for child in collection.children:
         yield from _all_objects(child)
     yield from collection.objects
-
-
-def refuse_linked_faces(scene: Scene) -> None:
-    """Raise Refused where a mirror or smooth glass may show emitting faces behind objects that do not hide them."""
-    facts = Facts(scene)
-    if facts.smooth:
-        linked = [thing.name for thing in facts.shining if thing.links.blockers != EVERY_SET]
-        what = f"shadow linking of its faces beside the smooth material '{facts.smooth[0]}'"
-        refusals = [Refusal(f"object '{name}'", what, "use a light, or remove its blockers") for name in linked]
-        if refusals:
-            raise Refused(refusals)

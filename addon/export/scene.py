@@ -16,9 +16,10 @@ from ...lib.scene.placements import LocalMesh, Placements
 from ...lib.scene.scene import Scene, Transport
 from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
+from ...lib.wavefront.refuse import refuse_linked_faces
 from .camera import read_camera
 from .lights import read_light
-from .links import LinkTable, refuse_linked_faces
+from .links import LinkTable
 from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable

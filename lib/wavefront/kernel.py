@@ -32,6 +32,7 @@ from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
 from .emissive import EmissiveMesh
+from .refuse import refuse_linked_faces
 from .sight import Sight
 
 LIGHT_BELOW = "light below the face"
@@ -53,6 +54,7 @@ class Kernel:
 
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
         refuse_absent(scene, options.departures)
+        refuse_linked_faces(scene)
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options

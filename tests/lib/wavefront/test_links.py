@@ -5,18 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from etalon.lib.errors import EtalonError
+from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.light_tracing.render import LightTracingRenderer
 from etalon.lib.scene.lights import PointLight
 from etalon.lib.scene.links import Links
 from etalon.lib.scene.materials import Diffuse, Glossy, Transparent
 from etalon.lib.scene.rays import CAMERA, EVERY, SEEN
 from etalon.lib.settings.reference import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.lib.wavefront.test_direct_light import DIRECT, PRECISION, from_polygon, over_pixels
 from etalon.tests.lib.wavefront.test_direct_light import lit as under
 from etalon.tests.lib.wavefront.test_sight import AREA, CAMERA_AT, COATED, CORNERS, POINT, SCREEN, from_point
 from etalon.tests.replicates import assert_mean, assert_same, replicates
-from etalon.tests.scenes import color, diffuse, emission, floor, material, orthographic, quad, scene
+from etalon.tests.scenes import color, diffuse, emission, floor, glossy, material, orthographic, quad, scene
 
 FIRST, SECOND = 0b01, 0b10
 """The sets of objects that no emitter names, and of those of number 1."""
@@ -136,3 +137,13 @@ def test_light_tracing_refuses_linked_lights():
         lit = scene(floor(), material(Diffuse(color(0.5))), CAMERA_AT, [replace(AREA, links=links)], bounces=2)
         with pytest.raises(EtalonError, match=f"the scene: {what} by light tracing is not simulated"):
             LightTracingRenderer(lit, Options())
+
+
+def test_linked_faces_beside_a_mirror_are_refused_without_blender_too():
+    def room(alpha):
+        parts, coats = [floor(3.0), PANEL], [glossy(alpha), emission(3.0)]
+        return linked(scene(parts, coats, CAMERA_AT), {}, {"links": Links(blockers=SECOND)})
+
+    ReferenceRenderer(room(0.5))
+    with pytest.raises(Refused, match="shadow linking of its faces beside the smooth material"):
+        ReferenceRenderer(room(0.0))
