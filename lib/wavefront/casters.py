@@ -10,17 +10,18 @@ import numpy as np
 from ..scene.links import has_set
 from ..scene.mesh import Mesh
 from ..scene.rays import SHADOW, has_bits
+from .frame import Frame, find_frame
 from .raycaster import Hits, Raycaster
 
 
 class PartCaster:
     """Embree over a part of the objects; the triangles of its hits are numbered as in the whole mesh."""
 
-    def __init__(self, mesh: Mesh, met: np.ndarray) -> None:
+    def __init__(self, mesh: Mesh, frame: Frame, met: np.ndarray) -> None:
         """`met` (objects,) bool: which objects rays meet."""
         index = np.flatnonzero(np.take(met, mesh.object_index))
         self._index = np.append(index, -1).astype(np.int32)  # a miss, -1, reads the last entry
-        self._caster = Raycaster(replace(mesh, triangles=np.take(mesh.triangles, index, axis=1)))
+        self._caster = Raycaster(replace(mesh, triangles=np.take(mesh.triangles, index, axis=1)), frame)
 
     def occluded(self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray) -> np.ndarray:
         """As Raycaster.occluded."""
@@ -35,12 +36,12 @@ class PartCaster:
 class Casters:
     """One caster for each set of objects that rays of some kind meet; those of the same set share it.
 
-    `whole` meets every object.
+    `whole` meets every object. `viewpoint` (3,) is the camera's place, for the frame that all of them share.
     """
 
-    def __init__(self, mesh: Mesh) -> None:
-        self._mesh = mesh
-        self.whole = Raycaster(mesh)
+    def __init__(self, mesh: Mesh, viewpoint: np.ndarray) -> None:
+        self._mesh, self._frame = mesh, find_frame(mesh, viewpoint)
+        self.whole = Raycaster(mesh, self._frame)
         self._parts: dict[tuple[bool, ...], PartCaster] = {}
 
     def for_bits(self, bits: int) -> Raycaster | PartCaster:
@@ -56,5 +57,5 @@ class Casters:
         if all(met):
             return self.whole
         if met not in self._parts:
-            self._parts[met] = PartCaster(self._mesh, np.array(met))
+            self._parts[met] = PartCaster(self._mesh, self._frame, np.array(met))
         return self._parts[met]

@@ -59,7 +59,7 @@ class Kernel:
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
         same = like if like is not None and like.scene.mesh is scene.mesh else None
-        self._casters = Casters(scene.mesh) if same is None else same._casters
+        self._casters = Casters(scene.mesh, scene.camera.world_from_camera[:, 3]) if same is None else same._casters
         self.caster = self._casters.whole
         self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
         self.images = ImageSet(

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stage: rays against triangles, by Embree in float32, made good in float64.
 
-The scene is moved to where most of it is and scaled to about unit size in float64 before it is rounded, so that a scene far from the
-origin, a tiny one, or one with something very far off, loses nothing. Embree decides which triangle is hit; the point itself is then
+The scene is moved to where most of it is and scaled to about unit size in float64 before it is rounded (frame.py), so that a scene far
+from the origin, a tiny one, or one with something very far off, loses nothing. Embree decides which triangle is hit; the point itself is then
 put on that triangle's plane in float64, and rays that leave it start off the plane by what float32 can resolve there.
 """
 
@@ -16,10 +16,9 @@ from embreex.rtcore_scene import EmbreeScene
 
 from ..scene.mesh import Mesh
 from ..vectors import cross
+from .frame import Frame, find_frame
 
 _FLOAT32_STEP = 2.0**-23
-# Embree leaves out triangles with a coordinate beyond 1.8e18; squares of coordinates must stay below float32's 3.4e38, too.
-_LARGEST = 1e15
 
 
 @dataclass(frozen=True)
@@ -40,15 +39,16 @@ class Hits:
 
 
 class Raycaster:
-    """Embree over one mesh; `radius` is half the diagonal of its bounds, metres."""
+    """Embree over one mesh, in a `frame` of its own unless given; `radius` is half the diagonal of its bounds, metres."""
 
-    def __init__(self, mesh: Mesh) -> None:
+    def __init__(self, mesh: Mesh, frame: Frame | None = None) -> None:
         # Embree may crash on no triangles at all: one without extent, which nothing meets, stands in for them.
         empty = mesh.triangle_count == 0
         corners = np.zeros((3, 1)) if empty else mesh.vertices
         faces = np.zeros((1, 3), np.int32) if empty else np.ascontiguousarray(mesh.triangles.T, np.int32)
         self.radius = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=1)))
-        self._center, self._scale = _place(corners)
+        frame = find_frame(mesh) if frame is None else frame
+        self._center, self._scale = frame.center, frame.scale
         unit = ((corners - self._center) * self._scale).T.astype(np.float32)
         self._scene = EmbreeScene()
         self._mesh = TriangleMesh(self._scene, np.ascontiguousarray(unit), faces)
@@ -91,19 +91,6 @@ class Raycaster:
             np.multiply(ng[k], height, out=placed[k])
             placed[k] += point[k]
         return placed, ng, plane[4]
-
-
-def _place(corners: np.ndarray) -> tuple[np.ndarray, float]:
-    """The centre (3, 1) and the scale for `corners` (3, v): the median, and one over their usual distance from it along an axis.
-
-    Both are those of most corners, since the middle of the bounds lies where nothing is as soon as one face is far from all others.
-    """
-    center = np.median(corners, axis=1, keepdims=True)
-    distance = np.abs(corners - center)
-    largest, usual = float(distance.max()), float(np.median(distance, axis=1).max())
-    if largest == 0.0:
-        return center, 1.0
-    return center, min(1.0 / usual, _LARGEST / largest) if usual > 0.0 else 1.0 / largest
 
 
 def _rounded(direction: np.ndarray) -> np.ndarray:
