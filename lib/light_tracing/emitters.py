@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..lights.light import Aimable, Ball, Emitted, LightSample, LightSampler, Pair, emit_distant, luminance
+from ..lights.selection import chances_by_power
 from ..sampling.tables import Distribution1D
 from ..sampling.warps import uniform_sphere
 from ..wavefront.kernel import Kernel
@@ -50,7 +51,7 @@ class Emitters:
             from_afar = (ball.radius / max(kernel.caster.radius, 1e-300)) ** 2
             power *= [_share(e, aim, from_afar) for e, aim in zip(self._emitters, self._aims, strict=True)]
         self.any = bool(power.any())
-        self._choice = Distribution1D(power) if self.any else None
+        self._choice = Distribution1D(chances_by_power(power)) if self.any else None
 
     def emit(self, choice: np.ndarray, place: Pair, heading: Pair) -> Emitted:
         """The ray (n,) of each path; `choice` (n,) picks the emitter, whose chance divides the weight."""

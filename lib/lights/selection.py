@@ -11,15 +11,30 @@ from ..sampling.tables import Distribution1D
 from .light import LightSample, LightSampler
 from .sphere import Spheres, SphereSampler
 
+# What all lights that shine share evenly, whatever their power.
+EVEN_SHARE = 1.0 / 16.0
+
+
+def chances_by_power(power: np.ndarray) -> np.ndarray:
+    """The chances (k,) of lights of `power` (k,): by power, but for EVEN_SHARE, of which all that shine have as much.
+
+    A lamp in a closed room is all of its light, however bright the sun outside is. By this defensive mixture (Hesterberg 1995) no
+    sample weighs more than 1 / EVEN_SHARE times what it would by even chances. All 0 where nothing shines.
+    """
+    total, shines = float(power.sum()), power > 0.0
+    if not total > 0.0:
+        return np.zeros(power.shape)
+    return (1.0 - EVEN_SHARE) * (power / total) + EVEN_SHARE * shines / shines.sum()
+
 
 class LightSelection:
-    """One light for each point, with probability proportional to its power. With a single light there is nothing to do."""
+    """One light for each point, by `chances_by_power`. With a single light there is nothing to do."""
 
     def __init__(self, samplers: Sequence[LightSampler]) -> None:
         if not samplers:
             raise ValueError("there is no light to select")
         self.samplers = tuple(samplers)
-        self._choice = Distribution1D(np.array([sampler.power for sampler in samplers]))
+        self._choice = Distribution1D(chances_by_power(np.array([sampler.power for sampler in samplers])))
         # Spheres are sampled all together, lights of other kinds one by one.
         spheres = [k for k, sampler in enumerate(samplers) if type(sampler) is SphereSampler]
         others = [k for k, sampler in enumerate(samplers) if type(sampler) is not SphereSampler]

@@ -39,16 +39,15 @@ class Hits:
 
 
 class Raycaster:
-    """Embree over one mesh, in a `frame` of its own unless given; `radius` is half the diagonal of its bounds, metres."""
+    """Embree over one mesh, in a `frame` of its own unless given; `radius` is the frame's, metres."""
 
     def __init__(self, mesh: Mesh, frame: Frame | None = None) -> None:
         # Embree may crash on no triangles at all: one without extent, which nothing meets, stands in for them.
         empty = mesh.triangle_count == 0
         corners = np.zeros((3, 1)) if empty else mesh.vertices
         faces = np.zeros((1, 3), np.int32) if empty else np.ascontiguousarray(mesh.triangles.T, np.int32)
-        self.radius = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=1)))
         frame = find_frame(mesh) if frame is None else frame
-        self._center, self._scale = frame.center, frame.scale
+        self._center, self._scale, self.radius = frame.center, frame.scale, frame.radius
         unit = ((corners - self._center) * self._scale).T.astype(np.float32)
         self._scene = EmbreeScene()
         self._mesh = TriangleMesh(self._scene, np.ascontiguousarray(unit), faces)

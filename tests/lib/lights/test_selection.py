@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from etalon.lib.lights.build import light_sampler
-from etalon.lib.lights.selection import LightSelection
+from etalon.lib.lights.selection import EVEN_SHARE, LightSelection, chances_by_power
 from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight
 
 AREA = (1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.0, 0.0, -1.0), "RECTANGLE"
@@ -14,12 +14,13 @@ def lights(*powers):
     return [light_sampler(PointLight("point", (0.0, 0.0, 0.0), (p, p, p)), 1.0) for p in powers]
 
 
-def test_choice_follows_the_power(rng):
+def test_choice_follows_the_power_but_for_an_even_share(rng):
     selection = LightSelection(lights(1.0, 0.0, 2.0, 5.0))
     u = (np.arange(80000) + 0.5) / 80000
     index, probability = selection.choose(u)
-    np.testing.assert_allclose(np.bincount(index, minlength=4) / 80000, np.array([1.0, 0.0, 2.0, 5.0]) / 8.0, atol=1e-4)
-    np.testing.assert_allclose(probability, np.array([0.125, 0.0, 0.25, 0.625])[index])
+    expected = 15.0 / 16.0 * np.array([0.125, 0.0, 0.25, 0.625]) + np.array([1.0, 0.0, 1.0, 1.0]) / 48.0
+    np.testing.assert_allclose(np.bincount(index, minlength=4) / 80000, expected, atol=1e-4)
+    np.testing.assert_allclose(probability, expected[index])
     np.testing.assert_allclose(probability, selection.probability(index))
 
 
@@ -46,6 +47,14 @@ def test_a_chosen_light_gives_its_own_sample(rng, kinds):
         alone = sampler.sample(point[:, at], u1[at], u2[at])
         for whole, part in zip(together, alone, strict=True):
             np.testing.assert_allclose(whole[..., at], part, rtol=1e-13)
+
+
+@pytest.mark.parametrize("bright", [1e-300, 1.0, 1e12, 1e250])
+def test_no_light_that_shines_is_seldom_chosen(bright):
+    chances = chances_by_power(np.array([bright, 1.0, 0.0, 1e-9]))
+    assert chances.sum() == pytest.approx(1.0, rel=1e-14)
+    assert chances[2] == 0.0
+    assert chances[[0, 1, 3]].min() >= EVEN_SHARE / 3.0
 
 
 def test_lights_without_power_are_chosen_alike():

@@ -158,6 +158,25 @@ def test_several_lights_add_up(seed):
     assert_mean(replicates(lit([light, point, sun]), 10, 1024, seed=seed), exact, 0.01)
 
 
+@pytest.mark.parametrize("far", [30.0, 1e5, 1e12])
+def test_a_lamp_is_not_lost_beside_a_sun_however_far_the_scene_reaches(far, seed):
+    point = PointLight("point", (0.3, 0.2, 0.8), (1.0, 1.0, 1.0))
+    sun = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (0.3, 0.3, 0.3))
+    exact = over_pixels(lambda x, y: 0.8 / ((x - 0.3) ** 2 + (y - 0.2) ** 2 + 0.64) ** 1.5) + 0.3 * ALBEDO / np.pi
+    aside = quad((far, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    assert_mean(replicates(lit([point, sun], [aside]), 10, 1024, seed=seed), exact, 0.05)
+
+
+@pytest.mark.parametrize("strength", [1.0, 1e6, 1e12])
+def test_a_lamp_under_a_roof_is_not_lost_beside_a_bright_sun(strength, seed):
+    """The roof keeps the sun out; all the light is the lamp's, which is chosen once in 32 times at least."""
+    point = PointLight("point", (0.3, 0.2, 0.8), (1.0, 1.0, 1.0))
+    sun = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (strength,) * 3)
+    roof = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
+    exact = over_pixels(lambda x, y: 0.8 / ((x - 0.3) ** 2 + (y - 0.2) ** 2 + 0.64) ** 1.5)
+    assert_mean(replicates(lit([point, sun], [roof]), 10, 1024, seed=seed), exact, 0.06)
+
+
 @DIRECT
 def test_half_shadow(direct, seed):
     """A black wall in the plane x = 0.3 hides from each side the light's other half, exactly."""
