@@ -22,3 +22,8 @@ def relative_difference(gap: np.ndarray, reference: np.ndarray, floor: np.ndarra
     scale = difference_scale(reference, floor)
     unscaled = np.where(gap == 0, 0.0, np.copysign(np.inf, gap))
     return np.where(np.isnan(gap), np.nan, np.divide(gap, scale, out=unscaled, where=scale != 0))
+
+
+def worst_channel(difference: np.ndarray) -> np.ndarray:
+    """The channel (...) in which each difference (..., 3) is largest; 0 where there is no number."""
+    return np.argmax(np.nan_to_num(np.abs(difference), nan=-1.0, posinf=np.inf), axis=-1)

@@ -11,6 +11,7 @@ import numpy as np
 from ..cost.estimates import CONFIDENCE
 from ..files.plain_data import make_plain
 from ..pages.formats import format_percent
+from ..relative import worst_channel
 from ..verdict.outcome import Outcome
 from .findings import DRAWN, SQUARES, Audit, Finding
 from .setting import FACTORY, FILE
@@ -67,7 +68,7 @@ def _cost(finding: Finding) -> tuple[bool, int, float]:
 def _finding(audit: Audit, finding: Finding) -> dict[str, Any]:
     setting = finding.setting
     place, channel = finding.worst
-    whole = int(np.argmax(np.nan_to_num(np.abs(finding.difference[0]), nan=-1.0)))
+    whole = int(worst_channel(finding.difference[0]))
     return {
         "key": setting.key,
         "label": setting.label,

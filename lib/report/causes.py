@@ -11,6 +11,7 @@ from ..comparison.compare import Comparison
 from ..comparison.run import Stop
 from ..pages.formats import format_duration, format_part, format_percent
 from ..plural import plural
+from ..relative import worst_channel
 from ..verdict.causes import BAND, Explanation, Role, Shares, State
 from ..verdict.explain import clearest
 from ..verdict.outcome import Outcome
@@ -113,7 +114,7 @@ def _cause(comparison: Comparison, why: Explanation) -> list[str]:
 def _partial(comparison: Comparison, why: Explanation) -> list[str]:
     left, k = len(unexplained(comparison)), headline(comparison)
     one = len(why.named) == 1
-    channel = int(np.argmax(np.nan_to_num(np.abs(why.rest[k]), nan=-1.0)))
+    channel = int(worst_channel(why.rest[k]))
     over = f"{format_percent(why.rest[k, channel])} is left over there, in {'RGB'[channel]}"
     does = _explains(why, left, len(why.named))
     head = f"Partial {'cause' if one else 'causes, together'}: {listed(why.named)}."

@@ -12,13 +12,14 @@ from ..blender_versions import NEWEST_CHECKED, format_release
 from ..comparison.compare import Comparison, Side
 from ..effects.plan import Plan
 from ..files.plain_data import make_plain
+from ..relative import worst_channel
 from ..verdict.causes import Shares, State
 from ..verdict.outcome import Outcome
 from .bound import level_names
 from .causes import cause_sentences, headline, is_shown, proof_seconds, strongest, unexplained
 from .passes import pass_figures
 from .summary import summarize
-from .words import forecast_seconds, sentences, worst_channel
+from .words import forecast_seconds, sentences
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
@@ -48,7 +49,7 @@ CHANGES = {
 def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]:
     """verdict.json as a dictionary; numbers that are not finite are None. `plan` is the reference's, of this scene."""
     verdict = comparison.verdict
-    channel = int(worst_channel(verdict.difference[:1])[0])
+    channel = int(worst_channel(verdict.difference[0]))
     return make_plain(
         {
             "format": FORMAT,
@@ -225,7 +226,7 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
     for k, departure in enumerate(why.departures):
         explained = [i for i, causes in enumerate(why.causes) if departure.name in causes]
         where, shares = strongest(comparison, k), why.shares[k]
-        channel = int(worst_channel(why.effect[k, where][None])[0])
+        channel = int(worst_channel(why.effect[k, where]))
         found.append(
             {
                 "name": departure.name,

@@ -19,12 +19,11 @@ from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
 from ..film.view_transform import ViewTransform
 from ..pages import render_page
 from ..pages.formats import format_bound
-from ..relative import relative_difference
+from ..relative import relative_difference, worst_channel
 from ..verdict.outcome import Outcome
 from ..verdict.rare import ROUNDING
 from .curve import draw_bound
 from .flip import flip
-from .words import worst_channel
 
 # The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
 MOST_PIXELS = 600_000
@@ -128,7 +127,7 @@ def order_regions(regions: list[dict[str, Any]]) -> list[int]:
 
 def _worst(region: dict[str, Any]) -> int:
     """The channel in which a region is furthest off, as worstChannel in report/calculations.js."""
-    return int(worst_channel(np.array([region["difference"]], float))[0])
+    return int(worst_channel(np.array(region["difference"], float)))
 
 
 def shorten_region(region: dict[str, Any]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..comparison.compare import Comparison
 from ..pages.formats import format_bound, format_percent
+from ..relative import worst_channel
 from ..verdict.outcome import Outcome
 from .language import listed, place
 
@@ -57,18 +58,13 @@ def _by_size(comparison: Comparison, numbers: np.ndarray, region: int) -> list[i
 
 def _differs(comparison: Comparison, k: int, region: int) -> str:
     found = comparison.passes
-    channel = _worst(found.difference[k, region])
+    channel = worst_channel(found.difference[k, region])
     low, high = found.low[k, region, channel], found.high[k, region, channel]
     where = "" if region == 0 else f" in {place(comparison, region)}"
     return (
         f"The {found.passes[k]} pass differs{where} by {format_percent(found.difference[k, region, channel])} in {'RGB'[channel]} "
         f"({format_percent(low)} to {format_percent(high)})."
     )
-
-
-def _worst(difference: np.ndarray) -> int:
-    """The channel of three that is furthest off."""
-    return int(np.argmax(np.nan_to_num(np.abs(difference), nan=-1.0, posinf=np.inf)))
 
 
 def pass_figures(comparison: Comparison) -> list[dict[str, Any]] | None:
@@ -90,7 +86,7 @@ def pass_figures(comparison: Comparison) -> list[dict[str, Any]] | None:
                     "reference": found.reference[k, region],
                     "candidate": found.candidate[k, region],
                     "share": found.shares[k, region],
-                    "channel": "RGB"[_worst(found.difference[k, region])],
+                    "channel": "RGB"[worst_channel(found.difference[k, region])],
                 }
                 for region in range(found.outcomes.shape[1])
             ],

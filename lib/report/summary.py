@@ -15,12 +15,13 @@ from ..comparison.compare import Comparison
 from ..comparison.run import Stop
 from ..pages.formats import format_bound, format_duration, format_percent
 from ..plural import plural
+from ..relative import worst_channel
 from ..scene.findings import Finding
 from ..verdict.outcome import Outcome
 from .bound import both_names
 from .causes import proof_seconds, unexplained
 from .language import listed, place
-from .words import forecast_seconds, furthest, region_total, worst_channel
+from .words import forecast_seconds, furthest, region_total
 
 _CHANNELS = ("red", "green", "blue")
 # Regions with a name of the user's that are given, and cells of the picture.
@@ -43,7 +44,7 @@ def whole_picture(comparison: Comparison) -> str:
         rest = "" if verdict.outcome is Outcome.EQUIVALENT else f"; whether to within {limit} is not known yet"
         return f"{head} {candidate} agrees with {reference} to within {format_bound(verdict.bound)} everywhere, {sure}{rest}."
     if outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
-        channel = int(worst_channel(verdict.difference[:1])[0])
+        channel = int(worst_channel(verdict.difference[0]))
         off = float(verdict.difference[0, channel])
         brighter = "brighter" if off > 0 else "darker"
         size = f"{format_percent(abs(off), sign=False)}" if abs(off) < 1e-3 else f"{100 * abs(off):.3g} %"
@@ -157,7 +158,7 @@ def _places(comparison: Comparison, order: list[int], describe: Callable[[Compar
 
 
 def _signed(comparison: Comparison, k: int) -> str:
-    channel = int(worst_channel(comparison.verdict.difference[k : k + 1])[0])
+    channel = int(worst_channel(comparison.verdict.difference[k]))
     return f"{_where(comparison, k)} ({format_percent(comparison.verdict.difference[k, channel])})"
 
 

@@ -10,6 +10,7 @@ from ..comparison.compare import Comparison, Side
 from ..comparison.run import Stop
 from ..pages.formats import format_bound, format_duration, format_percent
 from ..plural import plural
+from ..relative import worst_channel
 from ..verdict.forecast import MOST_GROWTH
 from ..verdict.outcome import Outcome
 from .bound import blind_sentence, both_names, bound_title, level_sentence, setting_sentences
@@ -81,11 +82,6 @@ def _left_out(comparison: Comparison) -> str:
     )
 
 
-def worst_channel(difference: np.ndarray) -> np.ndarray:
-    """The channel (K,) in which each region (K, 3) is furthest off; 0 where there is no number."""
-    return np.argmax(np.nan_to_num(np.abs(difference), nan=-1.0, posinf=np.inf), axis=1)
-
-
 def furthest(comparison: Comparison, count: int = FURTHEST) -> list[int]:
     """The DIFFERENT regions to name, at most `count`, or the EXPLAINED ones if there is none.
 
@@ -149,7 +145,7 @@ def _drawn(side: Side) -> str:
 
 def _region(comparison: Comparison, k: int) -> str:
     verdict = comparison.verdict
-    channel = worst_channel(verdict.difference[k : k + 1])[0]
+    channel = worst_channel(verdict.difference[k])
     low, high = verdict.low[k, channel], verdict.high[k, channel]
     return (
         f"{place(comparison, k)} {format_percent(verdict.difference[k, channel])} in {'RGB'[channel]} "

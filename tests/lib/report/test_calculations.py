@@ -10,10 +10,9 @@ import pytest
 from etalon.lib import report
 from etalon.lib.film.pictures import signed8
 from etalon.lib.plural import plural
-from etalon.lib.relative import relative_difference
+from etalon.lib.relative import relative_difference, worst_channel
 from etalon.lib.report.document import document
 from etalon.lib.report.page import order_regions, shorten_region
-from etalon.lib.report.words import worst_channel
 from etalon.lib.srgb import srgb_encode
 from etalon.tests.lib.report.comparisons import CASES, PLAN, made
 
