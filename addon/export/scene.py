@@ -16,6 +16,7 @@ from ...lib.scene.placements import LocalMesh, Placements
 from ...lib.scene.scene import Scene, Transport
 from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
+from ...lib.textures.skipped_tiles import skipped_tiles
 from ...lib.wavefront.refuse import refuse_linked_faces
 from .camera import read_camera
 from .lights import read_light
@@ -26,7 +27,6 @@ from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings
 from .set_aside import find_missing_images, find_set_aside
-from .tiles import skipped_tiles
 
 
 def export_scene(

@@ -8,11 +8,11 @@ from dataclasses import fields
 
 import numpy as np
 
-from ...lib.scene.expressions import BLACK, WHITE, Coordinates, Expression, Mapping, Tile
-from ...lib.scene.materials import Material
-from ...lib.scene.mesh import Mesh
-from ...lib.textures.fold import walk
-from ...lib.textures.tiles import tile_corner
+from ..scene.expressions import BLACK, WHITE, Coordinates, Expression, Mapping, Tile
+from ..scene.materials import Material
+from ..scene.mesh import Mesh
+from .fold import walk
+from .tiles import tile_corner
 
 # Cycles counts a corner this little inside a tile to the one on its left or below.
 _TOUCH = np.float32(1e-6)
