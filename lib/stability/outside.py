@@ -101,6 +101,7 @@ OUTSIDE: dict[str, str] = {
         (
             "sampling.tables.Distribution2D",
             "lights.selection.LightSelection",
+            "lights.selection.chances_by_power",
             "lights.environment.EnvironmentSampler",
         ),
         _SEARCH,
