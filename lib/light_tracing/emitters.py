@@ -46,10 +46,8 @@ class Emitters:
         if with_sky and kernel.sky is not None:
             self._emitters.append(ConstantSky(kernel.sky, ball))
         self._aims = [_aim(emitter, targets) for emitter in self._emitters]
-        power = np.array([emitter.power for emitter in self._emitters])
-        if targets:
-            from_afar = (ball.radius / max(kernel.caster.radius, 1e-300)) ** 2
-            power *= [_share(e, aim, from_afar) for e, aim in zip(self._emitters, self._aims, strict=True)]
+        from_afar = (ball.radius / max(kernel.caster.radius, 1e-300)) ** 2
+        power = np.array([_power(e, aim, from_afar) for e, aim in zip(self._emitters, self._aims, strict=True)])
         self.any = bool(power.any())
         self._choice = Distribution1D(chances_by_power(power)) if self.any else None
 
@@ -83,8 +81,8 @@ def _aim(emitter: LightSampler | ConstantSky, targets: Sequence[Ball]) -> Aim | 
     return aim if aim.solid_angle < WIDEST_AIM else None
 
 
-def _share(emitter: LightSampler | ConstantSky, aim: Aim | None, from_afar: float) -> float:
-    """The part of a light's power that goes to the targets, roughly; `from_afar` for suns and worlds."""
+def _power(emitter: LightSampler | ConstantSky, aim: Aim | None, from_afar: float) -> float:
+    """What a light sends to the ball or the targets, roughly; suns and worlds know it of a ball whose area is less by `from_afar`."""
     if aim is not None:
-        return aim.solid_angle / (4.0 * np.pi)
-    return 1.0 if isinstance(emitter, Aimable) else from_afar
+        return emitter.power * aim.solid_angle / (4.0 * np.pi)
+    return emitter.power if isinstance(emitter, Aimable | ConstantSky) else emitter.power * from_afar

@@ -23,7 +23,7 @@ SLOW = pytest.mark.slow
         ("furnace", 64),
         pytest.param("glossy_spheres", 256, marks=SLOW),
         pytest.param("cornell_glossy", 128, marks=SLOW),
-        pytest.param("far_from_origin", 256, marks=SLOW),
+        pytest.param("far_from_origin", 320, marks=SLOW),
     ],
 )
 def test_both_give_the_same_image(name, samples, seed):
