@@ -274,7 +274,8 @@ class _Loop:
         differs = (self._test.outcomes == Outcome.DIFFERENT).any()
         self._open = self._test.undecided & (~self._test.within | differs)
         if self._search is not None and not self._is_first:
-            if self._search.look(self._sides, self._excluded | self._left_out, self._is_last):
+            differing = frozenset() if self._pass_test is None else self._pass_test.differing
+            if self._search.look(self._sides, self._excluded | self._left_out, self._is_last, differing):
                 self._open = self._test.outcomes != Outcome.EQUIVALENT
             elif self._search.complete:
                 self._open = np.zeros_like(self._open)

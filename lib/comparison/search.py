@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 import numpy as np
 
+from ..film.light_passes import LightPass
 from ..film.regions import Regions
 from ..verdict.attribution import PAIRS, Attribution
 from ..verdict.causes import Explanation, nothing_found
@@ -36,15 +39,19 @@ class Search:
         """Whether all that differs is explained, and the rest agrees."""
         return self._attribution.complete
 
-    def look(self, sides: tuple[Side, Side], excluded: np.ndarray, last: bool) -> bool:
-        """One look; whether more sampling may yet explain what differs."""
+    def look(
+        self, sides: tuple[Side, Side], excluded: np.ndarray, last: bool, differing: Set[LightPass] = frozenset()
+    ) -> bool:
+        """One look, at which these light passes are `differing`; whether more sampling may yet explain what differs."""
         film, regions = sides[0].film, sides[0].regions.regions
         self._last = last
         self._effects.budget(
             film.samples, PAIRS, film.seconds / max(film.camera_samples, 1) * regions.shape[0] * regions.shape[1]
         )
         moments = sides[0].regions, sides[1].regions
-        self._attribution.look(*moments, lambda names, count: self._effects(names, count, regions, excluded), last)
+        self._attribution.look(
+            *moments, lambda names, count: self._effects(names, count, regions, excluded), last, differing
+        )
         differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
         return differs and not (self._attribution.complete or self._attribution.hopeless)
 

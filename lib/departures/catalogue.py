@@ -11,6 +11,7 @@ import numpy as np
 from ..blender_versions import Versions, format_release
 from ..effects.surface import has_film
 from ..errors import EtalonError
+from ..film.light_passes import Family, LightPass, direct, indirect
 from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.findings import OVERLAPPING_FACES
@@ -21,6 +22,17 @@ from ..textures.fold import fold_scene, is_constant, walk
 from .scene import NARROW
 
 ALL = Versions()
+EVERYWHERE = frozenset(LightPass)
+
+
+def scattered_by(*families: Family) -> frozenset[LightPass]:
+    """The passes that a change of the lobes of `families` acts on: their own, and what arrives after further scatterings."""
+    return frozenset([*map(direct, families), *map(indirect, Family)])
+
+
+DIFFUSE = scattered_by(Family.DIFFUSE)
+GLOSSY = scattered_by(Family.GLOSSY)
+FACETS = scattered_by(Family.GLOSSY, Family.TRANSMISSION)
 
 
 @dataclass(frozen=True)
@@ -32,6 +44,7 @@ class Departure:
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
     `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
     `finding` is the check of the scene check that says what in the scene calls for it, where that is a fault of the scene.
+    `passes` are the light passes that it can act on.
     """
 
     name: str
@@ -42,6 +55,7 @@ class Departure:
     neutralised: str = ""
     by_rounding: bool = False
     finding: str = ""
+    passes: frozenset[LightPass] = EVERYWHERE
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
@@ -157,12 +171,14 @@ DEPARTURES: tuple[Departure, ...] = (
         "the reference was asked for another form.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_rough_facets,
+        passes=FACETS,
     ),
     Departure(
         "rational Beckmann Lambda",
         "Smith's Lambda of Beckmann's distribution is a rational fit, 0 beyond its bound; 1 + Lambda is up to 0.31 % off the exact one.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_reflects_by("BECKMANN"),
+        passes=FACETS,
     ),
     Departure(
         "rational Beckmann density",
@@ -170,6 +186,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "light found by BSDF sampling is multiplied by (1 + fit) / (1 + exact), light found by light sampling is not.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_reflects_by("BECKMANN"),
+        passes=FACETS,
     ),
     Departure(
         "Ashikhmin-Shirley sampling",
@@ -178,6 +195,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "roughness 0.7. Light sampling does not.",
         "kernel/closure/bsdf_ashikhmin_shirley.h",
         relevant=_reflects_by("ASHIKHMIN_SHIRLEY"),
+        passes=GLOSSY,
     ),
     Departure(
         "refraction from behind",
@@ -185,6 +203,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "BSDF sampling does not.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_rough_glass,
+        passes=FACETS,
     ),
     Departure(
         "light below the face",
@@ -200,6 +219,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf_microfacet.h",
         Versions("5.3"),
         lambda scene: any(isinstance(c, Glass) and _disperses(c) for c in _closures(scene)),
+        passes=FACETS,
     ),
     Departure(
         "texture interpolation",
@@ -248,6 +268,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf_util.h",
         Versions("5.0"),
         lambda scene: any(map(has_film, _closures(scene))),
+        passes=FACETS,
     ),
     Departure(
         "thin film from inside",
@@ -256,6 +277,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf_microfacet.h",
         Versions("5.0"),
         lambda scene: any(isinstance(c, Glass) and has_film(c) for c in _closures(scene)),
+        passes=FACETS,
     ),
     Departure(
         "Oren-Nayar without multiple scattering",
@@ -263,6 +285,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf_oren_nayar.h",
         Versions(None, "4.2"),
         _rough_diffuse,
+        passes=DIFFUSE,
     ),
     Departure(
         "Oren-Nayar colour",
@@ -271,6 +294,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf_oren_nayar.h",
         Versions("4.3", "5.2"),
         _rough_diffuse,
+        passes=DIFFUSE,
     ),
     Departure(
         "colour-ramp table",

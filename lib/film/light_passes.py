@@ -41,6 +41,9 @@ def indirect(family: Family) -> LightPass:
     return LightPass(f"{family} indirect")
 
 
+INDIRECT = frozenset(map(indirect, Family))
+
+
 def is_asked(name: LightPass, passes: str) -> bool:
     """Whether the option `passes` asks for a pass: by 'all', by its own name or by that of its family."""
     return passes == "all" or name.split()[0] == passes

@@ -14,7 +14,7 @@ at most 1; looks are paid for by `Spending`, regions by Holm (agreement) or Bonf
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 from itertools import combinations
 from math import comb
 
@@ -22,6 +22,7 @@ import numpy as np
 from scipy import sparse
 
 from ..departures.catalogue import Departure
+from ..film.light_passes import INDIRECT, LightPass
 from ..film.moments import Moments
 from ..film.regions import RegionMoments
 from ..relative import difference_scale
@@ -59,6 +60,15 @@ def set_share(size: int, count: int) -> float:
     return of_size / comb(count, size)
 
 
+def acting_on(departures: Sequence[Departure], differing: Set[LightPass]) -> tuple[str, ...]:
+    """The names of those that can act on the light passes that are `differing`; all of them where none is.
+
+    Nearly all act on indirect light, since it is scattered by lobes of any kind. So where other passes differ, these decide.
+    """
+    clear = differing - INDIRECT or differing
+    return tuple(d.name for d in departures if not clear or d.passes & clear)
+
+
 class Attribution:
     """The search, look by look. `effects` gives the differences of a set's pairs, (count, N, 3) or fewer; None where there are none.
 
@@ -83,6 +93,13 @@ class Attribution:
         self._spent, self._seen = 1.0, 0
         self._agreement: dict[Names, np.ndarray] = {}
         self._between: dict[Names, np.ndarray] = {}
+        # The names to try at this look, in their order.
+        self._tried = self.names
+
+    @property
+    def put_off(self) -> frozenset[str]:
+        """The names that were not tried, since they act on no light pass that differs and others explain what does."""
+        return frozenset(self.names).difference(self._tried, *self.pairs)
 
     @property
     def wanted(self) -> np.ndarray:
@@ -94,21 +111,42 @@ class Attribution:
         """The regions (N,) that are shown to differ."""
         return self.test.outcomes == Outcome.DIFFERENT
 
-    def look(self, reference: RegionMoments, candidate: RegionMoments, effects: Effects, last: bool) -> None:
-        """Judge the sets tried so far on what there is, and try larger ones where all smaller ones are ruled out."""
+    def look(
+        self,
+        reference: RegionMoments,
+        candidate: RegionMoments,
+        effects: Effects,
+        last: bool,
+        differing: Set[LightPass] = frozenset(),
+    ) -> None:
+        """Judge the sets tried so far on what there is, and try larger ones where all smaller ones are ruled out.
+
+        Departures that can act on the light passes that are `differing` are tried first, the others where no set of these may do.
+        """
         if not self.different.any() or self.complete:
             return
         self._spent, self._seen = self.spending.take(last), candidate.moments.most
         sides = self.sides(reference, candidate)
-        for size in range(1, len(self.names) + 1):
+        first = acting_on(self.departures, differing)
+        is_ruled_out = True
+        for names in filter(None, dict.fromkeys((first, self.names))):
+            self._tried = names
+            is_ruled_out = self._look_among(sides, effects)
+            if self.complete or not (is_ruled_out or last):
+                return
+        self.hopeless = is_ruled_out
+
+    def _look_among(self, sides: Sides, effects: Effects) -> bool:
+        """Judge and try sets of the names that are tried now; whether all of them are ruled out."""
+        for size in range(1, len(self._tried) + 1):
             all_tried = self._try(size, sides, effects)
             open_ = [names for names in self._of_size(size) if not self.is_ruled_out(names, sides)]
             for names in self._of_size(size):
                 self._weigh(names, names in open_, sides, effects)
             self.complete = any(self.explained(names, sides)[self.wanted].all() for names in open_)
             if self.complete or open_ or not all_tried:
-                return
-        self.hopeless = True
+                return False
+        return True
 
     def sides(self, reference: RegionMoments, candidate: RegionMoments) -> Sides:
         """Both sides' moments, with what differences are relative to."""
@@ -224,10 +262,10 @@ class Attribution:
 
     def _try_single(self, effects: Effects) -> bool:
         """Render each departure alone, one pair of each in turn, so that all of them have as many as time allows."""
-        missing = [frozenset([name]) for name in self.names if len(self.pairs.get(frozenset([name]), ())) < PAIRS]
+        missing = [frozenset([name]) for name in self._tried if len(self.pairs.get(frozenset([name]), ())) < PAIRS]
         for count in range(1, PAIRS + 1):
             for names in missing:
                 pairs = effects(names, count)
                 if pairs is not None:
                     self.pairs[names] = pairs
-        return len(self._of_size(1)) == len(self.names)
+        return all(frozenset([name]) in self.pairs for name in self._tried)

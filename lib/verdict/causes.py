@@ -80,6 +80,7 @@ class Role(Enum):
     LIKELY = "likely cause"
     SMALL = "small"
     OPEN = "open"
+    UNTRIED = "acts on no pass that differs"
 
 
 @dataclass(frozen=True)

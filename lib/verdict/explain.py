@@ -86,7 +86,7 @@ def _roles(
     roles = {}
     for name in search.names:
         small = name in shares and (shares[name].bound[target] < limit).all()
-        roles[name] = Role.SMALL if small else Role.OPEN
+        roles[name] = Role.SMALL if small else Role.UNTRIED if name in search.put_off else Role.OPEN
     named, chosen, by_rounding = sets
     for name in named:
         roles[name] = {State.CAUSE: Role.CAUSE, State.LIKELY: Role.LIKELY}.get(state, Role.PARTIAL)

@@ -18,6 +18,7 @@ from ..film.moments import Moments
 from ..film.regions import RegionMoments
 from ..relative import difference_scale
 from .claims import WAYS_TO_DIFFER, difference, interval
+from .outcome import Outcome
 from .rare import describe_tails, room_for_rare_light
 from .sequential import ALL_AGREE, ONE_DIFFERS, SequentialTest
 
@@ -66,6 +67,12 @@ class PassTest:
             np.tile(families, len(passes)),
             expected,
         )
+
+    @property
+    def differing(self) -> frozenset[LightPass]:
+        """The passes that are shown to differ in the image or in a region with a name."""
+        differs = (self._test.outcomes == Outcome.DIFFERENT).reshape(len(self._passes), self._count).any(axis=1)
+        return frozenset(name for name, one in zip(self._passes, differs, strict=True) if one)
 
     def look(
         self,

@@ -15,6 +15,7 @@ from etalon.lib.comparison.departures import Alternatives, alternatives
 from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import SWITCHES, relevant
 from etalon.lib.errors import EtalonError
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.report.words import sentences
 from etalon.lib.scene.converters import Curve, Curves
 from etalon.lib.scene.expressions import (
@@ -33,7 +34,7 @@ from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, WeightedClosure
 from etalon.lib.settings.reference import Options
-from etalon.lib.verdict.causes import State
+from etalon.lib.verdict.causes import Role, State
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
@@ -268,6 +269,44 @@ def test_attribution_names_exactly_what_was_planted(make, names, seed):
     found = judged(make, planted(make, names, seed))
     assert found.explanation.chosen == names
     assert found.verdict.outcome is Outcome.EXPLAINED
+
+
+@pytest.mark.parametrize("make", list(SCENES))
+def test_departures_act_on_the_passes_that_the_catalogue_says(make):
+    """The same random numbers with and without: what may not change is the same bit by bit, and something else is not."""
+    scene = make()
+    options = Options(threads=1, masking=masking(make))
+    plain = ReferenceRenderer(scene, options, passes=tuple(LightPass)).render(0, 16).passes
+    for departure in relevant(scene, masking(make)):
+        changed = replace(options, departures=frozenset([departure.name]))
+        other = ReferenceRenderer(scene, changed, passes=tuple(LightPass)).render(0, 16).passes
+        acts = {name for name in LightPass if (plain[name] != other[name]).any()}
+        assert acts <= departure.passes
+        assert acts
+
+
+def half_and_half():
+    """A rough mirror by Beckmann beside a rough diffuse floor, under a sun."""
+    parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
+    materials = [scenes.glossy(0.5, distribution="BECKMANN"), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0)]
+    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
+    scene = scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,))
+    return replace(scene, blender=(5, 2))
+
+
+def test_the_passes_that_differ_cut_the_search_and_the_cause_stays_the_same(seed):
+    scene = half_and_half()
+    options, planted_name = CompareOptions(1e-3, time=None, samples=16, replicates=30), "Oren-Nayar colour"
+    candidate = Options(threads=1, seed=seed, departures=frozenset([planted_name]))
+    found = []
+    for passes in ((), (LightPass.DIFFUSE_DIRECT, LightPass.GLOSSY_DIRECT)):
+        sides = (ReferenceRenderer(scene, one, passes=passes) for one in (Options(threads=1), candidate))
+        among = alternatives(ReferenceRenderer(scene, Options(threads=1)))
+        found.append(compare(scene, *sides, {}, options, among=among, passes=passes).explanation)
+    assert [why.chosen for why in found] == [(planted_name,)] * 2
+    assert [sum(shares is not None for shares in why.shares) for why in found] == [3, 1]
+    cut = {role for name, role in zip(found[1].departures, found[1].roles, strict=True) if name.name != planted_name}
+    assert cut == {Role.UNTRIED}
 
 
 def test_all_that_cycles_does_at_once(seed):

@@ -23,16 +23,25 @@ class Sums:
 
 
 def simulated(
-    rng, true_effects, candidate, confidence=0.99, tails=None, noise_of_one=NOISE, noise_of_effects=0.1, inside=None
+    rng,
+    true_effects,
+    candidate,
+    confidence=0.99,
+    tails=None,
+    noise_of_one=NOISE,
+    noise_of_effects=0.1,
+    inside=None,
+    departures=DEPARTURES,
+    differing=frozenset(),
 ):
     """The search at its end, its sides, and what it says, on regions of mean 1.
 
     `true_effects` (name -> (N,)) add up, `candidate` (N,) is the truth of that side. `noise_of_effects` is that of a pair,
-    relative to a replicate's.
+    relative to a replicate's. The light passes that are `differing` differ at every look.
     """
     count = candidate.size
     test = SequentialTest(count, TOLERANCE, confidence, ATTRIBUTION_SHARE)
-    search = Attribution(DEPARTURES, test, ATTRIBUTION_SHARE * (1 - confidence), inside)
+    search = Attribution(departures, test, ATTRIBUTION_SHARE * (1 - confidence), inside)
 
     def noise(rows):
         z = rng.standard_normal((rows, count, 1)) if tails is None else rng.standard_t(tails, (rows, count, 1))
@@ -52,7 +61,7 @@ def simulated(
         last = n >= LAST
         sides = Sums(reference[:n]), Sums(measured[:n])
         test.look(sides[0].moments, sides[1].moments, last)
-        search.look(*sides, effects, last)
+        search.look(*sides, effects, last, differing)
         if last or search.complete:
             return search, search.sides(*sides), explain(search, *sides, samples=1, seconds=0.0)
         n = min(next_look(n), LAST)

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Attribution on simulated regions, where the truth is known: how often it claims what is not so, and how often it finds what is."""
 
+from dataclasses import replace
 from math import comb
 
 import numpy as np
 import pytest
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.verdict import attribution
 from etalon.lib.verdict.attribution import ATTRIBUTION_SHARE, Attribution, set_share
 from etalon.lib.verdict.causes import State
@@ -72,6 +74,38 @@ def test_effects_that_undo_each_other_need_both(rng):
     assert why.chosen == ("a", "b")
     assert why.causes == ((), ("a", "b"), ())
     assert search.complete
+
+
+# What a, b and c act on: a on glossy light alone, b on diffuse light alone, c on both.
+PARTED = tuple(
+    replace(one, passes=frozenset(passes))
+    for one, passes in zip(
+        DEPARTURES,
+        ([LightPass.GLOSSY_DIRECT], [LightPass.DIFFUSE_DIRECT], [LightPass.GLOSSY_DIRECT, LightPass.DIFFUSE_DIRECT]),
+        strict=True,
+    )
+)
+
+
+def test_what_acts_on_no_pass_that_differs_is_not_tried(rng):
+    effects = {"a": np.array([0.2, 0.1]), "b": np.array([0.2, 0.1]), "c": np.array([0.0, 0.1])}
+    glossy = frozenset([LightPass.GLOSSY_DIRECT, LightPass.DIFFUSE_INDIRECT])
+    search, _, why = simulated(rng, effects, 1.0 + effects["a"], departures=PARTED, differing=glossy)
+    assert (why.chosen, why.complete) == (("a",), True)
+    assert set(search.pairs) == {frozenset("a"), frozenset("c")}
+    assert [role.value for role in why.roles] == ["cause", "acts on no pass that differs", "open"]
+    # b would do as well, were it not for the passes.
+    assert not why.alternatives
+    assert simulated(rng, effects, 1.0 + effects["a"], departures=PARTED)[2].alternatives
+
+
+@pytest.mark.parametrize("passes", [[LightPass.GLOSSY_DIRECT], [LightPass.ENVIRONMENT]])
+def test_what_acts_elsewhere_is_tried_where_the_others_do_not_explain_it(rng, passes):
+    """The difference of region 1 comes from b, which acts on no pass that is shown to differ; none of all acts on the environment."""
+    effects = {"a": np.array([0.2, 0.0]), "b": np.array([0.0, 0.2]), "c": np.array([0.1, -0.1])}
+    truth = 1.0 + effects["a"] + effects["b"]
+    why = simulated(rng, effects, truth, departures=PARTED, differing=frozenset(passes))[2]
+    assert (why.chosen, why.complete) == (("a", "b"), True)
 
 
 def test_cancelled_before_any_effect_is_known(rng):
