@@ -11,6 +11,10 @@ ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("addon", "lib", "reference_scenes")
 BLENDER = {"bpy", "mathutils", "bpy_extras"}
 LONGEST = 60
+# Half a second or so each: `import scipy` loads them where they are first used.
+SLOW_TO_LOAD = {
+    f"scipy.{name}" for name in ("stats", "interpolate", "optimize", "ndimage", "integrate", "signal", "fft")
+}
 
 
 def sources():
@@ -97,6 +101,16 @@ def test_lib_imports_no_blender():
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             assert not BLENDER & {name.split(".")[0] for name in names}, path
+
+
+def test_no_file_loads_a_slow_part_of_scipy_before_it_is_used():
+    for path in sources():
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = {node.module, *(f"{node.module}.{one.name}" for one in node.names)}
+            else:
+                names = {one.name for one in node.names} if isinstance(node, ast.Import) else set()
+            assert not names & SLOW_TO_LOAD, f"{path}:{node.lineno}: import scipy, and name {names} where it is used"
 
 
 def test_no_function_is_longer_than_60_lines():

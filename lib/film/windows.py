@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 # What a call of a renderer costs beside its pixels, in samples: rectangles are joined where that is cheaper.
 _CALL = 1 << 15
@@ -45,11 +45,11 @@ def windows_around(inside: np.ndarray, samples: int) -> Windows:
     """
     wide = inside
     while True:
-        labels, count = ndimage.label(wide, np.ones((3, 3)))
+        labels, count = scipy.ndimage.label(wide, np.ones((3, 3)))
         if count <= _MOST:
             break
-        wide = ndimage.binary_dilation(wide, np.ones((3, 3)), iterations=_STEP)
-    parts = ndimage.find_objects(labels)
+        wide = scipy.ndimage.binary_dilation(wide, np.ones((3, 3)), iterations=_STEP)
+    parts = scipy.ndimage.find_objects(labels)
     left = [(x.start, y.start, x.stop - 1, y.stop - 1) for y, x in parts]
     while len(left) > 1:
         joined = {(i, j): _join(left[i], left[j]) for i in range(len(left)) for j in range(i)}

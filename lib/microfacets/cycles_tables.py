@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+import scipy
 from scipy.special import roots_legendre
 
 from ..blender_versions import Release, Versions
@@ -109,7 +109,7 @@ def _read(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray, tables: Table
     """A slice, rows of roughness and columns of the cosine, at both."""
     row = np.broadcast_to(np.sqrt(alpha), cos_o.shape) * tables.last
     column = np.clip(cos_o, 0.0, 1.0) ** (1.0 / tables.power) * tables.last
-    return map_coordinates(table, [row, column], order=1, mode="nearest")
+    return scipy.ndimage.map_coordinates(table, [row, column], order=1, mode="nearest")
 
 
 def _grid(tables: Tables) -> tuple[np.ndarray, np.ndarray]:

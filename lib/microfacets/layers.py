@@ -10,7 +10,7 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
+import scipy
 from scipy.special import roots_legendre
 
 from .albedo import integrate_albedo
@@ -86,7 +86,7 @@ def _tabulated(integral: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.n
     mu, alpha = np.maximum(root * root, _LEAST), np.maximum(roughness * roughness, _LEAST)
     values = np.stack([integral(mu, np.full_like(mu, a)) for a in alpha])
     fine = np.linspace(0.0, 1.0, _CELLS + 1)
-    table = np.clip(RectBivariateSpline(roughness, root, values)(fine, fine), 0.0, 1.0)
+    table = np.clip(scipy.interpolate.RectBivariateSpline(roughness, root, values)(fine, fine), 0.0, 1.0)
     table.flags.writeable = False
     return table
 

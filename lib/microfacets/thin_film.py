@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 LEAST_THICKNESS = 0.1
 """Nanometres from which on there is a film, as in Cycles."""
@@ -65,7 +65,7 @@ def exact_sensitivity() -> Sensitivity:
     wavelength = 1.0 / wavenumber[inside]
     colors = np.zeros((3, _FFT))
     colors[:, np.flatnonzero(inside)] = _REC709 @ (
-        CubicSpline(observer[:, 0], observer[:, 1:])(wavelength).T * wavelength**2
+        scipy.interpolate.CubicSpline(observer[:, 0], observer[:, 1:])(wavelength).T * wavelength**2
     )
     colors /= colors.sum(axis=1, keepdims=True)
     table = np.fft.ifft(colors, axis=1, norm="forward")[:, :_FARTHEST]
@@ -79,7 +79,7 @@ def cycles_sensitivity() -> Sensitivity:
     frequency = np.linspace(0.0, np.pi * (2 * _CYCLES_NODES - 3) / _CYCLES_END, 2 * _CYCLES_NODES - 2)
     frequency[0] = 1e-40
     padded = np.concatenate([[[359.0, 0.0, 0.0, 0.0]], observer, [[831.0, 0.0, 0.0, 0.0]]])
-    spline = CubicSpline(padded[:, 0], padded[:, 1:], extrapolate=False)
+    spline = scipy.interpolate.CubicSpline(padded[:, 0], padded[:, 1:], extrapolate=False)
     resampled = np.nan_to_num(spline(1000.0 / frequency) / np.square(frequency)[:, None])
     table = (_REC709 @ np.fft.rfft(resampled, axis=0).T).conj()
     table /= table[:, :1].real

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 from scipy.special import ndtr, ndtri
 
 FIRST_LOOK = 8
@@ -121,4 +121,4 @@ def _rejecting(before: _State, scale: float, step: float, spend: float) -> float
         return float(before.weights @ ndtr((before.points - z * scale) / step)) - spend
 
     plain = float(-ndtri(spend))
-    return plain if excess(plain) >= 0 else brentq(excess, 0.0, plain, xtol=1e-9)
+    return plain if excess(plain) >= 0 else scipy.optimize.brentq(excess, 0.0, plain, xtol=1e-9)

@@ -8,6 +8,7 @@ import pytest
 from etalon.lib.sampling.sobol import RandomSampler, SobolSampler, owen_scramble, sobol_pairs
 from etalon.tests.chi2 import sidak
 from scipy import stats
+from scipy.stats import qmc
 
 LEVEL = 1e-4
 DIMENSIONS = (0, 1, 2, 3, 7, 40)
@@ -55,6 +56,13 @@ def test_sobol_is_the_van_der_corput_sequence_and_its_partner():
     reversed_bits = np.array([int(f"{i:08b}"[::-1], 2) for i in index]) / 256.0
     np.testing.assert_array_equal(np.sort(x * 2.0**-32), np.sort(reversed_bits))
     assert is_net((x * 2.0**-32)[None], (y * 2.0**-32)[None])
+
+
+def test_sobol_points_are_those_of_scipy():
+    """SciPy visits the same points by Gray code."""
+    expected = qmc.Sobol(2, scramble=False, bits=32).random_base2(9).T
+    index = np.arange(512)
+    np.testing.assert_array_equal(sobol_pairs(9)[:, index ^ index >> 1] * 2.0**-32, expected)
 
 
 def common_bits(x, y):
