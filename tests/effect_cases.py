@@ -45,6 +45,7 @@ from etalon.lib.scene.materials import (
     WeightedClosure,
 )
 from etalon.lib.scene.scene import Transport
+from etalon.lib.scene.volumes import Volume
 from etalon.lib.scene.world import World
 from etalon.tests.scenes import (
     color,
@@ -52,6 +53,7 @@ from etalon.tests.scenes import (
     diffuse,
     emission,
     floor,
+    glass,
     glossy,
     icosphere,
     material,
@@ -117,6 +119,8 @@ SHADOWLESS = replace(AREA, casts_shadow=False)
 NEAR_ONLY = replace(AREA, max_bounces=0)
 UNREFLECTED = replace(AREA, rays=rays.DIFFUSE)
 OPAQUE_SHADOW = replace(material(Transparent(color(0.8))), transparent_shadows=False)
+TINTED = replace(glass(1.5), volume=Volume((0.2, 0.5, 0.9)))
+BOUNDS = Material("bounds", (), volume=Volume((0.2, 0.5, 0.9)), only_bounds=True)
 COATED = [material(Diffuse(color(0.5)), Glossy("GGX", color(0.3), HALF)), diffuse(0.8)]
 LAMP = of(Emission(color(1.0)))
 CROWDED_LAMP = scene(CROWD, [diffuse(0.5), emission(1.0)], CAMERA)
@@ -223,6 +227,14 @@ CASES = {
     "transparent surfaces": (
         [of(Transparent(color(0.5))), of(Diffuse(), Transparent(color(0.1))), UNKNOWN],
         [PLAIN, of(Transparent(color(0.0))), of(Glass())],
+    ),
+    "volumes": (
+        [
+            scene(cube(material=1), [diffuse(0.5), TINTED], CAMERA),
+            replace(PLAIN, world=World(color(0.0), volume=Volume((0.1, 0.2, 0.3)))),
+            scene([cube(), floor(2.0, -1.5, 1)], [BOUNDS, diffuse(0.5)], CAMERA),
+        ],
+        [PLAIN, scene(cube(), glass(1.5), CAMERA), scene(cube(), replace(TINTED, volume=Volume()), CAMERA)],
     ),
     "emission": (
         [of(Emission(color(1.0))), CROWDED_LAMP],

@@ -3,21 +3,26 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import bpy
 
+from ...lib.effects.facts import adds_nothing
 from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.materials import Diffuse, Emission, Material, Specular, WeightedClosure
 from ...lib.scene.rays import RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
+from ...lib.scene.volumes import Volume
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, inputs, is_constant, walk
 from .nodes.displacement import read_bump, refuse_beside_bump
 from .nodes.images import ImageTable
-from .nodes.shaders import make_shader_reader
+from .nodes.shaders import make_shader_reader, make_volume_reader
 from .nodes.tree import Scope, TreeReader, valid_link
 from .nodes.values import VALUES
+from .nodes.volumes import read_volume
 from .properties.declared import refuse_undeclared
 
 _GREY = Diffuse(ex.Constant((0.8, 0.8, 0.8)))
@@ -49,10 +54,18 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     refuse_undeclared(owner, "material", material, refusals)
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
     bump_only = material.displacement_method == "BUMP"
-    lobes = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
+    read = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
+    lobes, volume = read.lobes, read.volume
     flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
     _refuse_flags(owner, flags, "its emission", refusals)
-    return Material(material.name, tuple(lobes), transparent_shadows=material.use_transparent_shadow)
+    return Material(
+        material.name,
+        tuple(lobes),
+        # Cycles takes no notice of the switch beside a volume (scene/shader.cpp).
+        transparent_shadows=material.use_transparent_shadow or volume is not None,
+        volume=volume,
+        only_bounds=volume is not None and not read.has_surface,
+    )
 
 
 def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list[Refusal]) -> World:
@@ -69,7 +82,8 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
         return World(ex.Constant((r, g, b)), _NO_TABLE, rays)
     folder = Folder()
     radiance = ex.BLACK
-    for lobe in _read_tree(world.node_tree, owner, True, images, refusals):
+    read = _read_tree(world.node_tree, owner, True, images, refusals)
+    for lobe in read.lobes:
         assert isinstance(lobe.closure, Emission)
         strength = ex.ValueToColor(ex.Math("MULTIPLY", lobe.weight, lobe.closure.strength, ex.ZERO))
         glow = ex.Mix(ex.ONE, lobe.closure.color, strength, blend="MULTIPLY")
@@ -77,7 +91,7 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
     radiance = folder(radiance)
     if not all(isinstance(leaf, ex.Constant | ex.RayFlag) for leaf in walk(radiance) if not inputs(leaf)):
         _refuse_flags(owner, flags_in(World(radiance)), "a world that depends on the direction", refusals)
-    return World(radiance, _table_resolution(radiance, images), rays)
+    return World(radiance, _table_resolution(radiance, images), rays, read.volume)
 
 
 def _refuse_flags(owner: str, flags: set[str], where: str, refusals: list[Refusal]) -> None:
@@ -92,6 +106,14 @@ def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
     return owner.node_tree is not None and (bpy.app.version >= (5, 0, 0) or owner.use_nodes)
 
 
+class _Tree(NamedTuple):
+    """The lobes of a surface or world, whether there is any that Cycles would keep, and the volume, if one is linked."""
+
+    lobes: list[WeightedClosure]
+    has_surface: bool
+    volume: Volume | None
+
+
 def _read_tree(
     tree: bpy.types.NodeTree,
     owner: str,
@@ -100,29 +122,30 @@ def _read_tree(
     refusals: list[Refusal],
     bump_only: bool = False,
     pass_index: int = 0,
-) -> list[WeightedClosure]:
+) -> _Tree:
     output = tree.get_output_node("CYCLES")
     if output is None:
-        return []
+        return _Tree([], False, None)
     scope = Scope()
     values = TreeReader(owner, is_world, images, refusals, VALUES, pass_index)
     values.check(output, scope)
-    volume, displacement = output.inputs.get("Volume"), output.inputs.get("Displacement")
-    if volume is not None and valid_link(volume):
-        refusals.append(Refusal(owner, f"a volume (node '{output.name}', socket 'Volume')", "unlink Volume"))
+    surface, displacement = output.inputs["Surface"], output.inputs.get("Displacement")
     if displacement is not None and valid_link(displacement):
         bump = read_bump(values, displacement, scope) if bump_only else None
         if bump is None:
             what = f"displacement (node '{output.name}', socket 'Displacement')"
             refusals.append(Refusal(owner, what, "unlink Displacement, or choose Bump Only and a Displacement node"))
         values.surface_normal = bump
-    lobes = make_shader_reader(values).lobes(output.inputs["Surface"], scope)
+    lobes = make_shader_reader(values).lobes(surface, scope)
+    volume = read_volume(make_volume_reader(values), output.inputs["Volume"], scope)
     if values.surface_normal is not None:
         refusals.extend(refuse_beside_bump(owner, lobes))
     for key, (node, where) in values.alpha_expected.items():
         if key not in values.alpha_read:
             values.refuse(node, where, ", output 'Alpha', whose links lead nowhere,", "unlink Alpha")
-    return lobes
+    # Cycles drops emission that gives no light, and takes what is left of the surface for unlinked.
+    dark = bool(lobes) and all(isinstance(lobe.closure, Emission) and adds_nothing(lobe) for lobe in lobes)
+    return _Tree(lobes, values.trace(surface, scope).linked and not dark, volume)
 
 
 def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int, int]:

@@ -17,7 +17,7 @@ from ...lib.scene.scene import Scene, Transport
 from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
 from ...lib.textures.skipped_tiles import skipped_tiles
-from ...lib.wavefront.refuse import refuse_linked_faces
+from ...lib.wavefront.refuse import refuse_linked_faces, refuse_volumes
 from .camera import read_camera
 from .lights import read_light
 from .links import LinkTable
@@ -80,6 +80,7 @@ def export_scene(
     )
     validate(result)
     refuse_linked_faces(result)
+    refuse_volumes(result)
     return result
 
 
@@ -169,6 +170,11 @@ def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) 
                 found = unreadable(faces_of(thing), name)
                 if found is not None:
                     materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", *found))
+            volume = materials.materials[index].volume
+            for name in volume.attributes if volume is not None else ():
+                if name in faces_of(thing).attributes:
+                    what = f"attribute '{name}', by which a heterogeneous volume varies,"
+                    materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", what, "rename it"))
 
 
 def _check_tiles(mesh: Mesh, materials: MaterialTable) -> None:

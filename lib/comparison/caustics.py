@@ -57,7 +57,7 @@ class Caustics:
 def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
     """A pass of light tracing in a small share of the time.
 
-    None where the camera is panoramic, which cannot be connected to, and where masks of rays decide who sees whom.
+    None where the camera is panoramic, which cannot be connected to, where masks of rays decide who sees whom, and where there are volumes.
 
     Raises Cancelled.
     """

@@ -24,7 +24,7 @@ from ..scene.materials import (
     Velvet,
 )
 from ..textures.patterns import PATTERNS
-from . import masks, surface, transport
+from . import masks, surface, transport, volumes
 from .facts import is_smooth, is_zero
 from .names import Effect, Stage
 from .surface import Question, closure, distribution, is_rough, socket
@@ -71,6 +71,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.VELVET, Stage.SHADE, closure(Velvet)),
     Entry(Effect.TOON, Stage.SHADE, closure(Toon)),
     Entry(Effect.TRANSPARENT_SURFACES, Stage.PASS_THROUGH, transport.transparency),
+    Entry(Effect.VOLUMES, Stage.VOLUMES, volumes.volumes),
     Entry(Effect.EMISSION, Stage.EMISSION, transport.emission),
     # Nodes that sockets read.
     Entry(Effect.IMAGE_TEXTURES, Stage.SHADE, socket((ImageTexture, EnvironmentTexture), "no socket reads an image")),

@@ -122,7 +122,15 @@ class Facts:
     @property
     def transparent(self) -> list[str]:
         """Names of the materials that light passes straight, or may pass."""
-        return self.named(Transparent) + self.unknown
+        bounds = [material.name for material in self.materials if material.only_bounds]
+        return self.named(Transparent) + self.unknown + bounds
+
+    @cached_property
+    def volumes(self) -> list[str]:
+        """Names of the materials whose volumes do something to light, and 'world' for the world's."""
+        owners = [(material.name, material.volume) for material in self.materials]
+        owners.append(("world", self.scene.world.volume))
+        return [name for name, volume in owners if volume is not None and not volume.is_empty]
 
     @cached_property
     def rough(self) -> list[str]:
@@ -144,5 +152,7 @@ class Facts:
     @cached_property
     def meets_again(self) -> Answer:
         """Whether what leaves a face can meet another, and the fact that says so."""
+        if self.volumes:
+            return True, f"rays are followed through the volume of '{self.volumes[0]}'"
         behind = self.named((Glass, Refraction, Translucent))
         return meets_again(self.scene.mesh, self.scene.camera, behind + self.transparent)

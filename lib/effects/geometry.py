@@ -11,6 +11,7 @@ import numpy as np
 from ..scene.camera import Camera
 from ..scene.mesh import Mesh
 from ..scene.rays import EVERY
+from ..scene.shells import directed_edges, weld
 from ..vectors import cross, dot
 
 Answer = tuple[bool, str]
@@ -112,10 +113,7 @@ def _planes(mesh: Mesh, center: np.ndarray, faces: np.ndarray) -> _Planes:
 
 def _closed(mesh: Mesh) -> bool:
     """Whether every edge belongs to two faces that run along it in opposite directions; vertices in one place count as one."""
-    places, welded = np.unique(mesh.vertices + 0.0, axis=1, return_inverse=True)
-    a, b, c = welded.reshape(-1)[mesh.triangles].astype(np.int64)
-    start, end, count = np.concatenate([a, b, c]), np.concatenate([b, c, a]), places.shape[1]
-    along, against = np.sort(start * count + end), np.sort(end * count + start)
+    along, against = directed_edges(weld(mesh.vertices, mesh.triangles))
     return bool(np.all(along == against) and np.all(along[1:] != along[:-1]))
 
 

@@ -38,6 +38,7 @@ class Effect(StrEnum):
     VELVET = "velvet"
     TOON = "toon"
     TRANSPARENT_SURFACES = "transparent surfaces"
+    VOLUMES = "volumes"
     EMISSION = "emission"
 
     IMAGE_TEXTURES = "image textures"
@@ -77,6 +78,7 @@ class Stage(StrEnum):
 
     CAMERA = "camera"
     INTERSECT = "intersect"
+    VOLUMES = "volumes"
     EMISSION = "emission"
     SURFACE = "surface"
     PASS_THROUGH = "pass through"

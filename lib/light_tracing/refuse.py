@@ -39,7 +39,7 @@ def refuse_unsupported(kernel: Kernel) -> None:
 
 
 def masks_not_traced(kernel: Kernel) -> list[str]:
-    """Which masks of rays the scene has that paths from the lights do not know."""
+    """Which masks of rays the scene has that paths from the lights do not know, and whether it has volumes."""
     names = {
         Effect.RAY_KINDS: "ray visibility by light tracing",
         Effect.SHADOWS_APART: "shadow visibility by light tracing",
@@ -47,6 +47,7 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
         Effect.LINKED_LIGHTS: "light linking by light tracing",
         Effect.LINKED_SHADOWS: "shadow linking by light tracing",
         Effect.LIGHT_BOUNCES: "limits of a light's bounces by light tracing",
+        Effect.VOLUMES: "volumes by light tracing",
     }
     return [what for effect, what in names.items() if kernel.plan.needs(effect)]
 

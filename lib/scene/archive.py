@@ -28,6 +28,7 @@ from . import (
     procedural,
     scene,
     sky,
+    volumes,
     world,
 )
 from .checks import validate
@@ -50,6 +51,7 @@ _CLASSES = {
         procedural,
         scene,
         sky,
+        volumes,
         world,
     )
     for kind in vars(module).values()

@@ -21,6 +21,7 @@ from .mesh import FARTHEST, Mesh, near
 from .rays import EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
+from .volumes import MOST_ANISOTROPY, Volume
 
 _UNIT = 1e-3
 _ENCODINGS = ("SRGB", "LINEAR", "DATA")
@@ -41,7 +42,9 @@ def validate(scene: Scene) -> None:
         _check_expressions(f"material '{material.name}'", material, scene)
         for lobe in material.lobes:
             _check_emission(f"material '{material.name}'", lobe)
+        _check_volume(f"material '{material.name}'", material.volume)
     _check_expressions("world", scene.world, scene)
+    _check_volume("world", scene.world.volume)
     _demand(min(scene.world.table_resolution) >= 1, "world", "its sampling table is empty")
     _demand(scene.transport.max_bounces >= 0, scene.name, "its number of bounces is negative")
     release = scene.blender is None or (len(scene.blender) == 2 and all(isinstance(n, int) for n in scene.blender))
@@ -197,6 +200,15 @@ def _check_emission(owner: str, lobe: WeightedClosure) -> None:
         {node.flag for node in _nodes(lobe) if isinstance(node, RayFlag)} if isinstance(lobe.closure, Emission) else ()
     )
     _demand(set(flags) <= set(STEADY_FLAGS), owner, "its emission depends on the kind of ray")
+
+
+def _check_volume(owner: str, volume: Volume | None) -> None:
+    if volume is not None:
+        _demand(all(map(math.isfinite, _numbers(volume))), owner, "its volume is not finite")
+        coefficients = (*volume.absorption, *volume.emission, *(s for phase in volume.phases for s in phase.scattering))
+        _demand(min(coefficients) >= 0.0, owner, "a coefficient of its volume is negative")
+        turns = [abs(phase.anisotropy) for phase in volume.phases]
+        _demand(max(turns, default=0.0) <= MOST_ANISOTROPY, owner, f"its anisotropy is beyond {MOST_ANISOTROPY}")
 
 
 def _nodes(root: Any) -> Iterator[Any]:

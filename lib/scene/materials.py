@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .expressions import ONE, WHITE, ZERO, Constant, Expression
+from .volumes import Volume
 
 
 @dataclass(frozen=True)
@@ -232,10 +233,13 @@ class Material:
 
     `unknown` says what of it is not simulated, '' where all is. What such a material does to light is not known: it has no
     lobes, paths end there, and what they would have brought is missing from their pixels. Shadow rays pass through what is transparent of
-    it only with `transparent_shadows`.
+    it only with `transparent_shadows`. `volume` fills what the faces of an object enclose, None: nothing does. Faces that are `only_bounds`
+    of it let light pass as if they were not there.
     """
 
     name: str
     lobes: tuple[WeightedClosure, ...]
     unknown: str = ""
     transparent_shadows: bool = True
+    volume: Volume | None = None
+    only_bounds: bool = False

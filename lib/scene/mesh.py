@@ -11,6 +11,7 @@ import numpy as np
 from .links import UNLINKED, Links
 from .overlaps import Overlaps, find_overlaps
 from .rays import EVERY
+from .shells import find_defect
 
 FARTHEST = 1e18
 """Coordinates beyond this are refused: their squares leave single precision, in which both renderers look for hits."""
@@ -73,3 +74,15 @@ class Mesh:
     def overlaps(self) -> Overlaps:
         """The triangles that overlap in one plane, searched for when first asked."""
         return find_overlaps(self.vertices, self.triangles)
+
+    def find_defect(self, object_index: int, material_index: int) -> str:
+        """Why the faces of an object with a material do not say what is inside them (shells.py), searched for once."""
+        key = object_index, material_index
+        if key not in self._defects:
+            faces = (self.object_index == object_index) & (self.material_index == material_index)
+            self._defects[key] = find_defect(self.vertices, self.triangles[:, faces])
+        return self._defects[key]
+
+    @cached_property
+    def _defects(self) -> dict[tuple[int, int], str]:
+        return {}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from .expressions import BLACK, Expression
 from .rays import SEEN
+from .volumes import Volume
 
 
 @dataclass(frozen=True)
@@ -14,9 +15,10 @@ class World:
     """`radiance` as a colour expression of the direction ('GENERATED' coordinates), W m^-2 sr^-1.
 
     `table_resolution` (width, height) is that of the equirectangular sampling table; it only steers where samples go.
-    `rays` is the mask of the rays that see the world (rays.py).
+    `rays` is the mask of the rays that see the world (rays.py). `volume` fills all space, None: nothing does.
     """
 
     radiance: Expression = BLACK
     table_resolution: tuple[int, int] = (1024, 512)
     rays: int = SEEN
+    volume: Volume | None = None

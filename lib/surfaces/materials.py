@@ -22,7 +22,7 @@ from .surface import SurfacePoints
 class PreparedMaterial:
     """One material, ready to be asked at points. With `prunes` lobes that add nothing are left out.
 
-    `shadows`: shadow rays take it for opaque.
+    `shadows`: shadow rays take it for opaque. `only_bounds`: its faces do nothing but bound a volume.
     `tables`: those of Cycles, by which multiple scattering departs, or None.
     """
 
@@ -37,7 +37,8 @@ class PreparedMaterial:
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
         self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
         self.emits = bool(self._emissions)
-        self.transparent = bool(self._transparencies)
+        self.only_bounds = material.only_bounds
+        self.transparent = bool(self._transparencies) or self.only_bounds
         self.shadows = not material.transparent_shadows
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
@@ -60,7 +61,7 @@ class PreparedMaterial:
 
     def transparency(self, points: SurfacePoints) -> np.ndarray:
         """The factor on light that passes straight through, (3, 1) or (3, n)."""
-        total = np.zeros((3, 1))
+        total = np.full((3, 1), float(self.only_bounds))
         for weight, closure in self._transparencies:
             total = total + self._color(weight, closure, points)
         return total

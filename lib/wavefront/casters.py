@@ -36,12 +36,12 @@ class PartCaster:
 class Casters:
     """One caster for each set of objects that rays of some kind meet; those of the same set share it.
 
-    `whole` meets every object. `viewpoint` (3,) is the camera's place, for the frame that all of them share.
+    `whole` meets every object, in the `frame` that all share. `viewpoint` (3,) is the camera's place, for the frame.
     """
 
     def __init__(self, mesh: Mesh, viewpoint: np.ndarray) -> None:
-        self._mesh, self._frame = mesh, find_frame(mesh, viewpoint)
-        self.whole = Raycaster(mesh, self._frame)
+        self._mesh, self.frame = mesh, find_frame(mesh, viewpoint)
+        self.whole = Raycaster(mesh, self.frame)
         self._parts: dict[tuple[bool, ...], PartCaster] = {}
 
     def for_bits(self, bits: int) -> Raycaster | PartCaster:
@@ -57,5 +57,5 @@ class Casters:
         if all(met):
             return self.whole
         if met not in self._parts:
-            self._parts[met] = PartCaster(self._mesh, self._frame, np.array(met))
+            self._parts[met] = PartCaster(self._mesh, self.frame, np.array(met))
         return self._parts[met]

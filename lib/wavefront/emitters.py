@@ -74,6 +74,8 @@ class Emitters:
             density = light.pdf(np.take(start, at, axis=1), np.take(direction, at, axis=1), distance[at])
             arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
             arriving *= self._weight(paths.pdf[index], k, density)
+            if kernel.media is not None:  # what is between the last face and here is no part of the throughput yet
+                arriving *= kernel.media.transmittance(paths.medium[index], distance[at] - paths.travelled[index])
             self._add(paths, index, arriving, LightPass.EMISSION)
 
     def _mirrored(self, paths: Paths, light: LightSampler, k: int, near: np.ndarray) -> np.ndarray:
@@ -103,6 +105,8 @@ class Emitters:
         if escaped.size == 0 or (kernel.sky is None and not self._asks_world):
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
+        if kernel.media is not None:
+            throughput *= kernel.media.transmittance(paths.medium[escaped], np.full(escaped.size, np.inf))
         if kernel.sky is not None:  # no light sampling competes for a constant sky
             self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT)
             return

@@ -14,7 +14,8 @@ class Flow:
     """The loop of one kernel.
 
     has_lens: camera rays start on a lens. hides: some objects hide from camera rays. several_materials: hits are sorted by material.
-    transparent: light passes faces straight. second_hits, last_hits: what rays meet after the first face, and at their end, matters.
+    transparent: light passes faces straight, or volumes. second_hits, last_hits: what rays meet after the first face, and at their end,
+    matters.
     emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
     the first one. disperses: an index depends on the wavelength. roulette: weak paths end at random.
@@ -43,7 +44,7 @@ class Flow:
             has_lens=needs(Effect.DEPTH_OF_FIELD),
             hides=needs(Effect.HIDDEN_OBJECTS) and kernel.sight.class_of is None,
             several_materials=needs(Effect.SEVERAL_MATERIALS),
-            transparent=needs(Effect.TRANSPARENT_SURFACES),
+            transparent=needs(Effect.TRANSPARENT_SURFACES) or needs(Effect.VOLUMES),
             second_hits=needs(Effect.SECOND_HITS) or kernel.coplanar is not None,
             last_hits=needs(Effect.LAST_HITS),
             emission=needs(Effect.EMISSION),

@@ -32,7 +32,8 @@ from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
 from .emissive import EmissiveMesh
-from .refuse import refuse_linked_faces
+from .media import Media
+from .refuse import refuse_linked_faces, refuse_volumes
 from .sight import Sight
 
 LIGHT_BELOW = "light below the face"
@@ -47,7 +48,7 @@ class Kernel:
     world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for those of the same switches.
     `one_sided`: all light leaves a face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which.
     `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
-    others; both belong to departures.
+    others; both belong to departures. `media` are the volumes, where there are any.
     A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
     """
@@ -55,12 +56,14 @@ class Kernel:
     def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
         refuse_absent(scene, options.departures)
         refuse_linked_faces(scene)
+        refuse_volumes(scene)
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
         same = like if like is not None and like.scene.mesh is scene.mesh else None
         self._casters = Casters(scene.mesh, scene.camera.world_from_camera[:, 3]) if same is None else same._casters
         self.caster = self._casters.whole
+        self.media = Media(self.scene, self._casters) if plan.needs(Effect.VOLUMES) else None
         self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
         self.images = ImageSet(
             scene.images,
@@ -141,6 +144,11 @@ class Kernel:
         """Whether the materials of triangles (n,) are not known, (n,) bool."""
         unknown = np.array([material.unknown for material in self.materials])
         return np.take(unknown, np.take(self.material_of, triangle))
+
+    def is_counted(self, triangle: np.ndarray) -> np.ndarray:
+        """Whether triangles (n,) count among the transparent ones that a ray passes: those that only bound volumes do not, (n,) bool."""
+        counted = np.array([not material.only_bounds for material in self.materials])
+        return np.take(counted, np.take(self.material_of, triangle))
 
     def world(self, direction: np.ndarray, flags: np.ndarray | int = 0) -> np.ndarray:
         """The world's radiance from unit directions (3, n), as rays of these `flags` see it."""

@@ -57,11 +57,15 @@ def split(
     stops = np.cumsum([n for _, n in counts])
     kept = [(material, int(stop - n), int(stop)) for (material, n), stop in zip(counts, stops, strict=True) if n]
     return Split(
-        _passed(paths, points, distance, offset, factor, chance, np.flatnonzero(passes)), index, kept, 1.0 - chance
+        _passed(kernel, paths, points, distance, offset, factor, chance, np.flatnonzero(passes)),
+        index,
+        kept,
+        1.0 - chance,
     )
 
 
 def _passed(
+    kernel: Kernel,
     paths: Paths,
     points: SurfacePoints,
     distance: np.ndarray,
@@ -74,7 +78,9 @@ def _passed(
     going.throughput *= np.take(factor, index, axis=1) / chance[index]
     going.origin = np.take(points.position, index, axis=1) - np.take(points.ng, index, axis=1) * offset[index]
     going.travelled += distance[index]
-    going.passed += 1
+    going.passed += 1 if kernel.media is None else kernel.is_counted(points.triangle[index])
+    if kernel.media is not None:
+        going.medium = kernel.media.crossed(paths.medium, points, np.ones(paths.size, bool))[index]
     if going.left is not None:
         going.left = points.triangle[index]
     return going

@@ -19,7 +19,8 @@ class Paths:
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
     its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different things. `left`, the
     triangle that the ray left, is kept only where rays meet others in its plane. `receiver` (n,), the set of linked objects that scattered
-    the ray, -1 for camera rays, is kept only where lights are linked. `at_camera` says that
+    the ray, -1 for camera rays, is kept only where lights are linked. `medium` (n,), the number of what the ray is in (media.py), is kept only
+    where there are volumes. `at_camera` says that
     these are the camera rays themselves.
     """
 
@@ -38,6 +39,7 @@ class Paths:
     ray_class: np.ndarray | None = None
     left: np.ndarray | None = None
     receiver: np.ndarray | None = None
+    medium: np.ndarray | None = None
     at_camera: bool = False
 
     @property

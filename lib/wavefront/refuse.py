@@ -3,9 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
 from ..effects.facts import Facts
 from ..errors import Refusal, Refused
 from ..scene.links import EVERY_SET
+from ..scene.rays import EVERY
 from ..scene.scene import Scene
 
 
@@ -18,3 +23,34 @@ def refuse_linked_faces(scene: Scene) -> None:
     what = f"shadow linking of its faces beside the smooth material '{facts.smooth[0]}'"
     if linked:
         raise Refused([Refusal(f"object '{name}'", what, "use a light, or remove its blockers") for name in linked])
+
+
+def refuse_volumes(scene: Scene) -> None:
+    """Raise Refused where faces do not say what is in their volume, or where some rays would not know that they enter it."""
+    if not Facts(scene).volumes:
+        return
+    refusals = list(_of_bounds(scene))
+    emitters = (*scene.lights, *scene.mesh.objects)
+    linked = [one.name for one in emitters if one.links.blockers != EVERY_SET]
+    remedy = "remove the blockers, or the volume"
+    refusals += [Refusal(f"'{name}'", "shadow linking beside a volume", remedy) for name in linked]
+    if refusals:
+        raise Refused(refusals)
+
+
+def _of_bounds(scene: Scene) -> Iterator[Refusal]:
+    """What is wrong with the faces that bound volumes."""
+    mesh, count = scene.mesh, len(scene.materials)
+    key = mesh.object_index.astype(np.int64) * count + mesh.material_index
+    for thing, material in (divmod(k, count) for k in np.unique(key).tolist()):
+        volume = scene.materials[material].volume
+        if volume is None or volume.is_empty:
+            continue
+        owner, name = f"object '{mesh.objects[thing].name}'", scene.materials[material].name
+        defect = mesh.find_defect(thing, material)
+        if defect:
+            remedy = "close the mesh, with all faces of this material and turned outwards"
+            yield Refusal(owner, f"the volume of material '{name}', because {defect},", remedy)
+        if mesh.objects[thing].rays != EVERY:
+            what = f"the volume of material '{name}' in an object that some rays do not meet"
+            yield Refusal(owner, what, "switch its ray visibility on")

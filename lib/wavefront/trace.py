@@ -45,6 +45,9 @@ class Tracer:
             self._emitters.lights_met(paths, hits)
             self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
             self._clock.lap(Stage.EMISSION)
+            if self._kernel.media is not None:
+                paths.throughput *= self._kernel.media.transmittance(paths.medium, hits.distance)
+                self._clock.lap(Stage.VOLUMES)
             paths = self._scatter(paths, hits, step)
             reach = None
             step += 1
@@ -130,6 +133,8 @@ class Tracer:
             paths.left = np.full(count, -1, np.int32)
         if self._kernel.sight.receiver_of is not None:
             paths.receiver = np.full(count, -1, np.intp)
+        if self._kernel.media is not None:
+            paths.medium = self._kernel.media.around(rays.origin)
         if self._flow.disperses:
             paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
             paths.awaits_color = np.ones(count, bool)
@@ -266,11 +271,12 @@ class Tracer:
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
         rays = origin, direction, sample.distance[index]
+        medium = self._medium_beyond(paths, origins.points, index, direction)
         if self._kernel.sight.shadow_of is None:
-            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays)
+            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays, medium=medium)
         else:
             number = np.broadcast_to(light.number, paths.pixel.shape)[index]
-            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays)
+            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays, medium)
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
         if self._kernel.coplanar is not None:
@@ -283,6 +289,13 @@ class Tracer:
         if through.shape[0] == 3:
             arriving *= np.take(through, lit, axis=1)
         self._add_arriving(paths, index, arriving, shaded.direct_shares)
+
+    def _medium_beyond(
+        self, paths: Paths, points: SurfacePoints, index: np.ndarray, direction: np.ndarray
+    ) -> np.ndarray | None:
+        """What rays are in that leave the points at `index` along `direction` (3, k), where there are volumes."""
+        media = self._kernel.media
+        return None if media is None else media.beyond(paths.medium[index], points.at(index), direction)
 
     def _add_arriving(self, paths: Paths, index: np.ndarray, arriving: np.ndarray, shares: np.ndarray | None) -> None:
         """Add the light (3, n) of the paths at `index`, of which the families of lobes have the `shares` of all paths."""
@@ -321,6 +334,7 @@ class Tracer:
             following.ray_class = np.ones(index.size, np.intp) if one else np.take(shaded.ray_class, index)
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
+        following.medium = self._medium_beyond(paths, origins.points, index, following.direction)
         if self._kernel.sight.receiver_of is not None:
             following.receiver = np.take(self._kernel.sight.receiver_of, origins.points.triangle[index])
         if self._flow.transparent:

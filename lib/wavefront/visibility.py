@@ -20,12 +20,14 @@ def transmittance(
     reach: np.ndarray,
     to_camera: bool = False,
     caster: Raycaster | PartCaster | None = None,
+    medium: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What part of the light arrives over distance `reach`, (1, n) or (3, n), and which rays a material that is not known ends, (k,).
 
     Opaque scenes need one occlusion query. Where materials are `transparent` the ray goes on through them, at most
     `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the light, meet only what the
     camera sees, and pass faces as the camera sees them. `caster` meets what hides the light, where that is not what shadow rays meet.
+    `medium` (n,) is what they begin in, where there are volumes.
     """
     if caster is None:
         caster = kernel.sight.camera if to_camera else kernel.sight.shadow
@@ -36,8 +38,11 @@ def transmittance(
     through = np.ones_like(direction)
     active = np.arange(direction.shape[1])
     start, left = origin, reach.copy()
-    for _ in range(kernel.scene.transport.transparent_max_bounces + 1):
+    passes = np.full(active.size, kernel.scene.transport.transparent_max_bounces)
+    while True:
         hits = caster.closest(start, direction[:, active], np.minimum(left, 1e30))
+        if medium is not None:
+            through[:, active] *= kernel.media.transmittance(medium, np.minimum(hits.distance, left))
         met = np.flatnonzero(hits.triangle >= 0)
         if met.size == 0:
             return through, unknown
@@ -49,18 +54,26 @@ def transmittance(
         placed, ng, offset = kernel.caster.on_plane(triangle, point)
         points = SurfacePoints(kernel.tables, triangle, hits.u[met], hits.v[met], placed, ng, viewer * along)
         through[:, active] *= kernel.shadow_transparency(points)
+        passes = passes[met] - (1 if medium is None else kernel.is_counted(triangle))
+        through[:, active[passes < 0]] = 0.0
         start = placed + ng * np.copysign(offset, dot(ng, along))
         left = left[met] - hits.distance[met] - offset
         alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
-        active, start, left = active[alive], start[:, alive], left[alive]
+        if medium is not None:
+            medium = kernel.media.crossed(medium[met], points, np.ones(met.size, bool))[alive]
+        active, start, left, passes = active[alive], start[:, alive], left[alive], passes[alive]
         if active.size == 0:
             return through, unknown
-    through[:, active] = 0.0
-    return through, unknown
 
 
 def transmittance_to(
-    kernel: Kernel, transparent: bool, number: np.ndarray, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+    kernel: Kernel,
+    transparent: bool,
+    number: np.ndarray,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    reach: np.ndarray,
+    medium: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `transmittance`, towards the lights `number` (n,), each of which is hidden by the objects linked to its shadows."""
     sight = kernel.sight
@@ -69,7 +82,8 @@ def transmittance_to(
     for k in np.unique(group):
         index = np.flatnonzero(group == k)
         rays = np.take(origin, index, axis=1), np.take(direction, index, axis=1), reach[index]
-        part, ended = transmittance(kernel, transparent, *rays, caster=sight.shadow_casters[k])
+        start = None if medium is None else medium[index]
+        part, ended = transmittance(kernel, transparent, *rays, caster=sight.shadow_casters[k], medium=start)
         through[:, index] = part
         unknown.append(index[ended])
     return through, np.concatenate(unknown)

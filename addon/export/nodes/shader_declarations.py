@@ -118,6 +118,19 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
     "ShaderNodeOutputWorld": Declaration(
         reads=("Surface", "Volume"), properties={"target": None, "is_active_output": None}
     ),
+    "ShaderNodeVolumeAbsorption": Declaration(reads=("Color", "Density")),
+    "ShaderNodeVolumePrincipled": Declaration(
+        reads=(
+            "Color",
+            "Color Attribute",
+            "Density",
+            "Density Attribute",
+            "Absorption Color",
+            "Emission Strength",
+            "Blackbody Intensity",
+        ),
+        idle=("Anisotropy", "Emission Color", "Blackbody Tint", "Temperature", "Temperature Attribute"),
+    ),
     "ShaderNodeTangent": Declaration(
         properties={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("X", "Y", "Z"), "uv_map": None}
     ),

@@ -34,13 +34,14 @@ class ShaderReader:
     """Reads shader sockets into lobes.
 
     Values are read by `values` and folded by one `folder`, so that what is shared stays shared. `readers` has the function for each type of
-    shader node, by Blender's identifier, and `combiners` those that pass others on; a type that is in neither is refused.
+    shader node, by Blender's identifier, and `combiners` those that pass others on; a type that is in neither is refused; `home` says where.
     """
 
     values: TreeReader
     folder: Folder
     readers: Mapping[str, ReadShader]
     combiners: Mapping[str, ReadParts]
+    home: str
 
     def lobes(self, socket: bpy.types.NodeSocket, scope: Scope) -> list[mt.WeightedClosure]:
         """The lobes that reach the shader input `socket`.
@@ -100,9 +101,8 @@ class ShaderReader:
             return [self.lobe(_glow(self.values, source), weight)]
         reader = self.readers.get(node.bl_idname)
         if reader is None:
-            home = "world" if self.values.is_world else "surface"
             remedy = remedy_for_unread(node, "replace it by a supported shader")
-            self.values.refuse(node, source.scope, f" on a {home}", remedy)
+            self.values.refuse(node, source.scope, f" {self.home}", remedy)
             return []
         self.values.check(node, source.scope)
         return reader(self, node, source.scope, weight)

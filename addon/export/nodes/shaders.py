@@ -14,6 +14,7 @@ from ....lib.textures.fold import Folder, is_constant
 from .principled import read_principled
 from .shader_reader import ReadParts, ReadShader, ShaderReader
 from .tree import Scope, TreeReader
+from .volumes import VOLUME_SHADERS
 
 # Cycles' own bounds: below them it takes a lobe for isotropic, and an interface for smooth (alpha_x alpha_y <= 2e-10).
 _LEAST_ANISOTROPY = 1e-4
@@ -175,4 +176,11 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
 
 def make_shader_reader(values: TreeReader) -> ShaderReader:
     """The reader of the shaders that Cycles knows on what `values` reads: a surface or a world."""
-    return ShaderReader(values, Folder(), _WORLD_SHADERS if values.is_world else _SURFACE_SHADERS, _COMBINERS)
+    if values.is_world:
+        return ShaderReader(values, Folder(), _WORLD_SHADERS, _COMBINERS, "on a world")
+    return ShaderReader(values, Folder(), _SURFACE_SHADERS, _COMBINERS, "on a surface")
+
+
+def make_volume_reader(values: TreeReader) -> ShaderReader:
+    """The reader of the shaders that Cycles knows in volumes."""
+    return ShaderReader(values, Folder(), VOLUME_SHADERS, _COMBINERS, "in a volume")

@@ -104,7 +104,7 @@ BLENDER_GROUPS: Mapping[str, Group] = {
             _PHYSICS: "field collision soft_body rigid_body rigid_body_constraint use_simulation_cache",
             _EEVEE: "hide_probe_* use_grease_pencil_lights shader_effects lineart",
             _PASS: "lightgroup",
-            "steers volumes, which are refused": "visible_volume_scatter",
+            "steers light that volumes scatter, which is refused": "visible_volume_scatter",
             "steers the Raycast node, which is refused": "visible_raycast",
         },
         held=neutral.OBJECT,
@@ -157,7 +157,7 @@ BLENDER_GROUPS: Mapping[str, Group] = {
     ),
     "world.cycles_visibility": Group(
         read="camera diffuse glossy transmission",
-        neutral={"steers volumes, which are refused": "scatter", "Cycles ignores it": "shadow"},
+        neutral={"steers light that volumes scatter, which is refused": "scatter", "Cycles ignores it": "shadow"},
     ),
     "material": Group(
         read="pass_index node_tree use_nodes diffuse_color use_transparent_shadow",

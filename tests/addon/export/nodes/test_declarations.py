@@ -12,6 +12,7 @@ from etalon.addon.export.nodes.declared import own_properties, remember_defaults
 from etalon.addon.export.nodes.images import ImageTable
 from etalon.addon.export.nodes.shaders import _COMBINERS, _SURFACE_SHADERS, _WORLD_SHADERS
 from etalon.addon.export.nodes.values import VALUES
+from etalon.addon.export.nodes.volumes import VOLUME_SHADERS
 from etalon.tests.addon.export.nodes.node_cells import glowing, node
 
 BESIDE = {
@@ -93,7 +94,7 @@ def changed(socket):
 
 
 def test_every_reader_has_a_row_and_every_row_a_reader():
-    shaders = set(_SURFACE_SHADERS) | set(_WORLD_SHADERS) | set(_COMBINERS)
+    shaders = {*_SURFACE_SHADERS, *_WORLD_SHADERS, *VOLUME_SHADERS, *_COMBINERS}
     assert set(DECLARATIONS) == set(VALUES) | shaders | BESIDE
 
 

@@ -108,7 +108,7 @@ def test_what_is_not_simulated_is_refused_by_name(world, build, named):
     assert named in refusal
 
 
-def test_a_volume_is_refused(world):
-    connect(world, node(world.node_tree, "VolumeScatter"), "Volume")
-    (volume,) = read(world)[1]
-    assert "a volume" in volume
+def test_a_surface_in_its_volume_is_refused(world):
+    connect(world, node(world.node_tree, "BsdfDiffuse"), "Volume")
+    (refusal,) = read(world)[1]
+    assert "Diffuse BSDF) in a volume" in refusal
