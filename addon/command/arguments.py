@@ -48,7 +48,7 @@ def _add(group: argparse._ActionsContainer, declared: Option, everything: bool) 
     text = help_text(declared).replace("%", "%%") if is_shown else argparse.SUPPRESS
     about: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
     if declared.positional:
-        nargs = None if declared.required else "?"
+        nargs = ("+" if unit.repeats else None) if declared.required else "?"
         group.add_argument(declared.name, nargs=nargs, metavar=unit.metavar, type=_reader(unit), **about)
         return
     about["dest"] = declared.name
@@ -95,7 +95,7 @@ def make_parser(
 
 def _add_command(added: argparse._SubParsersAction, prog: str, command: Command, everything: bool) -> None:
     options = [declared for kind in command.settings for declared in kind.options()]
-    given = [declared.unit.metavar for declared in options if declared.positional]
+    given = [declared.unit.metavar + "..." * declared.unit.repeats for declared in options if declared.positional]
     given += [f"--{declared.flag} {declared.unit.metavar}" for declared in options if _is_needed_flag(declared)]
     has_more = any(declared.advanced for declared in options)
     more = f"\n\nmore options: {prog} {command.name} --help-all" if has_more and not everything else ""

@@ -13,6 +13,7 @@ from ...lib.settings.comparison import Settings
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.declaration import Declared
 from ...lib.settings.reference import RenderOutput
+from ...lib.settings.versions import VersionsSettings, VersionsTarget
 
 # Help is broken into lines of so many characters at most.
 HELP_WIDTH = 100
@@ -122,6 +123,20 @@ COMMANDS = (
         "compare scenes over property values; can be interrupted",
         _BATCH,
         _BATCH_CODES,
+    ),
+    Command(
+        "versions",
+        (VersionsTarget, VersionsSettings, PageTerminal),
+        "compare the same scenes under several versions of Blender",
+        "Does a render change from one Blender to another, where, by how much, and which version is nearer to the reference?\n"
+        "A release that is not installed is installed as a Python module, in an environment in the user's cache folder.",
+        _codes(
+            (ExitCode.EQUIVALENT, "nothing changed by more than the tolerance"),
+            (ExitCode.DIFFERENT, "something changed"),
+            (ExitCode.UNDECIDED, "undecided"),
+            (ExitCode.EXPLAINED, "what changed is explained by known departures"),
+            (ExitCode.BAD_INPUT, "bad input, or a version that cannot render a scene"),
+        ),
     ),
     Command(
         "stability",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A second Blender on a saved copy of the file: it exports the scene and renders Cycles' side, for a window that stays alive."""
+"""Another Blender as a process: it exports the scene and renders Cycles' side, for a window that stays alive or beside other releases."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import subprocess
 from collections.abc import Iterator, Sequence
 from copy import copy as shallow_copy
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -23,28 +23,29 @@ from ...lib.scene.scene import Scene
 from ...lib.settings.comparison import Settings
 from .worker import MARK
 
-_WORKER = Path(__file__).with_name("worker.py")
+WORKER = Path(__file__).with_name("worker.py")
 
 
-class SecondBlender:
-    """Cycles' side of a comparison, as a renderer; nothing but its construction needs the main thread."""
+class AnotherBlender:
+    """Cycles' side of a comparison, as a renderer, in a process of its own; only its construction needs the main thread.
 
-    def __init__(self, copy: Path, scene: str, settings: Settings) -> None:
-        program = find_blender()
-        if program is None:
-            raise EtalonError("this is Python with Blender as a module; run the panel's comparison in Blender itself")
+    `command` starts a Blender, or a Python that has Blender as a module, with `worker.py`; the `request` says which scene. Files that the two
+    pass each other lie in `folder`. Errors call the process `title`.
+    """
+
+    def __init__(self, command: Sequence[str], request: dict[str, Any], folder: Path, title: str) -> None:
         self.name = "Cycles"
+        self.title = title
         self.settings: dict[str, Any] = {}
+        self.scene = ""
+        self.may_shrink = False
         self._size: tuple[int, int] | None = None
         self.passes: tuple[LightPass, ...] = ()
-        self._log = copy.with_name("second_blender.log")
-        request = {"scene": scene, "settings": settings.to_json(), "folder": str(copy.parent)}
-        # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
-        blender = [program, "--background", "--factory-startup", "--disable-autoexec", str(copy)]
+        self._log = folder / "second_blender.log"
         with self._log.open("w", encoding="utf-8") as log:
             self._process = start(
-                [*blender, "--python", str(_WORKER), "--", json.dumps(request)],
-                temporary=copy.parent,
+                [*command, json.dumps(request | {"folder": str(folder)})],
+                temporary=folder,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log.fileno(),
@@ -58,15 +59,16 @@ class SecondBlender:
         if "error" in reply:
             raise EtalonError(reply["error"])
         self.name, self.settings = reply["name"], reply["settings"]
+        self.scene, self.may_shrink = reply["title"], reply["may_shrink"]
         return archive.load(Path(reply["scene"]))
 
-    def at_size(self, width: int, height: int) -> SecondBlender:
+    def at_size(self, width: int, height: int) -> Self:
         """The same view with fewer pixels, from the same process."""
         smaller = shallow_copy(self)
         smaller._size = width, height
         return smaller
 
-    def with_passes(self, passes: Sequence[LightPass]) -> SecondBlender:
+    def with_passes(self, passes: Sequence[LightPass]) -> Self:
         """The same process, whose images come with light passes."""
         more = shallow_copy(self)
         more.passes = tuple(passes)
@@ -137,4 +139,26 @@ class SecondBlender:
         except OSError:
             lines = []
         words = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
-        return EtalonError(f"the second Blender ended early ({words}); compare from the command line to see more")
+        return EtalonError(f"{self.title} ended early ({words}); compare from the command line to see more")
+
+
+class SecondBlender(AnotherBlender):
+    """A second process of the Blender program that runs here, on a saved `copy` of the file."""
+
+    def __init__(self, copy: Path, scene: str, settings: Settings) -> None:
+        program = find_blender()
+        if program is None:
+            raise EtalonError("this is Python with Blender as a module; run the panel's comparison in Blender itself")
+        # Factory settings: no add-on and no script of the user's runs, and none that is in the file.
+        command = [
+            program,
+            "--background",
+            "--factory-startup",
+            "--disable-autoexec",
+            str(copy),
+            "--python",
+            str(WORKER),
+            "--",
+        ]
+        request = {"scene": scene, "settings": settings.to_json()}
+        super().__init__(command, request, copy.parent, "the second Blender")

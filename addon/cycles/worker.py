@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What runs inside the second Blender: export the scene, then render one replicate for each line on standard input.
+"""What runs inside another Blender, or a Python that has Blender as a module, as the one argument after `--` says in JSON.
+
+`scene` or `target`: export that scene, then render one replicate for each line on standard input. `words`: run that command line of
+`etalon`. `probe`: say which Blender this is, and which of these modules it lacks. `packages` is a folder with modules that it lacks.
 
 It is run as a script, so it makes the package around it importable first, under the name it has outside Blender.
 """
@@ -57,7 +60,6 @@ def _serve(request: dict[str, Any], package: str) -> None:
     quiet = importlib.import_module(f"{package}.addon.host.quiet")
     importlib.import_module(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
-    scene = bpy.data.scenes[request["scene"]]
     settings = options.Settings.from_json(request["settings"])
     requests = _requests()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
@@ -68,10 +70,17 @@ def _serve(request: dict[str, Any], package: str) -> None:
 
     with quiet.quiet(), contextlib.ExitStack() as stack:
         try:
+            scene = bpy.data.scenes[request["scene"]] if "scene" in request else _open(request["target"], package)
             archive.save(job.export(scene, settings.partial), folder / "scene.npz")
             stack.enter_context(cycles.neutral(scene, threads=settings.threads))
             renderer = cycles.CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
-            say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"))
+            say(
+                name=renderer.name,
+                settings=renderer.settings,
+                scene=str(folder / "scene.npz"),
+                title=job.name_of_file(scene),
+                may_shrink=not scene.render.use_border,
+            )
             while True:
                 wanted = json.loads(requests.get())
                 if "show" in wanted:
@@ -99,5 +108,56 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(error=str(error))
 
 
+def _open(target: dict[str, Any], package: str) -> Any:
+    """The scene that a command line would open for the values of a Target; raises EtalonError as that does."""
+    import bpy
+
+    common = importlib.import_module(f"{package}.lib.settings.common")
+    opening = importlib.import_module(f"{package}.addon.command.opening")
+    importlib.import_module(f"{package}.addon.host.blender_at_hand").require_supported_blender()
+    asked = common.Target.from_json(target)
+    opening.open_target(asked.scene, asked.frame, asked.camera, asked.assignments)
+    return bpy.context.scene
+
+
+def _run(words: list[str], package: str) -> None:
+    """Run a command line and end this process with its exit code, which Blender would not pass on."""
+    code = importlib.import_module(f"{package}.addon.command.cli").main(words)
+    if "--background" not in sys.argv:
+        sys.exit(code)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def _probe(modules: list[str]) -> None:
+    """Print which Blender this is, and which of the modules are missing."""
+    import bpy
+
+    missing = []
+    for name in modules:
+        try:
+            importlib.import_module(name)
+        except ImportError:
+            missing.append(name)
+    build = f"{bpy.app.build_hash.decode('utf-8', 'replace')}, {bpy.app.build_date.decode('utf-8', 'replace')}"
+    python = ".".join(map(str, sys.version_info[:2]))
+    version = list(bpy.app.version)
+    told = {"version": version, "shown": bpy.app.version_string, "build": build, "python": python, "missing": missing}
+    sys.stdout.write(f"{MARK}{json.dumps(told)}\n")
+    sys.stdout.flush()
+
+
+def _main(request: dict[str, Any]) -> None:
+    if request.get("packages"):
+        sys.path.append(request["packages"])
+    if "probe" in request:
+        _probe(request["probe"])
+    elif "words" in request:
+        _run(request["words"], _package())
+    else:
+        _serve(request, _package())
+
+
 if __name__ == "__main__":
-    _serve(json.loads(sys.argv[sys.argv.index("--") + 1]), _package())
+    _main(json.loads(sys.argv[sys.argv.index("--") + 1]))

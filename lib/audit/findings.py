@@ -37,7 +37,7 @@ class Finding:
     `outcomes` (k,) of Outcome for each region, the whole image first; `difference`, `low`, `high` (k, 3) the relative difference to the
     neutral state and its interval, simultaneous for all settings, regions and channels. `seconds` are the mean ones of a render call,
     `time` their ratio to the neutral state's and `noise` the ratio of the pixels' variances, with 95 % intervals. `map` (height, width) is
-    the relative difference where it is sure (see `_drawn`), else 0, and NaN where a sample was not finite.
+    the relative difference where it is sure (see `drawn`), else 0, and NaN where a sample was not finite.
     """
 
     setting: Setting
@@ -154,7 +154,7 @@ def _noise_ratio(
     return user / plain if plain > 0 else math.nan
 
 
-def _drawn(squares: list[Moments], neutral: np.ndarray, floor: float) -> np.ndarray:
+def drawn(squares: list[Moments], neutral: np.ndarray, floor: float) -> np.ndarray:
     """The relative difference (height, width) that a map shows: that of the smallest square around each pixel that is sure of it, else 0.
 
     Where a larger one is sure of the other sign, its word stands: single pixels that no firefly has reached yet are sure too soon.
@@ -201,7 +201,7 @@ def judge(
                 seconds=float(np.mean(entry.seconds)),
                 time=of_geometric_mean(np.array(entry.seconds) / seconds),
                 noise=of_geometric_mean(np.array(entry.noise or [np.nan])),
-                map=np.where(bad, np.nan, _drawn(entry.squares, grey, floor)),
+                map=np.where(bad, np.nan, drawn(entry.squares, grey, floor)),
             )
         )
     return tuple(found)

@@ -91,11 +91,11 @@ class _Rounds:
         if self.stopped is not None:
             return
         cost, shape = _first_calls(self._run, [self._neutral, *(renderer for _, renderer in self._candidates)])
-        self._samples = n = self._samples or _samples(self._run.left, cost, asked)
+        self._samples = n = self._samples or choose_samples(self._run.left, cost, asked)
         self._too_few = tuple(_too_few(setting, n, cost) for setting, _ in self._candidates if setting.needs > n)
         self._candidates = [candidate for candidate in self._candidates if candidate[0].needs <= n]
         self._series = [Series() for _ in self._candidates]
-        self._regions = image_regions(*shape, {}, (_block(*shape),))
+        self._regions = image_regions(*shape, {}, (block_edge(*shape),))
         self._image, self._bad = np.zeros((*shape, 3)), np.zeros(shape, bool)
         self.stopped = None if self._candidates else Stop.NOTHING
 
@@ -104,7 +104,7 @@ class _Rounds:
         begin = self._run.elapsed
         renderers = [self._neutral, *(renderer for _, renderer in self._candidates)]
         got: list[Rendering | None] = [None] * len(renderers)
-        for index in _turns(self._count, len(renderers)):
+        for index in take_turns(self._count, len(renderers)):
             rendering, _ = self._run.render(renderers[index], COUNTED.number(self._count), self._samples)
             # Cycles' own precision: a round holds an image of every setting.
             got[index] = replace(rendering, radiance=rendering.radiance.astype(np.float32))
@@ -165,7 +165,7 @@ def _first_calls(run: TimedRun, renderers: list[Renderer]) -> tuple[Cost, tuple[
     return Cost(fixed, len(calls) * one.per_sample), rendering.radiance.shape[:2]
 
 
-def _samples(seconds: float, cost: Cost, asked: int) -> int:
+def choose_samples(seconds: float, cost: Cost, asked: int) -> int:
     """Samples a pixel for ROUNDS rounds in `seconds`, or for no fewer than FEWEST while calls cost more than their samples.
 
     A power of two, at which low-discrepancy sequences are best.
@@ -183,12 +183,12 @@ def _too_few(setting: Setting, samples: int, cost: Cost) -> Setting:
     return replace(setting, missing=f"{few}; give --samples {enough} and --time for about {time_}")
 
 
-def _block(height: int, width: int) -> int:
+def block_edge(height: int, width: int) -> int:
     """The edge of blocks, a multiple of GRAIN, of which about BLOCKS fill the image."""
     return GRAIN * max(int(np.ceil(np.sqrt(height * width / BLOCKS) / GRAIN)), 1)
 
 
-def _turns(number: int, count: int) -> list[int]:
+def take_turns(number: int, count: int) -> list[int]:
     """The order of one round: every other one backwards, and then another one first, so that nobody has a place of its own."""
     order = [(number // 2 + k) % count for k in range(count)]
     return order[::-1] if number % 2 else order

@@ -6,14 +6,12 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import subprocess
 import time
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..comparison.run import Stop
 from ..errors import EtalonError
 from ..exit_codes import ExitCode
 from ..files.atomic import UNFINISHED, clear_unfinished, replace_files
@@ -21,16 +19,14 @@ from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
-from ..verdict.outcome import Outcome
 from ..version import VERSION
+from .comparison import VERDICTS, run_comparison
 from .journal import Entry, Journal, open_journal
 from .plan import BatchPlan, Unit
-from .process import end, etalon_command, start
+from .process import etalon_command
 
-VERDICTS = {outcome.exit_code: outcome.value for outcome in Outcome}
 # From the best to the worst: a batch ends with the exit code of its worst comparison.
 _SEVERITY = (ExitCode.EQUIVALENT, ExitCode.EXPLAINED, ExitCode.UNDECIDED, ExitCode.DIFFERENT)
-_OURS = "etalon: "
 
 Tell = Callable[[str], None]
 
@@ -116,68 +112,14 @@ def _run_unit(plan: BatchPlan, unit: Unit, key: str) -> Entry:
     folder = _folder_name(unit, key)
     begin = time.perf_counter()
     arguments = [*unit.arguments(), *plan.options, f"--out={plan.out / folder}", "--quiet"]
-    code, words = _run_process(arguments, plan.out / folder)
-    status, message = _judge(code, words, plan.out / folder / "verdict.json")
+    status, code, message = run_comparison([*etalon_command(), "compare", *arguments], plan.out / folder)
     assignments = json.dumps({v.name: value for v, value in unit.assignments})
     return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
-
-
-def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
-    """The status of a comparison that ended with `code`, and the reason where it is not finished.
-
-    A crash may end with any code; what counts as a verdict has been written as one, and not because the process was ended.
-    """
-    if code == ExitCode.BAD_INPUT:
-        return "refused", words
-    if code not in VERDICTS or not verdict.is_file():
-        return "failed", words
-    try:
-        figures = read_verdict(verdict)
-    except EtalonError as error:
-        return "failed", str(error)
-    if figures.get("stopped") == Stop.CANCELLED.value:
-        return "failed", "it was ended by another process; run the batch again"
-    return "finished", ""
 
 
 def _folder_name(unit: Unit, key: str) -> str:
     """A folder name that keeps nothing a file system could read as more than a name."""
     return f"{re.sub(r'[^A-Za-z0-9]+', '_', Path(unit.scene).stem)[:40]}-{key}"
-
-
-def _run_process(arguments: list[str], folder: Path) -> tuple[int, str]:
-    """Run `etalon compare`, which writes to `folder`, in a process of its own; return its exit code and its reason."""
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
-    process = start([*etalon_command(), "compare", *arguments], leash=True, **pipes)
-    try:
-        _, errors = _communicate(process)
-    except BaseException:
-        end(process)
-        raise
-    finally:
-        clear_unfinished(folder)
-    return process.returncode, _reason(process.returncode, errors)
-
-
-def _communicate(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """What the process prints; its standard input, which is its leash, stays open until it has ended."""
-    leash, process.stdin = process.stdin, None
-    try:
-        return process.communicate()
-    finally:
-        if leash is not None:
-            leash.close()
-
-
-def _reason(code: int, errors: str) -> str:
-    """Why a process ended: the first error that it names and how many more, or its last words."""
-    lines = [line.strip() for line in errors.replace("\r", "\n").splitlines() if line.strip()]
-    ours = [line.removeprefix(_OURS) for line in lines if line.startswith(_OURS)]
-    if code == ExitCode.BAD_INPUT and ours:
-        return ours[0] + (f" (and {len(ours) - 1} more)" if len(ours) > 1 else "")
-    if code < 0:
-        return f"it was ended by signal {-code}"
-    return lines[-1].removeprefix(_OURS) if lines else f"the process ended with code {code}"
 
 
 def _write_tables(plan: BatchPlan, recorded: list[tuple[Unit, Entry | None]]) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..blender_versions import Versions, format_release
+from ..blender_versions import Release, Versions, format_release, parse_release
 from ..effects.surface import has_film
 from ..errors import EtalonError
 from ..film.light_passes import Family, LightPass, direct, indirect
@@ -43,6 +43,7 @@ class Departure:
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
     `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
+    `forms` are the releases, in order, from which on it has another form.
     `finding` is the check of the scene check that says what in the scene calls for it, where that is a fault of the scene.
     `passes` are the light passes that it can act on.
     """
@@ -56,6 +57,19 @@ class Departure:
     by_rounding: bool = False
     finding: str = ""
     passes: frozenset[LightPass] = EVERYWHERE
+    forms: tuple[str, ...] = ()
+
+    def form(self, release: Release | None) -> int | None:
+        """Which of its forms a release has, counted from 0; None where it has none. Without a release, the newest."""
+        if release is not None and release not in self.versions:
+            return None
+        return sum(release is None or release >= parse_release(first) for first in self.forms)
+
+
+def changed(first: Scene, second: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
+    """The departures that can change the image of a scene and are not the same in the releases that exported `first` and `second`."""
+    either = dict.fromkeys((*relevant(first, masking), *relevant(second, masking)))
+    return tuple(d for d in either if d.form(first.blender) != d.form(second.blender))
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
@@ -243,6 +257,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "nodes crowd there, for glass 32 x 32 x 32: up to 0.3 % off.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=_reflects_by("MULTI_GGX"),
+        forms=("5.3",),
     ),
     Departure(
         "layer albedo table",
@@ -252,6 +267,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "An index below 1 is read as its reciprocal, without total reflection, so that light is made.",
         "kernel/closure/bsdf_microfacet.h",
         relevant=lambda scene: any(isinstance(n, BeneathLayer) for n in _nodes(scene)),
+        forms=("5.3",),
     ),
     Departure(
         "lossless coat albedo",

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import struct
 import zipfile
 import zlib
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +96,17 @@ def load(path: Path | str) -> Scene:
     except _DAMAGE as error:
         raise EtalonError(f"{path}: is damaged or no scene of Étalon's ({error}); export the scene again") from error
     return result
+
+
+def fingerprint(scene: Scene) -> str:
+    """A hash of all that an image of `scene` depends on: its name, its findings and the release that exported it do not count."""
+    encoder = _Encoder()
+    root = encoder.encode(replace(scene, name="", blender=None, findings=()))
+    digest = hashlib.sha256(json.dumps([root, encoder.nodes]).encode())
+    for array in encoder.arrays:
+        digest.update(f"{array.dtype.str}{array.shape}".encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
 
 
 class _Encoder:

@@ -16,7 +16,7 @@ def write_words(declared: Option, value: Any) -> list[str]:
     """The words that give `value` to an option."""
     unit, flag = declared.unit, f"--{declared.flag}"
     if declared.positional:
-        return [unit.write(value)]
+        return list(unit.plain(value)) if unit.repeats else [unit.write(value)]
     if isinstance(unit, Flag):
         return [flag] if value else [f"--no-{declared.flag}"] if declared.default else []
     if isinstance(unit, Pair):

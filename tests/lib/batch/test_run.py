@@ -164,20 +164,20 @@ def test_a_verdict_of_an_older_version_is_told_and_compared_again(folder):
 
 def test_ctrl_c_keeps_what_is_finished_and_the_tables(folder, monkeypatch):
     path = write_plan(folder, [0, 1, 3])
-    run_process = batch._run_process
+    run_comparison = batch.run_comparison
 
     def interrupted(arguments, out):
         if len(calls(folder)) == 2:
             raise KeyboardInterrupt
-        return run_process(arguments, out)
+        return run_comparison(arguments, out)
 
     (folder / "calls.txt").touch()
-    monkeypatch.setattr(batch, "_run_process", interrupted)
+    monkeypatch.setattr(batch, "run_comparison", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(path)
     assert list(statuses(folder)) == [0, 1]
     assert "not run" in (folder / "out" / "batch.html").read_text()
-    monkeypatch.setattr(batch, "_run_process", run_process)
+    monkeypatch.setattr(batch, "run_comparison", run_comparison)
     assert run(path) == 1
     assert len(calls(folder)) == 3
 
