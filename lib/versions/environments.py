@@ -90,6 +90,7 @@ def _made(folder: Path, tell: Tell) -> Iterator[bool]:
             shutil.rmtree(folder, ignore_errors=True)
         yield missing
         if missing:
+            folder.mkdir(exist_ok=True)
             (folder / _READY).touch()
     except BaseException:
         if not (folder / _READY).is_file():

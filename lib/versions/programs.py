@@ -172,7 +172,9 @@ def _probe(asked: str, program: str, script: Path, modules: dict[str, str], tell
 
 
 def _blender(asked: str, command: tuple[str, ...], answer: dict[str, Any], packages: str | None) -> Blender:
-    return Blender(asked, command, tuple(answer["version"]), answer["build"], answer["shown"].removesuffix(" LTS"), packages)
+    return Blender(
+        asked, command, tuple(answer["version"]), answer["build"], answer["shown"].removesuffix(" LTS"), packages
+    )
 
 
 def _answer(command: Sequence[str], request: dict[str, Any]) -> dict[str, Any] | str:

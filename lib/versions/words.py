@@ -101,9 +101,9 @@ def _name(region: Mapping[str, Any]) -> str:
 
 def _why(change: Mapping[str, Any]) -> list[str]:
     """The departures that are not the same in both versions, and whether they say what changed."""
-    names = listed([f"{one['name']} ({_when(one)})" for one in change["departures"]])
     if not change["departures"]:
         return ["No known departure of Cycles from the model is different in these versions on this scene."]
+    names = listed([f"{one['name']} ({_when(one)})" for one in change["departures"]])
     unexplained = change["regions"][Outcome.DIFFERENT.value]
     if not unexplained:
         return [f"The reference, made to depart as each version does, changes in the same way: {names}."]
