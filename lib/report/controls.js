@@ -21,6 +21,7 @@ function change(key, value) {
 }
 
 function setMode(mode) {
+  if (state.pass >= 0 && WHOLE_ONLY.includes(mode)) return;
   state.mode = mode;
   layOut();
 }

@@ -3,27 +3,33 @@
 
 from __future__ import annotations
 
-import base64
 import math
-import tempfile
-import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
 
-from ..comparison.compare import Comparison, Side
+from ..comparison.compare import Comparison
 from ..errors import EtalonError
-from ..film.pictures import hatched, middle_exposure, signed8, srgb8, write_png
+from ..film.pictures import hatched, middle_exposure, signed8, srgb8
 from ..film.view_transform import ViewTransform
 from ..pages import render_page
 from ..pages.formats import format_bound
 from ..relative import relative_difference, worst_channel
 from ..verdict.outcome import Outcome
-from ..verdict.rare import ROUNDING
 from .curve import draw_bound
 from .flip import flip
+from .pass_pictures import draw_passes
+from .pixels import (
+    SIGNIFICANCE_NONE,
+    SIGNIFICANCE_ONE,
+    averaged,
+    code_significances,
+    pack,
+    pack_floats,
+    pixel_significances,
+    write_shot,
+)
 
 # The report carries raw floats of both images; larger ones are averaged down to this many pixels, as it then says.
 MOST_PIXELS = 600_000
@@ -31,10 +37,6 @@ MOST_PIXELS = 600_000
 DIFFERENCE_LIMIT, SIGNIFICANCE_LIMIT = 5, 5
 # FLIP travels as bytes: 0 to 254, and one that stands for pixels that are not finite.
 FLIP_ONE, FLIP_NONE = 254, 255
-# Significances travel as signed bytes, in eighths of a standard error.
-SIGNIFICANCE_ONE, SIGNIFICANCE_MOST, SIGNIFICANCE_NONE = 8, 127, -128
-# Radiance travels with this many bits of the 24 that a float has: to 8 millionths, twice as fine as four digits need.
-MANTISSA = 16
 # Without JavaScript the page shows this many regions.
 MOST_STATIC_ROWS = 40
 # The outcomes, the most urgent first.
@@ -51,38 +53,10 @@ def shown_means(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
     return reference, candidate
 
 
-def averaged(image: np.ndarray, step: int) -> np.ndarray:
-    """The means of `step` x `step` pixels (fewer at the right and lower edge) of an image (height, width, 3)."""
-    rows, columns = (np.arange(0, size, step) for size in image.shape[:2])
-    total = np.add.reduceat(np.add.reduceat(image, rows, axis=0), columns, axis=1)
-    return total / _pixels(image, step)
-
-
-def _pixels(image: np.ndarray, step: int) -> np.ndarray:
-    """How many pixels of an image each mean of `averaged` has, as (rows, columns, 1)."""
-    rows, columns = (np.diff(np.append(np.arange(0, size, step), size)) for size in image.shape[:2])
-    return (rows[:, None] * columns)[..., None]
-
-
 def significances(comparison: Comparison, step: int = 1) -> np.ndarray:
-    """(candidate - reference) / standard error of the means of `step` x `step` pixels, (rows, columns, 3).
-
-    The variance over replicates of each pixel is used, and pixels are taken as independent; single precision, which Cycles adds up in,
-    counts as an error of its own, or light without noise would differ by its last digit. 0 where both sides are equal; NaN where a
-    side has fewer than two replicates or a value that is not finite.
-    """
-    reference, candidate = (averaged(mean, step) for mean in shown_means(comparison))
-    square = _squared_error(comparison.reference, step) + _squared_error(comparison.candidate, step)
-    square += np.square(ROUNDING * reference)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = (candidate - reference) / np.sqrt(square)
-    return np.where((candidate == reference) & np.isfinite(square), 0.0, found)
-
-
-def _squared_error(side: Side, step: int) -> np.ndarray:
-    moments = side.film.moments
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return averaged(moments.variance / moments.count, step) / _pixels(moments.mean, step)
+    """The significances (rows, columns, 3) of the images' means of `step` x `step` pixels, as `pixel_significances` has them."""
+    moments = comparison.reference.film.moments, comparison.candidate.film.moments
+    return pixel_significances(shown_means(comparison), moments, step)
 
 
 def label_maps(comparison: Comparison, step: int) -> tuple[list[str], np.ndarray]:
@@ -154,6 +128,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         step += 1
     images = [averaged(mean, step) for mean in shown_means(comparison)]
     exposure = round(2 * middle_exposure(images[0])) / 2
+    passes, pass_step = draw_passes(comparison, step, MOST_PIXELS, DIFFERENCE_LIMIT * comparison.verdict.tolerance)
     seen = flip(images[0], images[1], exposure)
     kinds, labels = label_maps(comparison, step)
     shots, told = _shots(images, exposure, transform)
@@ -178,6 +153,8 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         "transform": transform.name if transform is not None and not told else None,
         "names": [comparison.reference.name, comparison.candidate.name],
         "kinds": kinds,
+        "passes": [one.view for one in passes],
+        "passStep": pass_step,
         "regions": regions,
     }
     values = {
@@ -188,11 +165,12 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         "transform_note": told,
         "omitted": transform.omitted if transform is not None and not told else (),
         "curve": draw_bound(comparison.history, comparison.verdict.tolerance),
-        "shots": [_png(hatched(image, hatch)) for image in (*shots, shot)],
-        "floats": [_packed_floats(image) for image in images],
-        "flip": _packed(np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)),
-        "significance": _packed(_coded(significances(comparison, step))),
-        "labels": _packed(labels.astype("<u2")),
+        "shots": [write_shot(hatched(image, hatch)) for image in (*shots, shot)],
+        "passes": passes,
+        "floats": [pack_floats(image) for image in images],
+        "flip": pack(np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)),
+        "significance": pack(code_significances(significances(comparison, step))),
+        "labels": pack(labels.astype("<u2")),
     }
     return render_page(Path(__file__).with_name("report.html"), values, {"bound": format_bound})
 
@@ -214,32 +192,3 @@ def _difference_shot(comparison: Comparison, images: list[np.ndarray]) -> np.nda
     limit = DIFFERENCE_LIMIT * verdict.tolerance
     difference = relative_difference(candidate - reference, reference, verdict.floor)
     return signed8(np.clip(difference, -limit, limit).mean(axis=2), limit)
-
-
-def _coded(significance: np.ndarray) -> np.ndarray:
-    """Significances as signed bytes; those beyond the largest code have that code."""
-    most = SIGNIFICANCE_MOST / SIGNIFICANCE_ONE
-    codes = np.rint(SIGNIFICANCE_ONE * np.clip(np.nan_to_num(significance), -most, most))
-    return np.where(np.isnan(significance), SIGNIFICANCE_NONE, codes).astype(np.int8)
-
-
-def _packed_floats(values: np.ndarray) -> Markup:
-    """Floats, rounded to MANTISSA bits, as text: first bytes first, then all second ones, which compresses better."""
-    floats = np.ascontiguousarray(values, "<f4")
-    dropped = 24 - MANTISSA
-    bits = floats.view("<u4").astype(np.uint64) + (1 << dropped - 1) >> dropped << dropped
-    rounded = np.where(np.isfinite(floats), bits, floats.view("<u4")).astype("<u4")
-    return _packed(rounded.reshape(-1, 1).view(np.uint8).T)
-
-
-def _packed(values: np.ndarray) -> Markup:
-    """An array's bytes, compressed, as text for a script element, which they cannot end."""
-    return Markup(base64.b64encode(zlib.compress(np.ascontiguousarray(values).tobytes(), 9)).decode())
-
-
-def _png(pixels: np.ndarray) -> str:
-    """Pixels (height, width, 3), uint8, as the address of an image that the page itself holds."""
-    with tempfile.TemporaryDirectory(prefix="etalon-") as folder:
-        path = Path(folder) / "shot.png"
-        write_png(path, pixels)
-        return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()

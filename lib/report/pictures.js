@@ -19,9 +19,10 @@ function joinBytes(planes) {
   return new Float32Array(bytes.buffer);
 }
 
-const [reference, candidate] = (await Promise.all(["floats-0", "floats-1"].map(unpack))).map(joinBytes);
+/* What is shown: both sides' light and their significances, of the whole image or of one light pass (passes.js). */
+let [reference, candidate] = (await Promise.all(["floats-0", "floats-1"].map(unpack))).map(joinBytes);
 const [flip, codes] = await Promise.all(["flip", "significance"].map(unpack));
-const significances = new Int8Array(codes.buffer);
+let significances = new Int8Array(codes.buffer);
 const maps = new Uint16Array((await unpack("labels")).buffer);
 
 const regions = view.regions.map((region, index) => ({ ...pickChannel(region), index }));
@@ -31,7 +32,7 @@ await Promise.all(shots.map((image) => image.decode()));
 
 const state = {
   mode: "beside", display: view.transform ? "scene" : "standard", channel: "rgb", exposure: view.exposure, limit: Math.log2(view.limit), split: 0.5,
-  scale: 0, x: 0, y: 0, chosen: [], hovered: null,
+  scale: 0, x: 0, y: 0, chosen: [], hovered: null, pass: -1,
 };
 
 /* The relative difference of one channel of one pixel, by its place in the floats. */

@@ -177,7 +177,8 @@ function read(x, y) {
     `x ${x * step}, y ${y * step}   ${names[0]} ${three((at) => formatNumber(reference[at]))}   ${names[1]} ${three((at) => formatNumber(candidate[at]))}\n` +
     `difference ${three((at) => formatPercent(relative(at)))}   in standard errors ${sigma}${seen}\n` +
     (block ? `Block ${block.name}: ${block.outcome}, bound ${formatBound(block.bound)}; ` +
-      `${formatPercent(block.difference)} in ${"RGB"[block.channel]} (${formatPercent(block.low)} to ${formatPercent(block.high)})` : "");
+      `${formatPercent(block.difference)} in ${"RGB"[block.channel]} (${formatPercent(block.low)} to ${formatPercent(block.high)})` : "") +
+    readPasses(i);
 }
 
 /* The divider of the split view. */

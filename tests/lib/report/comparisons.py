@@ -124,7 +124,12 @@ class Page(HTMLParser):
         self._id = dict(attrs).get("id", len(self.tags)) if tag == "script" else tag
 
     def handle_data(self, data):
-        if isinstance(self._id, int) or self._id in ("view", "floats-0", "floats-1", "flip", "significance", "labels"):
+        is_pass = isinstance(self._id, str) and self._id.startswith("pass-")
+        if (
+            isinstance(self._id, int)
+            or is_pass
+            or self._id in ("view", "floats-0", "floats-1", "flip", "significance", "labels")
+        ):
             self.scripts[self._id] = self.scripts.get(self._id, "") + data
         else:
             self.shown.append(data)

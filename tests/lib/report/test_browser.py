@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import grey
 from etalon.tests.lib.report.browser import PROGRAM, Browser
@@ -181,6 +182,74 @@ def test_nothing_scrolls_sideways_at_390_pixels(browser, page, dark):
     browser.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
     assert browser.evaluate("document.documentElement.scrollWidth") == 390
     assert browser.problems == []
+
+
+PASSES = {LightPass.GLOSSY_INDIRECT: (0.1, 0.09), LightPass.DIFFUSE_DIRECT: (0.9, 0.9)}
+PASS_ROWS = "[...document.querySelectorAll('#pass-table tbody tr')].filter((row) => !row.hidden)"
+
+
+@pytest.fixture(scope="module")
+def page_with_passes(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("passes")
+    written_page(made(passes=PASSES), folder, "")
+    return folder / "report.html"
+
+
+def test_a_pass_is_shown_in_place_of_the_image(browser, page_with_passes):
+    """Its pictures, its significance and its rows; verdicts of blocks and FLIP stay with the whole image."""
+    browser.problems.clear()
+    browser.open(page_with_passes)
+    browser.click("[data-mode=difference]")
+    image = pixels(browser), pixels(browser, 1)
+    choose(browser, "pass", "0")
+    assert all((pixels(browser, k) != image[k]).any() for k in range(2))
+    # 10 % less light than the reference: as blue as the scale goes to.
+    inside = pixels(browser)[..., :3][pixels(browser)[..., 3] == 255]
+    assert inside[:, 2].mean() > inside[:, 0].mean() + 100
+    rows = browser.evaluate(f"{PASS_ROWS}.map((row) => [row.cells[0].textContent, row.cells[1].textContent])")
+    assert rows == [["glossy indirect", "whole image"], ["glossy indirect", "material Test"]]
+    assert browser.evaluate("document.querySelector('[data-mode=eye]').disabled")
+    browser.press("5", "5")
+    assert browser.evaluate("document.querySelector('[data-mode=difference]').getAttribute('aria-pressed')") == "true"
+    choose(browser, "pass", "-1")
+    assert (pixels(browser) == image[0]).all()
+    assert browser.evaluate(f"{PASS_ROWS}.length") == 3
+    assert browser.problems == []
+
+
+def test_a_pixel_is_read_with_all_its_passes(browser, page_with_passes):
+    browser.problems.clear()
+    browser.open(page_with_passes)
+    browser.evaluate("document.querySelector('#panes canvas').focus()")
+    browser.press("ArrowLeft")
+    lines = browser.evaluate("document.getElementById('reading').textContent").split("\n")
+    assert [line.split(":")[0] for line in lines[-2:]] == [str(light) for light in PASSES]
+    assert browser.problems == []
+
+
+def test_a_link_of_the_table_shows_its_pass(browser, page_with_passes):
+    browser.problems.clear()
+    browser.open(page_with_passes)
+    browser.click("#pass-table a[href='#pass-1']")
+    assert browser.evaluate("document.getElementById('pass').value") == "1"
+    assert browser.problems == []
+
+
+def test_passes_stay_within_390_pixels(browser, page_with_passes):
+    browser.problems.clear()
+    browser.open(page_with_passes, 390, 800)
+    choose(browser, "pass", "0")
+    assert browser.evaluate("document.documentElement.scrollWidth") == 390
+    assert browser.problems == []
+
+
+def test_passes_can_be_read_without_javascript(browser, page_with_passes):
+    browser.open(page_with_passes, 390, 800, scripts=False)
+    assert browser.evaluate("[...document.images].map((one) => one.naturalWidth)") == [24] * 9
+    assert browser.evaluate(f"{PASS_ROWS}.length") == 3
+    browser.evaluate("document.querySelector('#pass-0').open = true")
+    assert browser.evaluate("document.querySelector('#pass-0 img').getBoundingClientRect().width") > 100
+    assert browser.evaluate("document.documentElement.scrollWidth") == 390
 
 
 def test_images_and_rows_are_there_without_javascript(browser, page, comparison):

@@ -12,7 +12,8 @@ import pytest
 from etalon.lib.film.regions import image_regions
 from etalon.lib.film.view_transform import ViewTransform
 from etalon.lib.report import write_report
-from etalon.lib.report.page import MANTISSA, SIGNIFICANCE_ONE, label_maps, order_regions, significances
+from etalon.lib.report.page import label_maps, order_regions, significances
+from etalon.lib.report.pixels import MANTISSA, SIGNIFICANCE_ONE
 from etalon.tests.lib.renderers import grey
 from etalon.tests.lib.report.comparisons import CASES, FILES, HOSTILE, PLAN, Page, made, written_page
 

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels as the report's page holds them: means of several pixels, significances, and arrays as text."""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+from markupsafe import Markup
+
+from ..film.moments import Moments
+from ..film.pictures import write_png
+from ..verdict.rare import ROUNDING
+
+# Significances travel as signed bytes, in eighths of a standard error.
+SIGNIFICANCE_ONE, SIGNIFICANCE_MOST, SIGNIFICANCE_NONE = 8, 127, -128
+# Radiance travels with this many bits of the 24 that a float has: to 8 millionths, twice as fine as four digits need.
+MANTISSA = 16
+
+
+def averaged(image: np.ndarray, step: int) -> np.ndarray:
+    """The means of `step` x `step` pixels (fewer at the right and lower edge) of an image (height, width, 3)."""
+    rows, columns = (np.arange(0, size, step) for size in image.shape[:2])
+    total = np.add.reduceat(np.add.reduceat(image, rows, axis=0), columns, axis=1)
+    return total / _pixels(image, step)
+
+
+def _pixels(image: np.ndarray, step: int) -> np.ndarray:
+    """How many pixels of an image each mean of `averaged` has, as (rows, columns, 1)."""
+    rows, columns = (np.diff(np.append(np.arange(0, size, step), size)) for size in image.shape[:2])
+    return (rows[:, None] * columns)[..., None]
+
+
+def pixel_significances(
+    means: tuple[np.ndarray, np.ndarray], sides: tuple[Moments, Moments], step: int = 1
+) -> np.ndarray:
+    """(candidate - reference) / standard error of the means of `step` x `step` pixels, (rows, columns, 3).
+
+    `means` (height, width, 3) are the reference's and the candidate's as they are shown, `sides` the moments of their pixels.
+    The variance over replicates of each pixel is used, and pixels are taken as independent; single precision, which Cycles adds up in,
+    counts as an error of its own, or light without noise would differ by its last digit. 0 where both sides are equal; NaN where a
+    side has fewer than two replicates or a value that is not finite.
+    """
+    reference, candidate = (averaged(mean, step) for mean in means)
+    square = sum(_squared_error(moments, step) for moments in sides)
+    square += np.square(ROUNDING * reference)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = (candidate - reference) / np.sqrt(square)
+    return np.where((candidate == reference) & np.isfinite(square), 0.0, found)
+
+
+def _squared_error(moments: Moments, step: int) -> np.ndarray:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return averaged(moments.variance / moments.count, step) / _pixels(moments.mean, step)
+
+
+def code_significances(significance: np.ndarray) -> np.ndarray:
+    """Significances as signed bytes; those beyond the largest code have that code."""
+    most = SIGNIFICANCE_MOST / SIGNIFICANCE_ONE
+    codes = np.rint(SIGNIFICANCE_ONE * np.clip(np.nan_to_num(significance), -most, most))
+    return np.where(np.isnan(significance), SIGNIFICANCE_NONE, codes).astype(np.int8)
+
+
+def pack_floats(values: np.ndarray) -> Markup:
+    """Floats, rounded to MANTISSA bits, as text: first bytes first, then all second ones, which compresses better."""
+    floats = np.ascontiguousarray(values, "<f4")
+    dropped = 24 - MANTISSA
+    bits = floats.view("<u4").astype(np.uint64) + (1 << dropped - 1) >> dropped << dropped
+    rounded = np.where(np.isfinite(floats), bits, floats.view("<u4")).astype("<u4")
+    return pack(rounded.reshape(-1, 1).view(np.uint8).T)
+
+
+def pack(values: np.ndarray) -> Markup:
+    """An array's bytes, compressed, as text for a script element, which they cannot end."""
+    return Markup(base64.b64encode(zlib.compress(np.ascontiguousarray(values).tobytes(), 9)).decode())
+
+
+def write_shot(pixels: np.ndarray) -> str:
+    """Pixels (height, width, 3), uint8, as the address of an image that the page itself holds."""
+    with tempfile.TemporaryDirectory(prefix="etalon-") as folder:
+        path = Path(folder) / "shot.png"
+        write_png(path, pixels)
+        return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
