@@ -80,7 +80,7 @@ def _finding(audit: Audit, finding: Finding) -> dict[str, Any]:
         "outcome": finding.outcome,
         "regions": {outcome.value: int((finding.outcomes == outcome).sum()) for outcome in WORDS},
         "image": _bias(finding, 0, whole),
-        "worst": {**_bias(finding, place, channel), "box": audit.regions.boxes[place]},
+        "worst": {**_bias(finding, place, channel), "box": audit.boxes[place]},
         "seconds": finding.seconds,
         "time_ratio": asdict(finding.time),
         "variance_ratio": asdict(finding.noise),

@@ -80,6 +80,7 @@ class Finding:
 class Audit:
     """All settings of one scene in one run; `same` are those that are at their neutral value, `missing` those that cannot be rendered.
 
+    `boxes` (k, 4) are the first column, first row, last column and last row of each region; k is 0 where there was nothing to measure.
     `neutral` (height, width, 3) is the image of the neutral state, `seconds_neutral` the mean seconds of one render call of it, `nonfinite` the
     number of pixels in which a sample of any image was not finite, `asked` the samples a pixel that the user's file asks for. `stopped`
     says why the audit ended.
@@ -90,7 +91,7 @@ class Audit:
     findings: tuple[Finding, ...]
     same: tuple[Setting, ...]
     missing: tuple[Setting, ...]
-    regions: Regions | None
+    boxes: np.ndarray
     neutral: np.ndarray
     floor: float
     rounds: int
@@ -109,6 +110,7 @@ class Audit:
 class Series:
     """What the rounds so far say of one setting: regions' means of both sides, pixels' differences, seconds, and noise for each two rounds."""
 
+    regions: Regions
     user: list[np.ndarray] = field(default_factory=list)
     neutral: list[np.ndarray] = field(default_factory=list)
     squares: list[Moments] = field(default_factory=list)
@@ -116,16 +118,17 @@ class Series:
     noise: list[float] = field(default_factory=list)
     before: tuple[np.ndarray, np.ndarray] | None = None
 
-    def add(self, regions: Regions, neutral: np.ndarray, rendering: Rendering) -> np.ndarray:
+    def add(self, neutral: np.ndarray, rendering: Rendering) -> np.ndarray:
         """Take one pair more; pixels (height, width) that are not finite on either side count on neither, and are returned."""
         used = np.isfinite(neutral).all(axis=2) & np.isfinite(rendering.radiance).all(axis=2)
         user, plain = rendering.radiance, neutral
         if not used.all():
             user, plain = (np.where(used[..., None], image, np.float32(0.0)) for image in (user, plain))
-        sizes = regions.weights @ used.ravel().astype(float)
+        weights = self.regions.weights
+        sizes = weights @ used.ravel().astype(float)
         share = np.where(sizes > 0, sizes, np.nan)[:, None]
         for means, image in ((self.user, user), (self.neutral, plain)):
-            means.append((regions.weights @ image.reshape(-1, CHANNELS)) / share)
+            means.append((weights @ image.reshape(-1, CHANNELS)) / share)
         gap = (user - plain).mean(axis=2, keepdims=True, dtype=float)
         once = [averaged(gap, step)[..., 0] for step in SQUARES]
         seen = [Moments(1, mean, np.zeros(mean.shape)) for mean in once]
@@ -134,7 +137,7 @@ class Series:
         if self.before is None:
             self.before = user, plain
         else:
-            self.noise.append(_noise_ratio(regions, (user, plain), self.before, self.neutral[-1]))
+            self.noise.append(_noise_ratio(self.regions, (user, plain), self.before, self.neutral[-1]))
             self.before = None
         return ~used
 

@@ -15,7 +15,7 @@ import numpy as np
 from ..comparison.compare import CompareOptions, Renderer, versions
 from ..comparison.run import Stop, TimedRun
 from ..errors import Cancelled, EtalonError
-from ..film.regions import Regions, image_regions
+from ..film.regions import image_regions
 from ..film.rendering import Rendering
 from ..pages.formats import format_duration
 from ..plural import plural
@@ -51,16 +51,18 @@ def audit(
     There are rounds for `options.time` seconds, and at most `options.replicates`.
     A renderer must draw the same random numbers for the same replicate, whatever its setting. Samples a pixel are
     `options.samples`, or what the time allows, at most the `asked`. Cancelling keeps the rounds that are complete; raises EtalonError
-    where there is none.
+    where there is none, or where `options.samples` are two numbers.
     """
     rounds = _Rounds(scene, neutral, candidates, options, TimedRun(options.time, progress))
+    stopped = None if candidates else Stop.NOTHING
     try:
-        rounds.prepare(asked)
-        while rounds.stopped is None:
-            rounds.render_round()
+        stopped = stopped or rounds.prepare(asked)
+        while stopped is None:
+            stopped = rounds.render_round()
     except Cancelled:
-        rounds.cancel()
-    return rounds.conclude(asked, same, missing)
+        rounds.refuse_if_empty()
+        stopped = Stop.CANCELLED
+    return rounds.conclude(stopped, asked, same, missing)
 
 
 class _Rounds:
@@ -77,33 +79,39 @@ class _Rounds:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._neutral, self._candidates = scene, neutral, candidates
         self._options, self._run = options, run
+        if isinstance(options.samples, tuple):
+            raise EtalonError("samples: an audit renders all settings with the same samples per pixel; give one number")
         self._samples, self._count = options.samples or 0, 0
         self._too_few: tuple[Setting, ...] = ()
-        self._regions: Regions | None = None
+        self._boxes = np.zeros((0, 4), int)
         self._series: list[Series] = []
         self._seconds_neutral: list[float] = []
         self._image = np.zeros((0, 0, 3))
         self._bad = np.zeros((0, 0), bool)
-        self.stopped = None if candidates else Stop.NOTHING
 
-    def prepare(self, asked: int) -> None:
-        """Call every renderer once, settle the samples, and set settings aside that so few samples cannot show."""
-        if self.stopped is not None:
-            return
+    def prepare(self, asked: int) -> Stop | None:
+        """Call every renderer once, settle the samples, and set settings aside that so few samples cannot show.
+
+        Returns the reason to stop, or None.
+        """
         cost, shape = _first_calls(self._run, [self._neutral, *(renderer for _, renderer in self._candidates)])
         self._samples = n = self._samples or choose_samples(self._run.left, cost, asked)
         self._too_few = tuple(_too_few(setting, n, cost) for setting, _ in self._candidates if setting.needs > n)
         self._candidates = [candidate for candidate in self._candidates if candidate[0].needs <= n]
-        self._series = [Series() for _ in self._candidates]
-        self._regions = image_regions(*shape, {}, (block_edge(*shape),))
+        regions = image_regions(*shape, {}, (block_edge(*shape),))
+        self._boxes = regions.boxes
+        self._series = [Series(regions) for _ in self._candidates]
         self._image, self._bad = np.zeros((*shape, 3)), np.zeros(shape, bool)
-        self.stopped = None if self._candidates else Stop.NOTHING
+        return None if self._candidates else Stop.NOTHING
 
-    def render_round(self) -> None:
-        """One image of the neutral state and one of each setting, in turns, from the same random numbers."""
+    def render_round(self) -> Stop | None:
+        """One image of the neutral state and one of each setting, in turns, from the same random numbers.
+
+        Returns the reason to stop, or None.
+        """
         begin = self._run.elapsed
         renderers = [self._neutral, *(renderer for _, renderer in self._candidates)]
-        got: list[Rendering | None] = [None] * len(renderers)
+        got: dict[int, Rendering] = {}
         for index in take_turns(self._count, len(renderers)):
             rendering, _ = self._run.render(renderers[index], COUNTED.number(self._count), self._samples)
             # Cycles' own precision: a round holds an image of every setting.
@@ -114,20 +122,18 @@ class _Rounds:
         self._image = self._image + (np.where(finite[..., None], plain.radiance, 0.0) - self._image) / self._count
         self._bad |= ~finite
         self._seconds_neutral.append(plain.seconds)
-        for entry, rendering in zip(self._series, got[1:], strict=True):
-            self._bad |= entry.add(self._regions, plain.radiance, rendering)
+        for index, entry in enumerate(self._series, start=1):
+            self._bad |= entry.add(plain.radiance, got[index])
         if self._options.replicates is not None and self._count >= self._options.replicates:
-            self.stopped = Stop.REPLICATES
-        elif self._run.left < self._run.elapsed - begin:
-            self.stopped = Stop.TIME
+            return Stop.REPLICATES
+        return Stop.TIME if self._run.left < self._run.elapsed - begin else None
 
-    def cancel(self) -> None:
-        """Keep the rounds that are complete; raises EtalonError where there is none."""
-        self.stopped = Stop.CANCELLED
+    def refuse_if_empty(self) -> None:
+        """Raise EtalonError where no round is complete."""
         if not self._count:
             raise EtalonError(f"{self._scene}: cancelled before the first round was done; there is nothing to tell")
 
-    def conclude(self, asked: int, same: tuple[Setting, ...], missing: tuple[Setting, ...]) -> Audit:
+    def conclude(self, stopped: Stop, asked: int, same: tuple[Setting, ...], missing: tuple[Setting, ...]) -> Audit:
         """What the rounds say of each setting."""
         seconds, count = np.array(self._seconds_neutral), self._count
         floor = FLOOR_SHARE * float(np.abs(self._image).mean()) if count else 0.0
@@ -138,7 +144,7 @@ class _Rounds:
             findings=judge(settings, self._series, seconds, self._options, floor, self._image, self._bad),
             same=same,
             missing=missing + self._too_few,
-            regions=self._regions,
+            boxes=self._boxes,
             neutral=self._image,
             floor=floor,
             rounds=count,
@@ -146,7 +152,7 @@ class _Rounds:
             asked=asked,
             nonfinite=int(self._bad.sum()),
             seconds_neutral=float(seconds.mean()) if count else 0.0,
-            stopped=self.stopped,
+            stopped=stopped,
             started=self._started,
             seconds=self._run.elapsed,
             settings=dict(self._neutral.settings),

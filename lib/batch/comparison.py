@@ -14,7 +14,7 @@ from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
 from .process import end, start
 
-VERDICTS = {outcome.exit_code: outcome.value for outcome in Outcome}
+VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
 _OURS = "etalon: "
 
 

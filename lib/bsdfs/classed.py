@@ -87,4 +87,4 @@ class ClassedMixture(Mixture):
         if split is not None:
             for j, there, value in parts:
                 split.add(j, there, direction, value, index)
-        return direction, sum(value for _, _, value in parts), pdf, classes
+        return direction, sum((value for _, _, value in parts), start=np.zeros((3, 1))), pdf, classes

@@ -147,7 +147,8 @@ class RoughDielectric(Lobe):
         """The same lobe at fewer points."""
         return RoughDielectric(
             np.take(self._wo, index, axis=1),
-            *(part_of(alpha, index) for alpha in self._alpha),
+            part_of(self._alpha[0], index),
+            part_of(self._alpha[1], index),
             part_of(self._eta, index),
             self._distribution,
             self._interface.part(index),

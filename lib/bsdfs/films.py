@@ -8,6 +8,7 @@ Where the film is thinner than 0.1 nm there is none.
 from __future__ import annotations
 
 import functools
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
 from typing import Self
 
@@ -25,7 +26,7 @@ from ..microfacets.thin_film import (
     film_color,
     film_index,
 )
-from .fresnels import F82, Conductor, TintedDielectric, part_of, reflectance_at_normal
+from .fresnels import F82, AveragedFresnel, Conductor, TintedDielectric, part_of, reflectance_at_normal
 
 LEAST_INDEX = 1e-5
 _LARGEST_F0 = 0.999
@@ -58,10 +59,23 @@ def make_film(thickness: np.ndarray, index: np.ndarray, by_table: bool) -> Film 
 
 
 @dataclass(frozen=True)
-class _UnderFilm:
+class _UnderFilm(ABC):
     """A reflectance under a film: with what is below it and without, point by point."""
 
     film: Film
+
+    @property
+    @abstractmethod
+    def bare(self) -> AveragedFresnel:
+        """The surface without the film."""
+
+    @abstractmethod
+    def _covered(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance (3, n) under the film."""
+
+    @abstractmethod
+    def _below(self, inside: np.ndarray, index: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Squared amplitude and phase of both polarisations at the surface below."""
 
     def __call__(self, cos: np.ndarray) -> np.ndarray:
         """Reflectance, (3, n)."""
@@ -87,7 +101,8 @@ class _UnderFilm:
         own = (getattr(self, f.name) for f in fields(self) if f.name != "film")
         size = max(np.shape(v)[-1] if np.ndim(v) else 1 for v in (*own, self.film.thickness, self.film.index))
         cosines = 0.5 + 0.5 * node
-        return sum(w * c * self(np.full(size, c)) for c, w in zip(cosines, weight, strict=True))
+        terms = (w * c * self(np.full(size, c)) for c, w in zip(cosines, weight, strict=True))
+        return sum(terms, start=np.zeros((3, 1)))
 
     @property
     def average_cycles(self) -> np.ndarray:
@@ -153,7 +168,7 @@ class FilmF82(_UnderFilm):
         n, k = self._index()
         away, square = n / index, np.square(k / index)
         f0 = (np.square(away - 1.0) + square) / (np.square(away + 1.0) + square)
-        tint = self._edge() / fresnel.schlick(np.float64(1.0 / 7.0), f0)
+        tint = self._edge() / fresnel.schlick(np.asarray(1.0 / 7.0), f0)
         power = F82(f0, tint)(inside)
         return [(power, _phase(r)) for r in _metal(inside, n, k, index)]
 
@@ -237,7 +252,7 @@ def under_film(curve: FilmConductor | FilmF82 | FilmDielectric) -> FilmConductor
 @functools.lru_cache(maxsize=256)
 def _tabulated(kind: type, exact: bool, thickness: tuple, index: tuple, *own: tuple) -> Tabulated:
     to = exact_sensitivity() if exact else cycles_sensitivity()
-    film = Film(np.float64(thickness[0]), np.float64(index[0]), to)
+    film = Film(np.asarray(thickness[0]), np.asarray(index[0]), to)
     curve = kind(film, *(np.float64(v[0]) if len(v) == 1 else np.array(v)[:, None] for v in own))
     table = curve(np.linspace(0.0, 1.0, _NODES))
     table.flags.writeable = False

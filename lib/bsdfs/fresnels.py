@@ -28,11 +28,26 @@ class Fresnel(Protocol):
         ...
 
 
+class AveragedFresnel(Fresnel, Protocol):
+    """A reflectance whose means over cosines colour multiple scattering."""
+
+    @property
+    def average(self) -> np.ndarray:
+        """Integral of 2 c F(c) over c, (3, 1) or (3, n)."""
+        ...
+
+    @property
+    def average_cycles(self) -> np.ndarray:
+        """What Cycles takes for it."""
+        ...
+
+
 def part_of(value: np.ndarray, index: np.ndarray) -> np.ndarray:
     """`value` at the points `index`; what is the same at all points stays as it is."""
     return value if np.ndim(value) == 0 or value.shape[-1] == 1 else np.take(value, index, axis=-1)
 
 
+@dataclass(frozen=True)
 class _PerPoint:
     """Taking parts, for dataclasses whose fields are arrays."""
 
@@ -68,7 +83,8 @@ class Conductor(_PerPoint):
         """Integral of 2 c F(c) over c, (3, 1) or (3, n)."""
         node, weight = roots_legendre(24)
         cosines = 0.5 + 0.5 * node
-        return sum(w * c * self(np.full(1, c)) for c, w in zip(cosines, weight, strict=True))
+        terms = (w * c * self(np.full(1, c)) for c, w in zip(cosines, weight, strict=True))
+        return sum(terms, start=np.zeros((3, 1)))
 
     @property
     def average_cycles(self) -> np.ndarray:

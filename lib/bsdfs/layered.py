@@ -26,7 +26,7 @@ def layer_reflectance(
     """
     if eta == 1.0:
         return np.zeros((3, cos_o.size))
-    curve = tinted_dielectric(np.float64(eta), tint)
+    curve = tinted_dielectric(np.asarray(eta), tint)
     from_normal, to_grazing = layer_albedo(cos_o, alpha, eta)
     albedo = curve.f0 * from_normal + to_grazing
     if lossless:
@@ -47,7 +47,7 @@ def layer_reflectance_cycles(
 
     What the compensation takes from coloured light, 1 less E + Fms (1 - E), is taken off again, unless `lossless`.
     """
-    curve = tinted_dielectric(np.float64(eta), tint)
+    curve = tinted_dielectric(np.asarray(eta), tint)
     albedo = curve.f0 + (1.0 - curve.f0) * layer_share_cycles(cos_o, alpha, eta, tables)
     if lossless or not compensated:
         return albedo
@@ -68,7 +68,7 @@ def film_layer_reflectance(
 
     With `tables` as Cycles takes it: the reflectance of a smooth surface, in place of the mean over facets.
     """
-    curve = FilmDielectric(film, np.float64(eta), np.clip(reflectance_at_normal(np.float64(eta)) * tint, 0.0, 1.0))
+    curve = FilmDielectric(film, np.asarray(eta), np.clip(reflectance_at_normal(np.asarray(eta)) * tint, 0.0, 1.0))
     if tables is not None:
         albedo = curve(np.clip(cos_o, 0.0, 1.0))
         if not compensated:
@@ -86,9 +86,9 @@ def film_layer_reflectance(
 @functools.lru_cache(maxsize=32)
 def _film_tables(eta: float, thickness: float, index: float, exact: bool, part: int) -> list[np.ndarray]:
     """For each colour the albedo of one of `FilmDielectric.parts`, which are interpolated between 4,097 cosines."""
-    film = Film(np.float64(thickness), np.float64(index), exact_sensitivity() if exact else cycles_sensitivity())
+    film = Film(np.asarray(thickness), np.asarray(index), exact_sensitivity() if exact else cycles_sensitivity())
     cosines = np.linspace(0.0, 1.0, 4097)
-    curves = FilmDielectric(film, np.float64(eta), reflectance_at_normal(np.full((3, 1), eta))).parts(cosines)[part]
+    curves = FilmDielectric(film, np.asarray(eta), reflectance_at_normal(np.full((3, 1), eta))).parts(cosines)[part]
     return [tabulate_albedo(functools.partial(np.interp, xp=cosines, fp=curve)) for curve in curves]
 
 

@@ -16,7 +16,7 @@ from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.findings import OVERLAPPING_FACES
 from ..scene.lights import AreaLight
-from ..scene.materials import Anisotropic, Closure, Diffuse, Emission, Glass, Refraction
+from ..scene.materials import Closure, Diffuse, Emission, Glass, Microfacets, Refraction
 from ..scene.scene import Scene
 from ..textures.fold import fold_scene, is_constant, walk
 from .scene import NARROW
@@ -84,6 +84,8 @@ def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]
 
 def refuse_absent(scene: Scene, names: Set[str]) -> None:
     """Raise EtalonError if one of the departures `names` does not exist in the Blender that exported `scene`."""
+    if scene.blender is None:
+        return
     present = {d.name for d in _switches(scene)}
     for departure in DEPARTURES:
         if departure.name in names - present:
@@ -114,16 +116,15 @@ def _nodes(scene: Scene) -> Iterator[Expression]:
         yield from walk(socket)
 
 
-def _is_rough(closure: Closure) -> bool:
+def _is_rough(closure: Microfacets | Diffuse) -> bool:
     socket = closure.roughness
-    return not (is_constant(socket) and float(socket.value) == 0.0)
+    return not (is_constant(socket) and socket.number == 0.0)
 
 
 def _reflects_by(*distributions: str) -> Callable[[Scene], bool]:
     """Whether a rough lobe, of reflection or refraction, has one of these distributions."""
-    kinds = (Anisotropic, Glass, Refraction)
     return lambda scene: any(
-        isinstance(c, kinds) and c.distribution in distributions and _is_rough(c) for c in _closures(scene)
+        isinstance(c, Microfacets) and c.distribution in distributions and _is_rough(c) for c in _closures(scene)
     )
 
 
@@ -140,7 +141,7 @@ def _rough_diffuse(scene: Scene) -> bool:
 
 
 def _disperses(glass: Glass) -> bool:
-    return not (is_constant(glass.dispersion) and float(glass.dispersion.value) == 0.0)
+    return not (is_constant(glass.dispersion) and glass.dispersion.number == 0.0)
 
 
 def _rough_facets(scene: Scene) -> bool:

@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 from ..microfacets.thin_film import LEAST_THICKNESS
 from ..plural import plural
 from ..scene.expressions import BeneathLayer, CoatTint, Constant, Expression, FresnelFactor, LayerWeight
-from ..scene.materials import Closure, Glass, Metallic, Specular
+from ..scene.materials import Closure, Diffuse, Glass, Metallic, Microfacets, Specular
 from ..textures.fold import walk
 from .facts import Facts, is_smooth, is_zero, scatters
 from .geometry import Answer
 
 Question = Callable[[Facts], Answer]
+C = TypeVar("C", bound=Closure)
 
 
 def named(names: list[str], what: str, none: str) -> Answer:
@@ -24,7 +26,7 @@ def named(names: list[str], what: str, none: str) -> Answer:
     return True, f"{what} {', '.join(repr(n) for n in names[:3])}{more}"
 
 
-def closure(kind: type | tuple[type, ...], test: Callable[[Closure], bool] = lambda _: True) -> Question:
+def closure(kind: type[C] | tuple[type[C], ...], test: Callable[[C], bool] = lambda _: True) -> Question:
     """Whether a material that is seen has a closure of `kind` that passes the test."""
 
     def question(facts: Facts) -> Answer:
@@ -36,7 +38,7 @@ def closure(kind: type | tuple[type, ...], test: Callable[[Closure], bool] = lam
     return question
 
 
-def is_rough(closure: Closure) -> bool:
+def is_rough(closure: Microfacets | Diffuse) -> bool:
     """Whether the roughness is anything but the constant zero."""
     return not is_zero(closure.roughness)
 
@@ -46,12 +48,12 @@ def has_film(closure: Closure) -> bool:
     if not isinstance(closure, Metallic | Specular | Glass):
         return False
     thickness = closure.film_thickness
-    return not isinstance(thickness, Constant) or float(thickness.value) > LEAST_THICKNESS
+    return not isinstance(thickness, Constant) or thickness.number > LEAST_THICKNESS
 
 
 def distribution(*names: str) -> Question:
     """Any closure with one of the distributions, smooth ones left out: they have none."""
-    return closure(Closure, lambda c: not is_smooth(c) and getattr(c, "distribution", None) in names)
+    return closure(Microfacets, lambda c: not is_smooth(c) and c.distribution in names)
 
 
 def _nodes(facts: Facts, kinds: tuple[type, ...]) -> list[str]:

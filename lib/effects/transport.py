@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..scene.expressions import EnvironmentTexture
+from ..scene.expressions import Constant, EnvironmentTexture
 from ..scene.materials import Emission
 from ..scene.rays import SCATTERED, STEADY_FLAGS
 from ..scene.sky import Sky
@@ -48,11 +48,12 @@ def emission(facts: Facts) -> Answer:
 
 def constant_world(facts: Facts) -> Answer:
     """Whether the same light comes from everywhere."""
-    if facts.world_varies:
+    world = facts.world
+    if not isinstance(world, Constant):
         return False, "the world's colour depends on the direction"
     if not facts.world_shines:
         return False, "the world is black"
-    value = np.round(np.broadcast_to(facts.world.value, (3,)), 4).tolist()
+    value = np.round(np.broadcast_to(world.value, (3,)), 4).tolist()
     return True, f"the world's radiance is {value} everywhere"
 
 

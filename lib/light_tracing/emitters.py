@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..lights.light import Aimable, Ball, Emitted, LightSample, LightSampler, Pair, emit_distant, luminance
+from ..lights.light import Aimable, Ball, Emitted, Emitter, LightSample, Pair, emit_distant, luminance
 from ..lights.selection import chances_by_power
 from ..sampling.tables import Distribution1D
 from ..sampling.warps import uniform_sphere
@@ -33,23 +33,25 @@ class ConstantSky:
         return emit_distant(LightSample(wi, np.full(wi.shape[1], np.inf), radiance, density), ball, place)
 
 
+class _Aimed:
+    """A light whose rays are aimed at targets."""
+
+    def __init__(self, light: Aimable, aim: Aim) -> None:
+        self._light, self._aim = light, aim
+        self.power = light.power * aim.solid_angle / (4.0 * np.pi)
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Towards the targets."""
+        direction, density = self._aim.sample(heading)
+        return self._light.emit_along(direction, density, place)
+
+
 class Emitters:
-    """All that shines on a `ball`, chosen by power; `any` is False where nothing does.
+    """All that shines on a `ball`, chosen by power: `emitters` of `power` (k,), not all 0."""
 
-    `with_sky`: a constant world is among it. With `targets` only light that may reach one of those balls is wanted: rays are aimed at
-    them where the light has a place of its own, and lights are chosen by what they send there, roughly.
-    """
-
-    def __init__(self, kernel: Kernel, ball: Ball, with_sky: bool, targets: Sequence[Ball] = ()) -> None:
-        self._ball = ball
-        self._emitters: list[LightSampler | ConstantSky] = list(kernel.lights)
-        if with_sky and kernel.sky is not None:
-            self._emitters.append(ConstantSky(kernel.sky, ball))
-        self._aims = [_aim(emitter, targets) for emitter in self._emitters]
-        from_afar = (ball.radius / max(kernel.caster.radius, 1e-300)) ** 2
-        power = np.array([_power(e, aim, from_afar) for e, aim in zip(self._emitters, self._aims, strict=True)])
-        self.any = bool(power.any())
-        self._choice = Distribution1D(chances_by_power(power)) if self.any else None
+    def __init__(self, ball: Ball, emitters: Sequence[Emitter], power: np.ndarray) -> None:
+        self._ball, self._emitters = ball, emitters
+        self._choice = Distribution1D(chances_by_power(power))
 
     def emit(self, choice: np.ndarray, place: Pair, heading: Pair) -> Emitted:
         """The ray (n,) of each path; `choice` (n,) picks the emitter, whose chance divides the weight."""
@@ -58,31 +60,35 @@ class Emitters:
         whole = Emitted(np.empty((3, count)), np.empty((3, count)), np.empty((3, count)), np.empty(count))
         for k in np.unique(index):
             at = np.flatnonzero(index == k)
-            emitted = self._emit(int(k), *((u[at], v[at]) for u, v in (place, heading)))
+            emitted = self._emitters[k].emit(self._ball, *((u[at], v[at]) for u, v in (place, heading)))
             for array, part in zip(whole, emitted, strict=True):
                 array[..., at] = part
             whole.weight[:, at] /= self._choice.probability[k]
         return whole
 
-    def _emit(self, k: int, place: Pair, heading: Pair) -> Emitted:
-        """Rays of one emitter."""
-        aim = self._aims[k]
-        if aim is None:
-            return self._emitters[k].emit(self._ball, place, heading)
-        direction, density = aim.sample(heading)
-        return self._emitters[k].emit_along(direction, density, place)
+
+def gather_emitters(kernel: Kernel, ball: Ball, with_sky: bool, targets: Sequence[Ball] = ()) -> Emitters | None:
+    """All that shines on a `ball`; None where nothing does.
+
+    `with_sky`: a constant world is among it. With `targets` only light that may reach one of those balls is wanted: rays are aimed at
+    them where the light has a place of its own, and lights are chosen by what they send there, roughly.
+    """
+    emitters: list[Emitter] = [_aim(light, targets) for light in kernel.lights]
+    if with_sky and kernel.sky is not None:
+        emitters.append(ConstantSky(kernel.sky, ball))
+    from_afar = (ball.radius / max(kernel.caster.radius, 1e-300)) ** 2
+    power = np.array([_power(emitter, from_afar) for emitter in emitters])
+    return Emitters(ball, emitters, power) if power.any() else None
 
 
-def _aim(emitter: LightSampler | ConstantSky, targets: Sequence[Ball]) -> Aim | None:
-    """Where the rays of an emitter are aimed; None where there are no targets, or they fill more of its view than aiming is worth."""
-    if not targets or not isinstance(emitter, Aimable):
-        return None
-    aim = Aim(emitter.extent, targets)
-    return aim if aim.solid_angle < WIDEST_AIM else None
+def _aim(light: Emitter, targets: Sequence[Ball]) -> Emitter:
+    """The light with its rays aimed; itself where there are no targets, or they fill more of its view than aiming is worth."""
+    if not targets or not isinstance(light, Aimable):
+        return light
+    aim = Aim(light.extent, targets)
+    return _Aimed(light, aim) if aim.solid_angle < WIDEST_AIM else light
 
 
-def _power(emitter: LightSampler | ConstantSky, aim: Aim | None, from_afar: float) -> float:
+def _power(emitter: Emitter, from_afar: float) -> float:
     """What a light sends to the ball or the targets, roughly; suns and worlds know it of a ball whose area is less by `from_afar`."""
-    if aim is not None:
-        return emitter.power * aim.solid_angle / (4.0 * np.pi)
-    return emitter.power if isinstance(emitter, Aimable | ConstantSky) else emitter.power * from_afar
+    return emitter.power if isinstance(emitter, Aimable | ConstantSky | _Aimed) else emitter.power * from_afar

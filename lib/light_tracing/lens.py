@@ -41,18 +41,20 @@ def sight(camera: Camera, point: np.ndarray, lens: Pair | None) -> Sight:
     ahead = (depth > camera.clip_start) & (depth < camera.clip_end)
     along = np.where(ahead, depth, 1.0)  # what is not ahead is left out below
     start = np.zeros_like(seen)
-    if lens is not None:
+    focus = None
+    if lens is not None and camera.aperture is not None:
         start[0], start[1] = lens_point(camera.aperture, *lens)
+        focus = camera.aperture.focus_distance
     if camera.kind == "PERSPECTIVE":
         ray = (seen - start) / along
         plane = ray[:2].copy()
-        if lens is not None:  # the pinhole's ray meets this one on the plane in focus
-            plane += start[:2] / camera.aperture.focus_distance
+        if focus is not None:  # the pinhole's ray meets this one on the plane in focus
+            plane += start[:2] / focus
     else:
         ray = np.zeros_like(seen)
         ray[2] = -1.0
-        if lens is not None:
-            ray[:2] = -start[:2] / camera.aperture.focus_distance
+        if focus is not None:
+            ray[:2] = -start[:2] / focus
         plane = seen[:2] - start[:2] - ray[:2] * along
     secant2 = dot(ray, ray)  # the ray has depth 1
     matrix = camera.plane_from_raster

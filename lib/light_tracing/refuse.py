@@ -10,7 +10,7 @@ from ..errors import EtalonError, Refusal, Refused
 from ..scene.camera import PANORAMAS
 from ..scene.expressions import Constant
 from ..scene.lights import SphereLight, SpotLight
-from ..scene.materials import Sheen, Toon
+from ..scene.materials import Material, Sheen, Toon
 from ..wavefront.kernel import Kernel
 from .dirac import may_be_dirac, varies
 
@@ -52,7 +52,7 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
     return [what for effect, what in names.items() if kernel.plan.needs(effect)]
 
 
-def _of_material(material: object) -> list[str]:
+def _of_material(material: Material) -> list[str]:
     """What light tracing does not simulate of a material."""
     found = []
     if material.unknown:
@@ -71,7 +71,7 @@ def _of_material(material: object) -> list[str]:
 
 def _has_lobe_everywhere(closure: Sheen) -> bool:
     """Whether sheen reflects light from every direction."""
-    return isinstance(closure.roughness, Constant) and float(closure.roughness.value) >= _LEAST_SHEEN
+    return isinstance(closure.roughness, Constant) and closure.roughness.number >= _LEAST_SHEEN
 
 
 def _is_entered(kernel: Kernel, light: SphereLight | SpotLight) -> bool:

@@ -22,7 +22,7 @@ from ..settings.reference import Options
 from ..wavefront.kernel import Kernel
 from ..wavefront.render import Tile, tiles
 from ..wavefront.sums import PixelSums
-from .emitters import Emitters
+from .emitters import Emitters, gather_emitters
 from .refuse import refuse_unsupported
 from .remainder import RemainderRenderer
 from .select import Everything, Selection
@@ -46,7 +46,7 @@ class LightTracingRenderer:
         self._remainder = RemainderRenderer(scene, options, plan)
         self._kernel = self._remainder.kernel
         refuse_unsupported(self._kernel)
-        self._emitters = Emitters(self._kernel, bounding_ball(scene.mesh.vertices), with_sky=True)
+        self._emitters = gather_emitters(self._kernel, bounding_ball(scene.mesh.vertices), with_sky=True)
 
     def render(self, replicate: int, samples: int, progress: Progress = NO_PROGRESS) -> Rendering:
         """One independent replicate of `samples` light paths for every pixel, and as many camera rays; raises Cancelled."""
@@ -71,7 +71,7 @@ class LightTracingRenderer:
 
 def trace_light(
     kernel: Kernel,
-    emitters: Emitters,
+    emitters: Emitters | None,
     selection: Selection,
     replicate: int,
     paths: int,
@@ -84,7 +84,7 @@ def trace_light(
     """
     options = kernel.options
     pixels = kernel.scene.camera.width * kernel.scene.camera.height
-    if not emitters.any or not any(material.scatters for material in kernel.materials):
+    if emitters is None or not any(material.scatters for material in kernel.materials):
         return
     depth = 1 << min(
         paths.bit_length() // 2, 12

@@ -30,7 +30,7 @@ from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from ..wavefront.kernel import Kernel
-from .emitters import Emitters
+from .emitters import gather_emitters
 from .render import trace_light
 from .splats import Splats
 
@@ -115,7 +115,8 @@ def scout_caustics(
     targets, each = _targets(kernel, narrow), -(-paths // batches)
     parts: list[tuple[int, Splats]] = []
     if targets and kernel.scene.transport.max_bounces > 0:
-        emitters, selection = Emitters(kernel, _around(targets, kernel), False, targets), _Caustics(targets, narrow)
+        emitters = gather_emitters(kernel, _around(targets, kernel), False, targets)
+        selection = _Caustics(targets, narrow)
         for batch in range(batches):
             within = progress.within(batch / batches, (batch + 1) / batches)
             number = SCOUTING.number(batch)
@@ -201,6 +202,6 @@ def _may_have(material: Material, narrow: float, wide: bool) -> bool:
                 return True
         elif (roughness := getattr(lobe.closure, "roughness", None)) is not None:
             known = isinstance(roughness, Constant)
-            if not known or (float(roughness.value) ** 2 >= narrow) == wide:
+            if not known or (roughness.number**2 >= narrow) == wide:
                 return True
     return False

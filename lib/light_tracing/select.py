@@ -16,6 +16,7 @@ class Selection(Protocol):
 
     def starts(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray | bool:
         """Which rays (3, n) from the lights can be the beginning of a path that counts, (n,) bool, or True for all."""
+        ...
 
     def allowed(self, material: PreparedMaterial, points: SurfacePoints, history: np.ndarray) -> np.ndarray | None:
         """Which lobes paths may take on, (lobes, n) bool, one at a time; None: all together."""
@@ -27,6 +28,7 @@ class Selection(Protocol):
         self, material: PreparedMaterial, points: SurfacePoints, history: np.ndarray, lobe: np.ndarray
     ) -> np.ndarray:
         """The history after a scattering by the lobe (n,)."""
+        ...
 
 
 class Everything:

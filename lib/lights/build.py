@@ -11,7 +11,7 @@ from .light import LightSampler
 from .point import PointSampler
 from .rectangle import ParallelogramSampler, RectangleSampler
 from .sphere import SphereSampler
-from .spot import SpotSampler
+from .spot import spot_sampler
 from .sun import SunSampler
 
 
@@ -22,7 +22,7 @@ def light_sampler(light: Light, scene_radius: float) -> LightSampler:
     if isinstance(light, SphereLight):
         return SphereSampler(light)
     if isinstance(light, SpotLight):
-        return SpotSampler(light)
+        return spot_sampler(light)
     if isinstance(light, AreaLight):
         shape = area_sampler(light)
         return BeamSampler(light, shape) if light.spread <= 0.0 else shape

@@ -6,11 +6,17 @@ A cone is named by 1 - cos of its half angle: for a narrow one the cosine itself
 
 from __future__ import annotations
 
+from typing import overload
+
 import numpy as np
 
 from ..sampling.warps import circle
 
 
+@overload
+def density(one_minus_cos: float) -> float: ...
+@overload
+def density(one_minus_cos: np.ndarray) -> np.ndarray: ...
 def density(one_minus_cos: np.ndarray | float) -> np.ndarray | float:
     """1 / solid angle = 1 / (2 pi (1 - cos)), per steradian; PBRT 4th edition, A.5.4."""
     return 1.0 / (2.0 * np.pi * one_minus_cos)

@@ -50,28 +50,46 @@ class Emitted(NamedTuple):
     brightness: np.ndarray
 
 
-@runtime_checkable
-class Aimable(Protocol):
-    """A light in a place of its own, whose rays can be aimed."""
-
-    extent: Ball
-
-    def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
-        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, by two uniforms for the place."""
-
-
-class LightSampler(Protocol):
-    """One light, ready to be sampled. `candidates`, `intersect` and `pdf` exist where `delta` is False.
+class Emitter(Protocol):
+    """What rays can start from.
 
     `power`: luminance of the flux it sends into the scene, W; it only steers which light is chosen.
     """
 
-    delta: bool
     power: float
+
+    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
+        """Rays that leave the light, by two uniforms (n,) each for the place and the direction; `ball` holds what is to be lit."""
+        ...
+
+
+@runtime_checkable
+class Aimable(Emitter, Protocol):
+    """A light in a place of its own, whose rays can be aimed."""
+
+    @property
+    def extent(self) -> Ball:
+        """A ball about the light."""
+        ...
+
+    def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
+        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, by two uniforms for the place."""
+        ...
+
+
+class LightSampler(Emitter, Protocol):
+    """One light, ready to be sampled; `delta`: no ray meets it."""
+
+    delta: bool
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""
         ...
+
+
+@runtime_checkable
+class Meetable(LightSampler, Protocol):
+    """A light in a place of its own that rays meet by themselves."""
 
     def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Indices of all rays that may meet the light, and of few others: what is cheap to say before `intersect` is asked."""
@@ -84,9 +102,6 @@ class LightSampler(Protocol):
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """Density per steradian with which `sample` gives a direction that `intersect` met at `distance`; 0 elsewhere."""
         ...
-
-    def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
-        """Rays that leave the light, by two uniforms (n,) each for the place and the direction; `ball` holds what is to be lit."""
 
 
 def bounding_ball(vertices: np.ndarray) -> Ball:

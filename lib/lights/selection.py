@@ -36,14 +36,14 @@ class LightSelection:
         self.samplers = tuple(samplers)
         self._choice = Distribution1D(chances_by_power(np.array([sampler.power for sampler in samplers])))
         # Spheres are sampled all together, lights of other kinds one by one.
-        spheres = [k for k, sampler in enumerate(samplers) if type(sampler) is SphereSampler]
+        spheres = {k: sampler for k, sampler in enumerate(samplers) if type(sampler) is SphereSampler}
         others = [k for k, sampler in enumerate(samplers) if type(sampler) is not SphereSampler]
         self._batches: list[Spheres | LightSampler] = [samplers[k] for k in others]
         self._batch_of, self._place = np.empty((2, len(samplers)), np.intp)
         self._batch_of[others] = np.arange(len(others))
         if spheres:
-            self._batches.append(Spheres([samplers[k] for k in spheres]))
-            self._batch_of[spheres], self._place[spheres] = len(others), np.arange(len(spheres))
+            self._batches.append(Spheres(list(spheres.values())))
+            self._batch_of[list(spheres)], self._place[list(spheres)] = len(others), np.arange(len(spheres))
 
     def choose(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index (n,) into `samplers` by the uniform `u`, and its probability (n,)."""

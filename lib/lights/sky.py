@@ -53,8 +53,8 @@ class SunnySampler:
         self.nonfinite = self._rest.nonfinite
         powers = np.array([self._rest.power, *(sun.power for sun in self._suns)])
         self.power = float(powers.sum())
-        shares = powers / self.power if self.power > 0.0 else 1.0 / powers.size
-        self._chance: np.ndarray = 0.5 * (shares + 1.0 / powers.size)
+        shares = powers / self.power if self.power > 0.0 else np.full(powers.shape, 1.0 / powers.size)
+        self._chance = 0.5 * (shares + 1.0 / powers.size)
         self._edges = np.cumsum(self._chance)[:-1]
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:

@@ -15,38 +15,18 @@ from .sphere import SphereSampler
 
 
 class SpotSampler:
-    """Spot light: delta where its radius is 0. The cone does not dim what is inside its sphere, as in Cycles."""
+    """A spot light: its `emitter` seen through its cone."""
 
-    def __init__(self, light: SpotLight) -> None:
-        self.delta = light.radius == 0.0
-        self._falloff = Falloff(light.cone)
-        self._emitter = (
-            PointSampler(PointLight(light.name, light.position, light.emission))
-            if self.delta
-            else SphereSampler(SphereLight(light.name, light.position, light.radius, light.emission))
-        )
-        self.power = self._emitter.power * self._falloff.mean()
+    delta = True
+
+    def __init__(self, light: SpotLight, emitter: PointSampler | SphereSampler) -> None:
+        self._falloff, self._emitter = Falloff(light.cone), emitter
+        self.power = emitter.power * self._falloff.mean()
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """The emitter's own sample, dimmed along the ray that it gives."""
         sample = self._emitter.sample(point, u1, u2)
         return sample._replace(radiance=sample.radiance * self._dimming(point, sample.wi))
-
-    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Those of the sphere."""
-        return self._emitter.candidates(origin, direction)
-
-    def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The sphere's hit, dimmed along the ray; a sphere that shows nothing there is still met."""
-        distance, radiance = self._emitter.intersect(origin, direction)
-        met = np.flatnonzero(np.isfinite(distance))
-        if met.size:
-            radiance[:, met] *= self._dimming(np.take(origin, met, axis=1), np.take(direction, met, axis=1))
-        return distance, radiance
-
-    def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """That of the sphere."""
-        return self._emitter.pdf(origin, direction, distance)
 
     @property
     def extent(self) -> Ball:
@@ -66,10 +46,46 @@ class SpotSampler:
         return emitted._replace(weight=emitted.weight * factor, brightness=brightness)
 
     def _dimming(self, point: np.ndarray, wi: np.ndarray) -> np.ndarray:
-        factor = self._falloff(wi)
-        if not self.delta:
-            factor[self._emitter.inside(point)] = 1.0
+        return self._falloff(wi)
+
+
+class SphereSpotSampler(SpotSampler):
+    """A spot light whose emitter is a `sphere`. The cone does not dim what is inside the sphere, as in Cycles."""
+
+    delta = False
+
+    def __init__(self, light: SpotLight, sphere: SphereSampler) -> None:
+        super().__init__(light, sphere)
+        self._sphere = sphere
+
+    def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Those of the sphere."""
+        return self._sphere.candidates(origin, direction)
+
+    def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The sphere's hit, dimmed along the ray; a sphere that shows nothing there is still met."""
+        distance, radiance = self._sphere.intersect(origin, direction)
+        met = np.flatnonzero(np.isfinite(distance))
+        if met.size:
+            radiance[:, met] *= self._dimming(np.take(origin, met, axis=1), np.take(direction, met, axis=1))
+        return distance, radiance
+
+    def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """That of the sphere."""
+        return self._sphere.pdf(origin, direction, distance)
+
+    def _dimming(self, point: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        factor = super()._dimming(point, wi)
+        factor[self._sphere.inside(point)] = 1.0
         return factor
+
+
+def spot_sampler(light: SpotLight) -> SpotSampler:
+    """The sampler of a spot light: of a point where its radius is 0, else of a sphere."""
+    if light.radius == 0.0:
+        return SpotSampler(light, PointSampler(PointLight(light.name, light.position, light.emission)))
+    sphere = SphereSampler(SphereLight(light.name, light.position, light.radius, light.emission))
+    return SphereSpotSampler(light, sphere)
 
 
 class Falloff:

@@ -74,7 +74,7 @@ def save(scene: Scene, path: Path | str) -> None:
     arrays = {f"array_{i}": array for i, array in enumerate(encoder.arrays)}
     arrays["scene"] = np.frombuffer(text.encode(), np.uint8)
     with replace_file(path) as beside, beside.open("wb") as file:
-        np.savez(file, **arrays)
+        np.savez(file, **arrays)  # pyright: ignore[reportArgumentType]: the stub takes every name for allow_pickle
 
 
 def load(path: Path | str) -> Scene:

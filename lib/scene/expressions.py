@@ -23,6 +23,13 @@ class Constant(Expression):
 
     value: float | tuple[float, float, float]
 
+    @property
+    def number(self) -> float:
+        """The value of a constant that is one number; raises TypeError for a colour or vector."""
+        if isinstance(self.value, tuple):
+            raise TypeError(f"{self.value} are three numbers")
+        return float(self.value)
+
 
 @dataclass(frozen=True)
 class Coordinates(Expression):
@@ -239,8 +246,8 @@ class BeneathLayer(Expression):
     coat: bool = False
     tables: int = 0
     lossless: bool = False
-    film_thickness: Expression = Constant(0.0)
-    film_ior: Expression = Constant(1.0)
+    film_thickness: Constant = Constant(0.0)
+    film_ior: Constant = Constant(1.0)
     film_by_table: bool = False
 
 

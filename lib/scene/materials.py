@@ -23,14 +23,19 @@ class Closure:
     """
 
 
-class Anisotropic(Closure):
-    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`; no dataclass, so each says its own defaults.
+class Microfacets(Closure):
+    """Base of the closures with a `distribution` of microfacets and a `roughness`; no dataclass, so each says its own defaults."""
+
+    distribution: str
+    roughness: Expression
+
+
+class Anisotropic(Microfacets):
+    """Base of the closures with `anisotropy`, `rotation` (in turns) and `tangent`.
 
     Those that reflect by a Fresnel curve may lie under a film of `film_thickness` nm and the index `film_ior`.
     """
 
-    distribution: str
-    roughness: Expression
     anisotropy: Expression
     rotation: Expression
     tangent: Tangent
@@ -205,7 +210,7 @@ class Glass(Anisotropic):
 
 
 @dataclass(frozen=True)
-class Refraction(Closure):
+class Refraction(Microfacets):
     """Refraction alone, no Fresnel (zero under total internal reflection); `distribution`: 'BECKMANN' or 'GGX'."""
 
     color: Expression = WHITE

@@ -136,7 +136,9 @@ OUTSIDE: dict[str, str] = {
             "lights.rectangle.RectangleSampler",
             "lights.sky.SunnySampler",
             "lights.sphere.Spheres",
+            "lights.spot.SphereSpotSampler",
             "lights.spot.SpotSampler",
+            "lights.spot.spot_sampler",
             "lights.light.aimed_at_ball",
         ),
         _LIGHT,
@@ -145,6 +147,7 @@ OUTSIDE: dict[str, str] = {
     **dict.fromkeys(
         (
             "bsdfs.classed.ClassedMixture",
+            "bsdfs.fresnels.AveragedFresnel",
             "bsdfs.fresnels.Fresnel",
             "bsdfs.fresnels.part_of",
             "bsdfs.mixture.take_color",
@@ -158,7 +161,9 @@ OUTSIDE: dict[str, str] = {
             "lights.build.area_sampler",
             "lights.build.light_sampler",
             "lights.light.LightSample",
+            "lights.light.Emitter",
             "lights.light.LightSampler",
+            "lights.light.Meetable",
             "lights.light.Aimable",
             "lights.light.Ball",
             "lights.light.Emitted",

@@ -11,7 +11,17 @@ from ..effects.facts import adding_lobes, is_zero
 from ..effects.families import FAMILIES
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
-from ..scene.materials import WIDE, Closure, Emission, Glass, GlossyToon, Material, Refraction, Translucent, Transparent
+from ..scene.materials import (
+    Closure,
+    Emission,
+    Glass,
+    GlossyToon,
+    Material,
+    Microfacets,
+    Refraction,
+    Translucent,
+    Transparent,
+)
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
@@ -32,7 +42,7 @@ class PreparedMaterial:
         self.name, self.unknown = material.name, bool(material.unknown)
         self._images, self._options, self._tables = images, options, tables
         lobes = [(x.weight, x.closure) for x in (adding_lobes(material) if prunes else material.lobes)]
-        self._emissions = [x for x in lobes if isinstance(x[1], Emission)]
+        self._emissions = [(weight, closure) for weight, closure in lobes if isinstance(closure, Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
         self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
@@ -83,7 +93,7 @@ class PreparedMaterial:
             if isinstance(closure, GlossyToon):
                 size, smooth = (self._evaluate(one, points) for one in (closure.size, closure.smooth))
                 found[k] = np.tan(0.5 * cone_half_angle(size, smooth))
-            elif not isinstance(closure, WIDE):
+            elif isinstance(closure, Microfacets):
                 found[k] = np.clip(self._evaluate(closure.roughness, points), 0.0, 1.0) ** 2
         return found
 

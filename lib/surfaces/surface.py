@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import SceneError
 from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
+from ..textures.context import Context
 from ..vectors import cross, dot, normalize, put
 from .tangents import normal_map_frame
 
@@ -64,7 +65,7 @@ class SurfaceTables:
         return self._frames[uv_map]
 
 
-class SurfacePoints:
+class SurfacePoints(Context):
     """Points on triangles, seen from `wo`; the context in which expressions are evaluated.
 
     triangle (n,) int, barycentrics u, v (n,) of the second and third corner, position, ng and wo (3, n). The geometric normal is
@@ -113,7 +114,8 @@ class SurfacePoints:
         points.n = self.n[:, start:stop]
         if self.wavelength is not None:
             points.wavelength = self.wavelength[start:stop]
-        points.flags = self.flags if np.ndim(self.flags) == 0 else self.flags[start:stop]
+        flags = self.flags
+        points.flags = flags[start:stop] if isinstance(flags, np.ndarray) and flags.ndim else flags
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:

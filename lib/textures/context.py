@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NoReturn, Protocol
 
 import numpy as np
 
@@ -51,6 +51,63 @@ class Context(Protocol):
     def moved(self, direction: np.ndarray, step: float) -> Context:
         """The points `step` further along unit vectors (3, n) in the plane of their triangles."""
         ...
+
+
+class WithoutSurface(Context):
+    """Base of contexts that are no points of a surface, as directions of the world; what only surfaces have raises TypeError."""
+
+    @property
+    def n(self) -> NoReturn:
+        """No normal."""
+        _refuse("shading normal")
+
+    @property
+    def ng(self) -> NoReturn:
+        """No face."""
+        _refuse("face")
+
+    @property
+    def wo(self) -> NoReturn:
+        """No viewer of a surface."""
+        _refuse("direction to the viewer")
+
+    @property
+    def step(self) -> NoReturn:
+        """No step along a surface."""
+        _refuse("step along a surface")
+
+    @property
+    def normal_scale(self) -> NoReturn:
+        """No normal."""
+        _refuse("shading normal")
+
+    def attribute(self, name: str) -> NoReturn:
+        """No mesh."""
+        _refuse(f"attribute '{name}'")
+
+    def object_info(self) -> NoReturn:
+        """No object."""
+        _refuse("object")
+
+    def edge_distance(self) -> NoReturn:
+        """No triangle."""
+        _refuse("edge")
+
+    def tangent_frame(self, uv_map: str) -> NoReturn:
+        """No UV map."""
+        _refuse(f"UV map '{uv_map}'")
+
+    def normal_to_world(self, normal: np.ndarray) -> NoReturn:
+        """No object."""
+        _refuse("object")
+
+    def moved(self, direction: np.ndarray, step: float) -> NoReturn:
+        """No triangle."""
+        _refuse("triangle")
+
+
+def _refuse(what: str) -> NoReturn:
+    raise TypeError(f"there is no {what} without a surface")
 
 
 class InputEvaluator(Protocol):

@@ -93,9 +93,9 @@ def _sampled(node: ex.ImageTexture, place: Place, read: Evaluator) -> np.ndarray
     return read.images.sample(node.image, *place, node.interpolation, node.extension, node.association)
 
 
-def _box(node: ex.ImageTexture, point: np.ndarray, read: Evaluator) -> np.ndarray:
+def _box(node: ex.ImageTexture, point: np.ndarray, normal: np.ndarray, read: Evaluator) -> np.ndarray:
     """RGBA (4, n) of the faces of a box, each asked only where it counts."""
-    point, normal = np.broadcast_arrays(point, read(node.normal))
+    point, normal = np.broadcast_arrays(point, normal)
     rgba = np.zeros((4, normal.shape[1]))
     for weight, (u, v) in zip(box_weights(normal, node.blend), box_faces(point, normal), strict=True):
         (seen,) = np.nonzero(weight)
@@ -105,8 +105,10 @@ def _box(node: ex.ImageTexture, point: np.ndarray, read: Evaluator) -> np.ndarra
 
 def _image_texture(node: ex.ImageTexture, read: Evaluator) -> np.ndarray:
     point = read(node.vector)
-    is_box = node.projection == "BOX"
-    rgba = _box(node, point, read) if is_box else _sampled(node, _PROJECTIONS[node.projection](point), read)
+    if node.projection == "BOX" and node.normal is not None:
+        rgba = _box(node, point, read(node.normal), read)
+    else:
+        rgba = _sampled(node, _PROJECTIONS[node.projection](point), read)
     if node.output == "COLOR":
         return rgba[:3]
     return as_value(rgba[3])
@@ -154,8 +156,8 @@ def _slant(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
 def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     cos_wo = _cos_wo(node.normal, read)
-    tables, ior = tables_with(node.tables), float(node.ior.value)
-    thickness, index = (float(one.value) for one in (node.film_thickness, node.film_ior))
+    tables, ior = tables_with(node.tables), node.ior.number
+    thickness, index = (np.asarray(one.number) for one in (node.film_thickness, node.film_ior))
     film = make_film(thickness, index, node.film_by_table)
     return beneath_layer(node.distribution, ior, tint, roughness, weight, cos_wo, tables, node.lossless, film)
 

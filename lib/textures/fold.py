@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
-from typing import TypeGuard
+from typing import NoReturn, TypeGuard
 
 import numpy as np
 
 from ..scene import expressions as ex
 from ..scene.materials import Material, WeightedClosure
 from ..scene.scene import Scene
+from .context import WithoutSurface
 from .converters import CONVERTERS
 from .evaluate import evaluate
 from .images import ImageSet
@@ -34,14 +35,14 @@ _POINTWISE = (
 """Nodes whose result depends on nothing but their inputs."""
 
 
-class _NoPoint:
+class _NoPoint(WithoutSurface):
     """The context of a constant: it has no point."""
 
-    size = 1
+    size, flags = 1, 0
     cos_wo = np.ones(1)
     backfacing = np.zeros(1, bool)
 
-    def coordinates(self, kind: str, uv_map: str) -> np.ndarray:
+    def coordinates(self, kind: str, uv_map: str) -> NoReturn:
         raise AssertionError(f"a constant asked for {kind} {uv_map}")
 
 

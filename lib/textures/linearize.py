@@ -23,6 +23,7 @@ def linearize(pixels: np.ndarray, space: str, config: Path) -> np.ndarray:
     codes = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, height, 3, "float"))
     codes.set_pixels(OpenImageIO.ROI(), np.ascontiguousarray(pixels[..., :3], np.float32))
     linear = OpenImageIO.ImageBufAlgo.colorconvert(codes, space, _ROLE, False, "", "", str(config))
-    if linear.has_error:
+    converted = linear.get_pixels(OpenImageIO.FLOAT)
+    if linear.has_error or converted is None:
         raise EtalonError(f"colour space '{space}' cannot be converted ({linear.geterror().strip()})")
-    return np.dstack((linear.get_pixels(OpenImageIO.FLOAT).reshape(height, width, 3), pixels[..., 3]))
+    return np.dstack((converted.reshape(height, width, 3), pixels[..., 3]))

@@ -50,7 +50,7 @@ def _wave(node: pr.Wave, read: InputEvaluator) -> np.ndarray:
     if np.any(distortion):
         at = list(p * read(node.detail_scale))
         n = n + distortion * (
-            2.0 * fbm(at, read(node.detail), read(node.detail_roughness), np.float64(2.0), True) - 1.0
+            2.0 * fbm(at, read(node.detail), read(node.detail_roughness), np.asarray(2.0), True) - 1.0
         )
     if node.profile == "SIN":
         return 0.5 - 0.5 * np.cos(n)
@@ -128,7 +128,7 @@ def point_of(vector: np.ndarray, w: np.ndarray, dimensions: int) -> list[np.ndar
 def _noise(node: pr.Noise, read: InputEvaluator) -> np.ndarray:
     scale = read(node.scale)
     point = point_of(read(node.vector) * scale, read(node.w) * scale, node.dimensions)
-    fractal = tuple(read(e) for e in (node.detail, node.roughness, node.lacunarity, node.offset, node.gain))
+    fractal = read(node.detail), read(node.roughness), read(node.lacunarity), read(node.offset), read(node.gain)
     return noise_texture(point, node.kind, fractal, read(node.distortion), node.normalize, node.output == "COLOR")
 
 

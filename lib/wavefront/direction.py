@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..textures.context import WithoutSurface
 
-class Directions:
+
+class Directions(WithoutSurface):
     """Unit directions (3, n) out of the scene; every kind of coordinates is the direction itself.
 
     `flags`, () or (n,) int, are those of the rays (scene/rays.py).

@@ -114,7 +114,7 @@ def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
         options = CompareOptions(time=1e6, samples=4, replicates=16)
         found = audit("Test", made(scene, []), others, options, 4096)
     assert all(f.outcome is not Outcome.DIFFERENT for f in found.findings)
-    assert all(holds(f, k, 0.0) for f in found.findings for k in range(len(found.regions)))
+    assert all(holds(f, k, 0.0) for f in found.findings for k in range(len(found.boxes)))
     assert all(0.5 < f.noise.value < 2.0 for f in found.findings)
 
 

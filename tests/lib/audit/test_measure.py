@@ -96,7 +96,7 @@ def test_what_is_biased_is_found_where_it_is(clock, seed):
         assert f.low[0].max() - 1e-6 <= image <= f.high[0].min() + 1e-6
         assert f.low[place, channel] - 1e-6 <= block <= f.high[place, channel] + 1e-6
     place, _ = got["much"].worst
-    assert found.regions.boxes[place][2] < 16
+    assert found.boxes[place][2] < 16
     assert np.abs(got["much"].map[:, ~LEFT]).max() == 0.0
     assert np.median(got["much"].map[:, LEFT]) == pytest.approx(-0.05, rel=0.05)
     # Of the settings only the one that changes the noise of every pixel shows it.
@@ -205,6 +205,11 @@ def test_cancelled_keeps_complete_rounds(clock, seed):
     assert found.rounds >= 2
     with pytest.raises(EtalonError, match="cancelled before the first round"):
         run(clock, seed, {"much": left(0.5)}, cancelled=lambda: True)
+
+
+def test_two_numbers_of_samples_are_refused(clock, seed):
+    with pytest.raises(EtalonError, match="give one number"):
+        run(clock, seed, {"much": left(0.5)}, CompareOptions(samples=(8, 16)))
 
 
 def test_nothing_to_measure_renders_nothing(clock, seed):
