@@ -16,9 +16,8 @@ import numpy as np
 from scipy.special import erfc
 
 from ..sampling.tables import LARGEST_UNIFORM
+from .inverse_tables import LEAST_UNIFORM, ViewTable
 
-_VIEWS, _LEVELS = 128, 256  # cells of the table along 1 / (1 + a), and along u
-_LEAST = 0.5 - 0.5 * LARGEST_UNIFORM  # with LARGEST_UNIFORM the bounds of the u that have a finite logit
 _SQRT_PI = float(np.sqrt(np.pi))
 _ABOVE_END = 1e-10  # how far above -a the bracket begins at least: at -a itself the density is zero
 
@@ -29,7 +28,7 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_
     `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor; `u` in [0, 1]. `lambda_o` is
     Smith's Lambda of that angle, by which the mass of all visible normals is a sqrt(pi) (1 + Lambda).
     """
-    u = np.clip(u, _LEAST, LARGEST_UNIFORM)
+    u = np.clip(u, LEAST_UNIFORM, LARGEST_UNIFORM)
     cot = cosine / sine
     # With s + c = 1 nothing below overflows, and s is the table's coordinate: a = c / s.
     s = 1.0 / (1.0 + cot)
@@ -106,34 +105,17 @@ def _step(x: np.ndarray, s: np.ndarray, c: np.ndarray, wanted: np.ndarray) -> np
 
 def _bracket(s: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The table's bilinear value, and the corner values below and above it, for s = 1 / (1 + a)."""
-    table, scale = _table()
-    logit = np.log(u / (1.0 - u))
-    along = 0.5 * _LEVELS + scale * logit / np.sqrt(2.0 + np.abs(logit))
-    across = s * _VIEWS
-    column = along.astype(np.intp)
-    row = np.minimum(across.astype(np.intp), _VIEWS - 1)
-    along -= column
-    across -= row
-    corner = row * (_LEVELS + 1) + column
-    low, near = table.take(corner), table.take(corner + 1)
-    far, high = table.take(corner + (_LEVELS + 1)), table.take(corner + (_LEVELS + 2))
-    here, beyond = low + (near - low) * along, far + (high - far) * along
-    return here + (beyond - here) * across, low, high
+    return _table().bracket(s, u)
 
 
 @functools.cache
-def _table() -> tuple[np.ndarray, float]:
-    """The x at the nodes, flattened from (1 / (1 + a), level), and the nodes per unit of level.
+def _table() -> ViewTable:
+    """The x at the nodes, by bisection: built once."""
+    return ViewTable(_invert)
 
-    The level of u is l / sqrt(2 + |l|) with l = log(u / (1 - u)): it goes to the ends as x does. Bisection: built once.
-    """
-    limit = np.log(LARGEST_UNIFORM / (1.0 - LARGEST_UNIFORM))
-    largest = limit / np.sqrt(2.0 + limit) * (1.0 + 1e-6)
-    level = np.linspace(-largest, largest, _LEVELS + 1)
-    square = level * level
-    logit = np.copysign(0.5 * (square + np.sqrt(square * (square + 8.0))), level)
-    above = 1.0 / (1.0 + np.exp(logit))
-    s = np.linspace(0.0, 1.0, _VIEWS + 1)[:, None]
+
+def _invert(s: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """The x above which lies the share `above` (m,) of the slopes visible at `s` (k, 1), (k, m)."""
     c = 1.0 - s
     cot = c / np.maximum(s, 1e-100)
     target = above * (c * _SQRT_PI * erfc(-cot) + s * np.exp(-cot * cot))
@@ -143,8 +125,4 @@ def _table() -> tuple[np.ndarray, float]:
         x = 0.5 * (low + high)
         more = c * _SQRT_PI * erfc(x) + s * np.exp(-x * x) > target
         low, high = np.where(more, x, low), np.where(more, high, x)
-    # Rounding may have broken, by 1e-8, the order that makes the corners a bracket.
-    x = np.maximum.accumulate(np.maximum.accumulate(0.5 * (low + high), axis=0), axis=1)
-    table = np.ascontiguousarray(x).ravel()
-    table.flags.writeable = False
-    return table, _LEVELS / (2.0 * float(largest))
+    return 0.5 * (low + high)

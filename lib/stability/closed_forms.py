@@ -18,6 +18,7 @@ from ..microfacets import densities, fresnel, masking
 from ..microfacets.beckmann import Beckmann, smith_lambda_rational
 from ..microfacets.distribution import Distribution
 from ..microfacets.ggx import GGX
+from ..microfacets.student_t import StudentT
 from ..sampling.mis import power_heuristic
 from ..scene.lights import SphereLight, SunLight
 from . import cycles_single, domain, exact, single
@@ -25,6 +26,7 @@ from .measure import Function, Single
 
 BOUND = 8.0
 FAMILY = "closed form"
+STUDENT_SHAPES = (1.6, 2.5, 1e4)
 _WHITE = (1.0, 1.0, 1.0)
 _VECTOR = ("x", "y", "z")
 _ALPHAS = ("alpha_x", "alpha_y")
@@ -231,6 +233,18 @@ def _microfacets() -> list[Function]:
     return [
         *_distribution("GGX", GGX(), "ggx"),
         *_distribution("Beckmann", Beckmann(), "beckmann"),
+        *(
+            Function(
+                FAMILY,
+                f"Student-t D, g = {g:g}",
+                (*_VECTOR, *_ALPHAS),
+                _normals,
+                _of_direction(StudentT(g).density),
+                exact.student_density(g),
+                BOUND,
+            )
+            for g in STUDENT_SHAPES
+        ),
         Function(
             FAMILY,
             "Beckmann Lambda, rational",

@@ -35,6 +35,16 @@ def ggx_lambda(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
     return ((mp.sqrt(1 + _stretched(x, y, ax, ay) / z**2) - 1) / 2,)
 
 
+def student_density(g: float) -> Callable[..., Values]:
+    """Ribardiere et al. 2017, both axes, of one shape."""
+
+    def density(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
+        s = _stretched(x, y, 1 / ax, 1 / ay) / z**2
+        return ((1 + s / (mpf(g) - 1)) ** -mpf(g) / (mp.pi * ax * ay * z**4),)
+
+    return density
+
+
 def beckmann_lambda(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
     """Heitz 2014, eq. 66; 0 where the surface shows no slope."""
     stretched = _stretched(x, y, ax, ay)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 from mpmath import mp, mpf
@@ -34,6 +35,18 @@ def beckmann_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
     c, s = _circle(u1)
     tangent = mp.sqrt(-mp.log(1 - u2))
     return _normal(ax * tangent * c, ay * tangent * s)
+
+
+def student_d_cos(g: float) -> Callable[..., Values]:
+    """Angles theta = atan(alpha sqrt((g - 1) ((1 - u2)^(-1 / (g - 1)) - 1))), phi = 2 pi u1, stretched."""
+
+    def d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
+        c, s = _circle(u1)
+        k = mpf(g) - 1
+        tangent = mp.sqrt(k * ((1 - u2) ** (-1 / k) - 1))
+        return _normal(ax * tangent * c, ay * tangent * s)
+
+    return d_cos
 
 
 def ggx_bounded(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:

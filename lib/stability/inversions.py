@@ -12,8 +12,10 @@ from ..lights.rectangle import SMALLEST_SOLID_ANGLE
 from ..lights.spherical_rectangle import SphericalRectangle
 from ..microfacets.beckmann import Beckmann
 from ..microfacets.ggx import GGX
+from ..microfacets.student_t import StudentT
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
 from . import cycles_inversions, domain, exact_inversions, single
+from .closed_forms import STUDENT_SHAPES
 from .measure import Function, Single
 
 BOUND = 32.0
@@ -132,6 +134,18 @@ def _normals() -> list[Function]:
         _entry("GGX D cos", lobe, _isotropic, lambda a: GGX().sample_d_cos(*a), "ggx_d_cos", True),
         _entry("Beckmann D cos, anisotropic", lobe, _lobes, lambda a: Beckmann().sample_d_cos(*a), "beckmann_d_cos"),
         _entry("GGX D cos, anisotropic", lobe, _lobes, lambda a: GGX().sample_d_cos(*a), "ggx_d_cos"),
+        *(
+            Function(
+                FAMILY,
+                f"Student-t D cos, g = {g:g}",
+                lobe,
+                _lobes,
+                lambda a, g=g: StudentT(g).sample_d_cos(*a),
+                exact_inversions.student_d_cos(g),
+                BOUND,
+            )
+            for g in STUDENT_SHAPES
+        ),
         _entry(
             "GGX visible normals",
             seen,

@@ -19,6 +19,7 @@ _FACTORS = "puts together factors that the atlas holds: chi-square and white fur
 _LIGHT = "puts together densities and directions that the atlas holds: chi-square and irradiance in tests/lib/lights"
 _SPECTRUM = "a fit or a table of the spectrum: tests/lib/microfacets and tests/lib/sampling compare it with lines and quadrature"
 _ADJOINT = "what tracing light asks of a light or a lobe: tests/lib/light_tracing compare its images with closed forms and with path tracing"
+_SLOPES = "an incomplete beta function, or a table made from it: tests/lib/microfacets/test_student_t.py compares with quadrature"
 _NOTHING = "no equation: it chooses, copies or describes"
 
 OUTSIDE: dict[str, str] = {
@@ -73,6 +74,19 @@ OUTSIDE: dict[str, str] = {
             "bsdfs.layered.layer_reflectance_cycles",
         ),
         _TABLE_OF_CYCLES,
+    ),
+    **dict.fromkeys(
+        (
+            "microfacets.inverse_tables.Spline",
+            "microfacets.student_slopes.SlopeTables",
+            "microfacets.student_slopes.lambda_by_beta",
+            "microfacets.student_slopes.slope_tables",
+            "microfacets.student_slopes.tail_by_beta",
+            "microfacets.student_t.StudentT.sample_visible",
+            "microfacets.student_t.StudentT.smith_lambda",
+            "microfacets.student_t.StudentT.smith_lambda_by_beta",
+        ),
+        _SLOPES,
     ),
     **dict.fromkeys(
         (

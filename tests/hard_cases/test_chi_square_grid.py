@@ -21,12 +21,14 @@ from etalon.lib.lights.environment import EnvironmentSampler
 from etalon.lib.microfacets import densities
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
+from etalon.lib.microfacets.student_t import StudentT
 from etalon.lib.scene.lights import AreaLight, SphereLight, SpotLight, SunLight
 from etalon.lib.scene.lights import Cone as SpotCone
 from etalon.tests.charts import Cone, Flat, Refractions, Sky
 from etalon.tests.chi2 import Reflections, Sphere, Tangents, chi_square, sidak
 
-DISTRIBUTIONS = {"ggx": GGX(), "beckmann": Beckmann()}
+STUDENT = {f"student-t {g:g}": StudentT(g) for g in (1.8, 2.5, 12.0)}
+DISTRIBUTIONS = {"ggx": GGX(), "beckmann": Beckmann(), **STUDENT}
 ISOTROPIC = [(a, a) for a in (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.3, 0.6, 1.0)]
 ANISOTROPIC = [(1e-4, 1e-3), (1e-2, 1e-4), (0.01, 0.3), (0.3, 0.05), (1.0, 0.1), (0.1, 1.0), (0.5, 0.4), (1.0, 1e-3)]
 ANGLES = (0.0, 20.0, 45.0, 70.0, 85.0, 89.0, 89.9)
@@ -247,7 +249,11 @@ class World:
 def grid():
     """Name -> configuration."""
     cases = []
-    for name in DISTRIBUTIONS:
+    for name in STUDENT:
+        for alpha in ((0.01, 0.01), (0.3, 0.3), (0.7, 0.7), (0.3, 0.05), (0.1, 1.0)):
+            cases += [Normals(name, alpha, degrees) for degrees in ANGLES]
+            cases += [Lobe(name, strategy, alpha, degrees) for strategy in ("visible", "d_cos") for degrees in ANGLES]
+    for name in ("ggx", "beckmann"):
         strategies = ("visible", "bounded", "d_cos") if name == "ggx" else ("visible", "d_cos")
         for alpha in (*ISOTROPIC, *ANISOTROPIC):
             for degrees in ANGLES:
@@ -303,6 +309,7 @@ PLANTED = [
     Lobe("ggx", "visible", (1e-4, 1e-4), 45.0),
     Lobe("ggx", "bounded", (0.3, 0.3), 20.0),
     Lobe("beckmann", "d_cos", (0.1, 0.1), 45.0),
+    Normals("student-t 2.5", (0.3, 0.05), 70.0),
     Interfaces("beckmann", (0.3, 0.3), 1.5, True, 45.0),
     Cloth("sheen", (0.3,), 70.0),
     Towards("rectangle", "aside"),
@@ -323,6 +330,7 @@ def test_a_planted_factor_fails(case, factor, rng):
         (Lobe("ggx", "visible", (0.3, 0.3), 70.0), Lobe("ggx", "d_cos", (0.3, 0.3), 70.0)),
         (Lobe("ggx", "bounded", (0.6, 0.6), 45.0), Lobe("ggx", "visible", (0.6, 0.6), 45.0)),
         (Normals("ggx", (0.3, 0.3), 45.0), Normals("beckmann", (0.3, 0.3), 45.0)),
+        (Normals("student-t 2.5", (0.3, 0.3), 45.0), Normals("ggx", (0.3, 0.3), 45.0)),
         (Lobe("beckmann", "visible", (0.3, 0.05), 45.0), Lobe("beckmann", "visible", (0.05, 0.3), 45.0)),
         (Interfaces("ggx", (0.3, 0.3), 1.5, True, 45.0), Interfaces("ggx", (0.3, 0.3), 1.5, False, 45.0)),
         (Interfaces("ggx", (0.3, 0.1), 1.5, True, 45.0), Interfaces("ggx", (0.1, 0.3), 1.5, True, 45.0)),

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from etalon.lib.microfacets import visible_slope
 from etalon.lib.microfacets.beckmann import Beckmann
+from etalon.lib.microfacets.inverse_tables import LEAST_UNIFORM
 from etalon.lib.sampling.tables import LARGEST_UNIFORM
 
 
@@ -13,7 +14,7 @@ def arguments(rng, grazing):
     cosine = 10.0 ** rng.uniform(np.log10(grazing), 0.0, 4000)
     wo = np.stack([np.sqrt((1.0 - cosine) * (1.0 + cosine)), np.zeros(4000), cosine])
     alpha = 10.0 ** rng.uniform(-4.0, 0.0, 4000)
-    u = np.clip(rng.random(4000), visible_slope._LEAST, LARGEST_UNIFORM)
+    u = np.clip(rng.random(4000), LEAST_UNIFORM, LARGEST_UNIFORM)
     cot = cosine / (wo[0] * alpha + 1e-150)
     s = 1.0 / (1.0 + cot)
     c = cot * s
