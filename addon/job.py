@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
@@ -13,13 +14,13 @@ from pathlib import Path
 import bpy
 
 from ..lib.comparison.caustics import scout
-from ..lib.comparison.compare import Comparison, Renderer, compare
+from ..lib.comparison.compare import BoundAt, Comparison, Interim, Renderer, compare
 from ..lib.comparison.departures import alternatives
 from ..lib.comparison.memory import require_memory
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
 from ..lib.effects.light_passes import light_passes
-from ..lib.errors import EtalonError, Refused
+from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
 from ..lib.film.light_passes import is_asked
@@ -60,6 +61,10 @@ def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
     return render_skies(with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial)))
 
 
+def _pass_by(comparison: Comparison) -> None:
+    pass
+
+
 def judge(
     scene: Scene,
     candidate: Renderer,
@@ -70,6 +75,7 @@ def judge(
     may_shrink: bool = True,
     name: str = "",
     transform: ViewTransform | None = None,
+    conclude: Callable[[Comparison], None] = _pass_by,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
 
@@ -77,6 +83,7 @@ def judge(
 
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
     `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene wants its images shown in the report.
+    `conclude` is told of the comparison before the report is written.
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
@@ -109,6 +116,7 @@ def judge(
         )
         about = {"options": settings.part(CompareOptions), "findings": check_scene(scene)}
         comparison = replace(comparison, **about, scene=name or comparison.scene)
+        conclude(comparison)
         if beside is not None:
             progress.begin("writing the report")
             write_report(comparison, reference.plan, beside, repeat, transform)
@@ -186,17 +194,22 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
 class BackgroundJob:
     """A comparison that leaves the window alone: export and Cycles in a second Blender, the reference in a thread.
 
-    Made and read by the main thread. `fraction` and `message` tell how far it is; when `done`, either `comparison` or
-    `errors` is there, or neither if it was cancelled before there was anything to compare.
+    Made and read by the main thread. `stage` is the name of what is under way, `fraction` the share of the time that is spent, `bounds` the
+    bound at each look so far. `comparison` is there as soon as it is concluded, before its report is written. When `done`, either it or
+    `errors` is there, or neither if the job was cancelled before there was anything to compare.
     """
 
     def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path) -> None:
         self.folder = folder
         self.fraction = 0.0
-        self.message = "Reading the scene"
+        self.stage = "reading the scene"
+        self.bounds: list[BoundAt] = []
         self.comparison: Comparison | None = None
         self.errors: tuple[str, ...] = ()
+        self.refusals: tuple[Refusal, ...] = ()
         self._settings = settings
+        self._began: float | None = None
+        self._is_written = False
         self._name = name_of_file(scene)
         self._may_shrink = not scene.render.use_border
         self._transform = export_view_transform(scene)
@@ -214,10 +227,21 @@ class BackgroundJob:
         """Whether the thread has ended."""
         return not self._thread.is_alive()
 
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether it was told to end."""
+        return self._cancel.is_set()
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Seconds until its time is spent; None before rendering has begun."""
+        if self._began is None or self._settings.time is None:
+            return None
+        return max(self._settings.time - (time.monotonic() - self._began), 0.0)
+
     def cancel(self) -> None:
         """End it: the second Blender at once, the reference after the tile at hand. What both sides finished is kept."""
         self._cancel.set()
-        self.message = "Ending"
         self._blender.stop()
 
     def wait(self) -> None:
@@ -227,24 +251,30 @@ class BackgroundJob:
     def _run(self) -> None:
         try:
             scene = self._blender.export()
-            self.comparison = judge(
+            self._began = time.monotonic()
+            judge(
                 scene,
                 self._blender,
                 self._settings,
                 self.folder,
                 self._repeat,
-                Progress(self._report, self._cancel.is_set, self._tell, self._begin),
+                Progress(self._report, self._cancel.is_set, begin=self._begin, show=self._show),
                 self._may_shrink,
                 self._name,
                 self._transform,
+                self._conclude,
             )
+            self._is_written = True
             if self.comparison.stopped is not Stop.CANCELLED:
                 self._begin("looking for the smallest scene that shows it")
                 show_unexplained(self.comparison, self.folder, self._blender.show)
         except Refused as refused:
+            self.refusals = refused.refusals
             self.errors = tuple(str(refusal) for refusal in refused.refusals)
         except EtalonError as error:
-            self.errors = () if self._cancel.is_set() else (str(error),)
+            # What ends early because it was told to is no error; a report that cannot be written is.
+            is_expected = self._cancel.is_set() and (self.comparison is None or self._is_written)
+            self.errors = () if is_expected else (str(error),)
         except Exception as error:
             self.errors = (f"{type(error).__name__}: {error}; please report it with the console's text",)
             raise
@@ -256,7 +286,10 @@ class BackgroundJob:
         self.fraction = fraction
 
     def _begin(self, stage: str) -> None:
-        self.message = f"{stage[0].upper()}{stage[1:]}"
+        self.stage = stage
 
-    def _tell(self, text: str) -> None:
-        self.message = f"Agrees {text}"
+    def _show(self, interim: Interim) -> None:
+        self.bounds.append(interim.bound)
+
+    def _conclude(self, comparison: Comparison) -> None:
+        self.comparison = comparison

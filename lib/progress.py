@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from .errors import Cancelled
 
@@ -20,11 +21,16 @@ def _tell_nobody(text: str) -> None:
     pass
 
 
+def _show_nobody(found: Any) -> None:
+    pass
+
+
 class Progress:
     """Told how far the work is and what it has found; asked whether it is to end.
 
     `begin` takes the name of the stage that begins; `report` takes the share that is done, 0 to 1; `tell` takes what is known so far, in
-    one line; `is_cancelled` says whether the user wants the work to end. All may be called from any thread.
+    one line; `show` takes the same as an object of the work's own, such as compare.Interim; `is_cancelled` says whether the user wants the
+    work to end. All may be called from any thread.
 
     >>> told = []
     >>> Progress(told.append).within(0.5, 1.0).report(0.5)
@@ -38,10 +44,12 @@ class Progress:
         is_cancelled: Callable[[], bool] = _never,
         tell: Callable[[str], None] = _tell_nobody,
         begin: Callable[[str], None] = _tell_nobody,
+        show: Callable[[Any], None] = _show_nobody,
     ) -> None:
         self.report = report
         self.tell = tell
         self.begin = begin
+        self.show = show
         self._is_cancelled = is_cancelled
 
     @property
@@ -56,9 +64,11 @@ class Progress:
 
     def within(self, first: float, last: float) -> Progress:
         """The progress of a part of the work that takes the share from `first` to `last` of the whole."""
-        return Progress(
-            lambda fraction: self.report(first + (last - first) * fraction), self._is_cancelled, self.tell, self.begin
-        )
+
+        def report(fraction: float) -> None:
+            self.report(first + (last - first) * fraction)
+
+        return Progress(report, self._is_cancelled, self.tell, self.begin, self.show)
 
     @property
     def silent(self) -> Progress:

@@ -4,60 +4,17 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import bpy.utils.previews
 
-from ...lib.comparison.compare import Comparison
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_files
 from .. import job
 from .properties import read_settings
-
-TICK = 0.1  # seconds between two looks at the job
-
-PICTURES = {"Reference": "reference.png", "Cycles": "cycles.png", "Relative difference": "difference.png"}
-ICONS = {"EQUIVALENT": "CHECKMARK", "DIFFERENT": "ERROR", "UNDECIDED": "QUESTION", "EXPLAINED": "INFO"}
-
-
-@dataclass
-class Session:
-    """What the window knows of the comparison that runs, and of the one that ran last."""
-
-    running: job.BackgroundJob | None = None
-    comparison: Comparison | None = None
-    folder: Path | None = None
-    errors: tuple[str, ...] = ()
-    pictures: bpy.utils.previews.ImagePreviewCollection | None = None
-
-    def begin(self, running: job.BackgroundJob) -> None:
-        """Forget the last comparison; `running` is the one that counts."""
-        self.forget()
-        self.running = running
-
-    def take(self) -> None:
-        """Take over what the job that has ended leaves behind."""
-        ended, self.running = self.running, None
-        self.errors, self.comparison, self.folder = ended.errors, ended.comparison, ended.folder
-        if self.comparison is not None:
-            self.pictures = bpy.utils.previews.new()
-            for title, name in PICTURES.items():
-                self.pictures.load(title, str(self.folder / name), "IMAGE")
-
-    def forget(self) -> None:
-        """End what runs, and drop what ran last."""
-        if self.running is not None:
-            self.running.cancel()
-            self.running.wait()
-        if self.pictures is not None:
-            bpy.utils.previews.remove(self.pictures)
-        self.running = self.comparison = self.folder = self.pictures = None
-        self.errors = ()
-
-
-session = Session()
+from .session import session
+from .text import phrase_text, translate
+from .watching import TICK, watch_job
 
 
 def output_folder(scene: bpy.types.Scene) -> Path:
@@ -68,16 +25,8 @@ def output_folder(scene: bpy.types.Scene) -> Path:
     return Path(bpy.path.abspath(chosen))
 
 
-def redraw(context: bpy.types.Context) -> None:
-    """Draw again wherever the panel may be shown."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"PROPERTIES", "VIEW_3D"}:
-                area.tag_redraw()
-
-
 class CompareWithCycles(bpy.types.Operator):
-    """Render this scene by the book and with Cycles, and say where the two agree. Esc cancels"""
+    """Render this scene with the reference and with Cycles, and say where the two agree. Esc cancels"""
 
     bl_idname = "etalon.compare"
     bl_label = "Compare with Cycles"
@@ -88,7 +37,7 @@ class CompareWithCycles(bpy.types.Operator):
         return context.scene is not None and session.running is None
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Start the job, and look at it from a timer."""
+        """Start the job, have it watched, and wait for Esc."""
         scene = context.scene
         try:
             if scene.camera is None:
@@ -96,45 +45,37 @@ class CompareWithCycles(bpy.types.Operator):
             folder = output_folder(scene)
             with replace_files(folder):  # says at once when the folder cannot be written
                 pass
-            session.begin(job.BackgroundJob(scene, read_settings(scene), folder))
+            session.begin(scene, job.BackgroundJob(scene, read_settings(scene), folder))
         except EtalonError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        self._watched = session.running
+        watch_job()
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
         context.window_manager.modal_handler_add(self)
-        redraw(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Draw the progress; take over the result when the job has ended; Esc ends it."""
-        if session.running is None:
-            return self._leave(context, {"CANCELLED"})
-        if event.type == "ESC" and event.value == "PRESS":
-            session.running.cancel()
+        """Esc ends the job; once it has ended, say what came of it."""
+        is_running = session.running is self._watched
+        if is_running and event.type == "ESC" and event.value == "PRESS":
+            session.running.job.cancel()
             return {"RUNNING_MODAL"}
-        if event.type != "TIMER":
+        if is_running:
             return {"PASS_THROUGH"}
-        redraw(context)
-        if not session.running.done:
-            return {"PASS_THROUGH"}
-        session.take()
-        if session.comparison is not None:
-            self.report({"INFO"}, f"Étalon: {session.comparison.verdict.outcome.value}")
-        elif not session.errors:
-            self.report({"INFO"}, "Étalon: cancelled before there was anything to compare")
-        for error in session.errors:
+        context.window_manager.event_timer_remove(self._timer)
+        ended = self._watched
+        for error in ended.job.errors:
             self.report({"ERROR"}, error)
-        return self._leave(context, {"FINISHED"})
+        if ended.result is not None:
+            self.report({"INFO"}, f"Étalon: {phrase_text(ended.result.headline)}")
+        elif not ended.job.errors:
+            self.report({"INFO"}, translate("Étalon: cancelled before there was anything to compare"))
+        return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """The window or the file goes away: so does the job."""
-        session.forget()
+        """The window goes away, or the file: the job goes on in the other windows, and handlers end it with the file."""
         context.window_manager.event_timer_remove(self._timer)
-
-    def _leave(self, context: bpy.types.Context, result: set[str]) -> set[str]:
-        context.window_manager.event_timer_remove(self._timer)
-        redraw(context)
-        return result
 
 
 class CancelComparison(bpy.types.Operator):
@@ -145,12 +86,12 @@ class CancelComparison(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only while one runs."""
-        return session.running is not None
+        """Only while one runs that was not told to end."""
+        return session.running is not None and not session.running.job.is_cancelled
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """End it at once."""
-        session.running.cancel()
+        session.running.job.cancel()
         return {"FINISHED"}
 
 
@@ -162,10 +103,13 @@ class OpenReport(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only when there is one."""
-        return session.folder is not None and (session.folder / "report.html").is_file()
+        """Only when there is one, and none is being written."""
+        if context.scene is None or session.is_running(context.scene):
+            return False
+        result = session.result_of(context.scene)
+        return result is not None and (result.folder / "report.html").is_file()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Hand the file to the browser."""
-        bpy.ops.wm.url_open(url=(session.folder / "report.html").as_uri())
+        bpy.ops.wm.url_open(url=(session.result_of(context.scene).folder / "report.html").as_uri())
         return {"FINISHED"}

@@ -1,28 +1,86 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel: in the Render properties and in the 3D view's sidebar."""
+"""The panels: in the Render properties and in the 3D view's sidebar."""
 
 from __future__ import annotations
-
-import textwrap
-from typing import ClassVar
 
 import bpy
 
 from ...lib.blender_versions import describe_unchecked
-from ...lib.report.summary import summarize
-from .operators import ICONS, CancelComparison, CompareWithCycles, OpenReport, session
+from ...lib.verdict.outcome import Outcome
+from .operators import CancelComparison, CompareWithCycles, OpenReport
 from .properties import SHOWN
+from .regions import ClearBorder, draw_regions
+from .session import Result, session
+from .text import draw_text, phrase_text, translate
+from .watching import describe_bound, describe_stage, describe_time
 
-_PIXELS_PER_CHARACTER = 7.5
+# The colour of the headline, by names of icons before and since Blender 4.4.
+COLOURS = {Outcome.DIFFERENT: 1, Outcome.UNDECIDED: 3, Outcome.EQUIVALENT: 4, Outcome.EXPLAINED: 5}
+_PREFIX = "STRIP_COLOR" if bpy.app.version >= (4, 4, 0) else "SEQUENCE_COLOR"
 
 
-class _Panel:
-    """What both places show."""
+class _Main:
+    """What is always in sight: the result, the button or the progress, and what went wrong."""
 
     bl_label = "Étalon"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw settings, button or progress, and what came out last."""
+        """Draw the result first, then the button or the progress."""
+        layout, scene = self.layout, context.scene
+        result = session.result_of(scene)
+        if result is not None:
+            draw_result(layout, context, result)
+        for error in session.errors.get(scene.session_uid, ()):
+            draw_text(layout.box(), context, error, icon="ERROR")
+        if session.running is None:
+            row = layout.row()
+            row.scale_y = 1.6
+            row.operator(CompareWithCycles.bl_idname)
+        else:
+            draw_progress(layout, context)
+        unchecked = describe_unchecked(bpy.app.version[:2])
+        if unchecked:
+            draw_text(layout, context, unchecked, icon="INFO")
+
+
+def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How far the comparison is, what it knows so far, and the button that ends it."""
+    running = session.running
+    if not session.is_running(context.scene):
+        draw_text(layout, context, translate("Another scene is being compared"), icon="TIME")
+    column = layout.column(align=True)
+    column.progress(factor=running.job.fraction, text=describe_time(running))
+    draw_text(column, context, describe_stage(running), icon="TIME")
+    bound = describe_bound(running)
+    if bound and running.result is None:
+        draw_text(column, context, bound, icon="TRACKING_FORWARDS")
+    layout.operator(CancelComparison.bl_idname, icon="X")
+
+
+def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context, result: Result) -> None:
+    """The verdict in one coloured line, what stands below it, the regions, and the way to the report."""
+    outcome = result.comparison.verdict.outcome
+    box = layout.box()
+    colour = f"{_PREFIX}_{COLOURS[outcome]:02}"
+    draw_text(box, context, phrase_text(result.headline), icon=colour, alert=outcome is Outcome.DIFFERENT)
+    if result.is_stale(context.scene):
+        draw_text(box, context, translate("The scene has changed since; compare again"), icon="FILE_REFRESH")
+    column = box.column(align=True)
+    for phrase in result.details:
+        draw_text(column, context, phrase_text(phrase), icon="BLANK1")
+    draw_regions(layout, context, result)
+    row = layout.row(align=True)
+    row.operator(OpenReport.bl_idname, icon="URL")
+    row.operator(ClearBorder.bl_idname, icon="FULLSCREEN_EXIT")
+
+
+class _Target:
+    """What is asked of the comparison."""
+
+    bl_label = "Target"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the settings."""
         layout, settings = self.layout, context.scene.etalon
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -30,58 +88,28 @@ class _Panel:
         column.enabled = session.running is None
         for declared in SHOWN:
             column.prop(settings, declared.name)
-        if session.running is None:
-            row = layout.row()
-            row.scale_y = 1.6
-            row.operator(CompareWithCycles.bl_idname)
-        else:
-            running = session.running
-            layout.progress(factor=running.fraction, text=f"{running.message}: {running.fraction:.0%}")
-            layout.operator(CancelComparison.bl_idname)
-        characters = max(20, int(context.region.width / context.preferences.system.ui_scale / _PIXELS_PER_CHARACTER))
-        unchecked = describe_unchecked(bpy.app.version[:2])
-        if unchecked:
-            _draw_text(layout, unchecked, characters, icon="INFO")
-        for error in session.errors:
-            _draw_text(layout.box(), error, characters, icon="ERROR")
-        if session.comparison is not None:
-            self._draw_verdict(characters)
-
-    def _draw_verdict(self, characters: int) -> None:
-        """The summary, the images, and the way to the report."""
-        verdict = session.comparison.verdict
-        box = self.layout.box()
-        icons = ICONS[verdict.outcome.value], "VIEWZOOM", "FORWARD"
-        for sentence, icon in zip(summarize(session.comparison), icons, strict=True):
-            _draw_text(box, sentence, characters, icon=icon)
-        box.operator(OpenReport.bl_idname)
-        _draw_text(box, str(session.folder), characters, icon="FILE_FOLDER")
-        for title, picture in session.pictures.items():
-            box.label(text=title)
-            box.template_icon(icon_value=picture.icon_id, scale=8.0)
 
 
-def _draw_text(layout: bpy.types.UILayout, text: str, characters: int, icon: str) -> None:
-    """A text wrapped to the panel's width, with `icon` in front of its first line."""
-    column = layout.column(align=True)
-    for number, part in enumerate(textwrap.wrap(text, characters)):
-        column.label(text=part, icon="BLANK1" if number else icon)
+def _in_render_properties(base: type, name: str, **more: object) -> type:
+    """The panel `base` in the Render properties."""
+    place = {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"}
+    return type(f"ETALON_PT_render_{name}", (base, bpy.types.Panel), place | more)
 
 
-class RenderPanel(_Panel, bpy.types.Panel):
-    """Étalon in the Render properties."""
-
-    bl_idname = "ETALON_PT_render"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-    bl_options: ClassVar = {"DEFAULT_CLOSED"}
+def _in_sidebar(base: type, name: str, **more: object) -> type:
+    """The panel `base` in the sidebar of the 3D view."""
+    place = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Étalon"}
+    return type(f"ETALON_PT_sidebar_{name}", (base, bpy.types.Panel), place | more)
 
 
-class SidebarPanel(_Panel, bpy.types.Panel):
-    """Étalon in the 3D view's sidebar."""
+def _make_panels() -> tuple[type, ...]:
+    """All panels, each in each of its places; parents come before their children."""
+    made = []
+    for place in (_in_render_properties, _in_sidebar):
+        main = place(_Main, "main")
+        made.append(main)
+        made.append(place(_Target, "target", bl_parent_id=main.__name__))
+    return tuple(made)
 
-    bl_idname = "ETALON_PT_sidebar"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Étalon"
+
+PANELS = _make_panels()

@@ -7,33 +7,42 @@ import bpy
 
 from ..command import cli
 from ..host.blender_at_hand import require_supported_blender
-from . import operators, panels, properties
+from . import handlers, operators, panels, properties, regions
+from .session import session
 
 _CLASSES = (
     properties.EtalonSettings,
+    regions.RegionRow,
+    regions.RegionTable,
+    regions.RegionList,
+    regions.ShowRegion,
+    regions.ClearBorder,
     operators.CompareWithCycles,
     operators.CancelComparison,
     operators.OpenReport,
-    panels.RenderPanel,
-    panels.SidebarPanel,
+    *panels.PANELS,
 )
 
 _commands: list[object] = []
 
 
 def register() -> None:
-    """Add the settings, the panel and the command `etalon`; raise EtalonError in a Blender that is too old."""
+    """Add the settings, the panels and the command `etalon`; raise EtalonError in a Blender that is too old."""
     require_supported_blender()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.etalon = bpy.props.PointerProperty(type=properties.EtalonSettings)
+    bpy.types.WindowManager.etalon_regions = bpy.props.CollectionProperty(type=regions.RegionTable)
+    handlers.add_handlers()
     _commands.append(bpy.utils.register_cli_command("etalon", cli.main))
 
 
 def unregister() -> None:
     """Remove all of it again, and end a comparison that still runs."""
-    operators.session.forget()
+    session.forget()
     bpy.utils.unregister_cli_command(_commands.pop())
+    handlers.remove_handlers()
+    del bpy.types.WindowManager.etalon_regions
     del bpy.types.Scene.etalon
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

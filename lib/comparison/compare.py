@@ -61,6 +61,15 @@ class BoundAt:
     first: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Interim:
+    """What a comparison has found at a look: the bound, and both sides, whose films change when the next replicate is added."""
+
+    bound: BoundAt
+    reference: Side
+    candidate: Side
+
+
 @dataclass(frozen=True)
 class Comparison:
     """All that came of a comparison of the scene named `scene`.
@@ -115,14 +124,14 @@ def compare(
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
     `coverage` maps a kind of region ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small
-    replicates gives a first answer and lays out the rest. Once the open regions fill
-    no more than a part of the image, only that is sampled on. `progress` is told the share of the time (or of the replicates)
-    that is spent, and the bound at each look. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or
-    if the renderers disagree on the size of the image. Where regions differ, the causes are sought `among` departures, in a time that
-    is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no
-    region, nor do those whose paths meet a material that is not known; EtalonError is raised where none is left. `divisor` is how many
-    times narrower and lower the image is than the user's, for the record. `scouted` tells of light that path tracing can hardly find.
-    `passes` are the light passes to compare, which the images of both renderers have to come with.
+    replicates gives a first answer and lays out the rest. Once the open regions fill no more than a part of the image, only that is
+    sampled on. `progress` is told the share of the time (or of the replicates) that is spent, and at each look of the bound and an
+    Interim. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or if the renderers disagree on the size
+    of the image. Where regions differ, the causes are sought `among` departures, in a time that is set aside for it, and sampling goes on
+    until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor do those whose paths meet a
+    material that is not known; EtalonError is raised where none is left. `divisor` is how many times narrower and lower the image is than
+    the user's, for the record. `scouted` tells of light that path tracing can hardly find. `passes` are the light passes to compare,
+    which the images of both renderers have to come with.
     """
     loop = _Loop(scene, (reference, candidate), options, progress, among, scouted, passes)
     loop.time_calls()
@@ -270,6 +279,7 @@ class _Loop:
         bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)
         self._meter.progress.tell(_describe(bound))
+        self._meter.progress.show(Interim(bound, *self._sides))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
         differs = (self._test.outcomes == Outcome.DIFFERENT).any()
         self._open = self._test.undecided & (~self._test.within | differs)

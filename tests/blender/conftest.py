@@ -91,17 +91,18 @@ class Window:
             start_new_session=True,
         )
         self._text = b""
+        self._seen = []
 
     def wait_for(self, *events, seconds):
         """The next report of one of those kinds from window.py; fails with what Blender printed if none comes."""
         deadline = time.monotonic() + seconds
-        seen = []
         while (left := deadline - time.monotonic()) > 0:
             line, separator, rest = self._text.partition(b"\n")
             if separator:
                 self._text = rest
-                seen.append(line.decode(errors="replace"))
-                if seen[-1].startswith(MARK) and (report := json.loads(seen[-1][len(MARK) :]))["event"] in events:
+                self._seen.append(line.decode(errors="replace"))
+                last = self._seen[-1]
+                if last.startswith(MARK) and (report := json.loads(last[len(MARK) :]))["event"] in events:
                     return report
             elif select.select([self.process.stdout], [], [], left)[0]:
                 more = os.read(self.process.stdout.fileno(), 65536)
@@ -110,8 +111,15 @@ class Window:
                 self._text += more
         state = "still runs" if self.process.poll() is None else f"ended with code {self.process.returncode}"
         raise AssertionError(
-            f"none of {events} within {seconds} s; Blender {state} and said:\n" + "\n".join(seen[-40:])
+            f"none of {events} within {seconds} s; Blender {state} and said:\n" + "\n".join(self._seen[-40:])
         )
+
+    def ask(self, text, seconds=30):
+        """Run statements inside, the last of which is an expression; its value."""
+        place = self.debian.outside / "question"
+        place.write_text(text)
+        place.replace(place.with_suffix(".py"))
+        return self.wait_for("answer", seconds=seconds)["value"]
 
     def hand(self, *words):
         """Mouse and keyboard, in xdotool's words."""
@@ -126,10 +134,12 @@ class Window:
         path.write_bytes((self.debian.outside / path.name).read_bytes())
 
     def close(self):
-        """End Blender."""
+        """End Blender; fails where it has printed an error of Python."""
         self.process.kill()
         self.process.wait()
+        self._seen += self.process.stdout.read().decode(errors="replace").split("\n")
         self.process.stdout.close()
+        assert not [line for line in self._seen if "Traceback" in line or "Error:" in line], "\n".join(self._seen)
 
 
 @pytest.fixture

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside the windowed Blender: shows the panel, and prints what becomes of the comparison as lines of JSON."""
+"""Runs inside the windowed Blender: shows the panel, answers questions, and prints what becomes of the comparison as lines of JSON."""
 
 import json
 import sys
 import time
+from pathlib import Path
 
 import bpy
-from bl_ext.user_default.etalon.addon.ui.operators import session
+from bl_ext.user_default.etalon.addon.ui.session import session
 
-# No other button has this colour, so that the test finds the panel's on a picture of the screen, as a user's eye does.
-BUTTON = (1.0, 0.0, 1.0, 1.0)
+# No other button has this colour, so that the test finds the panel's on a picture of the screen, as a user's eye does; nor has any
+# row of a list the other one.
+BUTTON, ROW = (1.0, 0.0, 1.0, 1.0), (0.0, 1.0, 0.0, 1.0)
+QUESTION = Path(__file__).with_name("question.py")
 # Ticks after the end by which the panel has been drawn again and has loaded its pictures.
 SHOWN = 15
 
@@ -29,6 +32,16 @@ def user_state():
     )
     counts = {name: len(getattr(bpy.data, name)) for name in ("images", "objects", "materials", "scenes", "meshes")}
     return {"cycles": cycles, "render": render, "counts": counts, "file": bpy.data.filepath, "dirty": bpy.data.is_dirty}
+
+
+def answer():
+    """Run the statements that the test has left, and report the value of the last one, which is an expression."""
+    *statements, last = QUESTION.read_text().strip().split("\n")
+    QUESTION.unlink()
+    space = {"bpy": bpy, "session": session}
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        exec("\n".join(statements), space)
+        report("answer", value=eval(last, space))
 
 
 class Watch:
@@ -57,6 +70,8 @@ class Watch:
             report("ready", box=box, state=user_state())
         elif self.step > 5:
             self.watch()
+        if QUESTION.exists():
+            answer()
         return 0.1
 
     def watch(self):
@@ -67,17 +82,18 @@ class Watch:
             self.fractions, self.longest = set(), 0.0
         if running and self.was_running:
             self.longest = max(self.longest, now - self.last)
-            self.fractions.add(session.running.fraction)
+            self.fractions.add(session.running.job.fraction)
             if len(self.fractions) == 4:
                 report("halfway")
         if self.was_running and not running:
-            comparison = session.comparison
+            result = session.result_of(bpy.context.scene)
+            comparison = result and result.comparison
             report(
                 "ended",
                 outcome=comparison and comparison.verdict.outcome.value,
                 stopped=comparison and comparison.stopped.value,
-                folder=str(session.folder),
-                errors=session.errors,
+                folder=str(result and result.folder),
+                errors=session.errors.get(bpy.context.scene.session_uid, ()),
                 fractions=len(self.fractions),
                 longest=self.longest,
                 state=user_state(),
@@ -90,6 +106,7 @@ class Watch:
 
 bpy.context.preferences.view.show_splash = False
 bpy.context.preferences.themes[0].user_interface.wcol_tool.inner = BUTTON
+bpy.context.preferences.themes[0].user_interface.wcol_list_item.inner_sel = ROW
 bpy.context.scene.render.resolution_percentage = 50
-bpy.context.scene.etalon.time = 30.0
+bpy.context.scene.etalon.time = 12.0
 bpy.app.timers.register(Watch(), first_interval=0.5, persistent=True)

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a region lies in the scene: the objects that show it, and its part of the frame."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...lib.report.ranking import RankedRegion
+
+
+def material_of(region: RankedRegion) -> str:
+    """The name of the material that a region of the kind 'material' or 'facing' shows."""
+    return region.name.rpartition(", ")[0] if region.kind == "facing" else region.name
+
+
+def objects_of(view_layer: bpy.types.ViewLayer, region: RankedRegion) -> list[bpy.types.Object]:
+    """The object that a region is, or the objects with its material; none for cells and the whole image."""
+    if region.kind == "object":
+        return [thing for thing in view_layer.objects if thing.name == region.name]
+    if region.kind not in ("material", "facing"):
+        return []
+    name = material_of(region)
+    return [
+        thing
+        for thing in view_layer.objects
+        if any(s.material and s.material.name == name for s in thing.material_slots)
+    ]
+
+
+def select_objects(context: bpy.types.Context, region: RankedRegion) -> str:
+    """Select the objects of a region, in Object Mode; returns the region's name where none of them is there any more."""
+    if region.kind not in ("object", "material", "facing"):
+        return ""
+    found = objects_of(context.view_layer, region)
+    if context.mode == "OBJECT" and found:
+        for thing in context.view_layer.objects:
+            thing.select_set(False)
+        for thing in found:
+            thing.select_set(True)
+        context.view_layer.objects.active = found[0]
+    return "" if found else region.name
+
+
+def set_border(scene: bpy.types.Scene, compared: tuple[float, float, float, float], region: RankedRegion) -> None:
+    """Set the render region of `scene` to a region, of the part of the frame that was `compared`: left, bottom, right, top."""
+    left, top, right, bottom = region.box
+    x, y, width, height = compared[0], compared[1], compared[2] - compared[0], compared[3] - compared[1]
+    render = scene.render
+    render.use_border = region.kind != "image" or compared != (0.0, 0.0, 1.0, 1.0)
+    render.border_min_x, render.border_max_x = x + width * left, x + width * right
+    render.border_min_y, render.border_max_y = y + height * (1.0 - bottom), y + height * (1.0 - top)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the window knows: the comparison that runs, and for each scene the one that ran last."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+
+from ...lib.comparison.compare import Comparison
+from ...lib.report.headline import Phrase, details, headline
+from ...lib.report.ranking import RankedRegion, rank_regions
+from .. import job
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a result depends on besides the scene's content: when one of these changes, the result is out of date."""
+
+    engine: str
+    size: tuple[int, int, int]
+    frame: int
+    camera: str
+
+    @classmethod
+    def of(cls, scene: bpy.types.Scene) -> Setup:
+        """The setup of `scene` as it is now."""
+        render = scene.render
+        return cls(
+            render.engine,
+            (render.resolution_x, render.resolution_y, render.resolution_percentage),
+            scene.frame_current,
+            scene.camera.name if scene.camera else "",
+        )
+
+
+@dataclass(eq=False)
+class Result:
+    """What came of one comparison of a scene.
+
+    `border` is the part of the frame that was compared: left, bottom, right, top, in shares of it. `is_changed` says that the scene has
+    changed since the comparison began.
+    """
+
+    comparison: Comparison
+    folder: Path
+    setup: Setup
+    border: tuple[float, float, float, float]
+    is_changed: bool
+    regions: list[RankedRegion] = field(init=False)
+    headline: Phrase = field(init=False)
+    details: list[Phrase] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.regions = rank_regions(self.comparison)
+        self.headline, self.details = headline(self.comparison, self.regions), details(self.comparison)
+
+    def is_stale(self, scene: bpy.types.Scene) -> bool:
+        """Whether the result may be another one by now."""
+        return self.is_changed or Setup.of(scene) != self.setup
+
+
+@dataclass(eq=False)
+class Running:
+    """A comparison under way: the scene's identifier in this session of Blender, and what it was when the comparison began."""
+
+    job: job.BackgroundJob
+    uid: int
+    setup: Setup
+    border: tuple[float, float, float, float]
+    is_changed: bool = False
+    result: Result | None = None
+
+
+@dataclass
+class Session:
+    """The one comparison that runs, and by a scene's identifier its last result and the errors of its last comparison."""
+
+    running: Running | None = None
+    results: dict[int, Result] = field(default_factory=dict)
+    errors: dict[int, tuple[str, ...]] = field(default_factory=dict)
+
+    def begin(self, scene: bpy.types.Scene, started: job.BackgroundJob) -> None:
+        """`started` is the comparison that counts from now on; the last result stays until there is a new one."""
+        self.errors.pop(scene.session_uid, None)
+        self.running = Running(started, scene.session_uid, Setup.of(scene), compared_border(scene))
+
+    def take_result(self) -> Result | None:
+        """The result of the job that runs, once it is concluded; its report may be under way. None if it is not, or was taken before."""
+        running = self.running
+        if running is None or running.result is not None or running.job.comparison is None:
+            return None
+        running.result = Result(
+            running.job.comparison, running.job.folder, running.setup, running.border, running.is_changed
+        )
+        self.results[running.uid] = running.result
+        return running.result
+
+    def end(self) -> Running:
+        """The job has ended: keep its errors. One without a comparison leaves the last result as it is."""
+        ended, self.running = self.running, None
+        if ended.job.errors:
+            self.errors[ended.uid] = ended.job.errors
+        return ended
+
+    def mark_changed(self) -> None:
+        """The content of the file has changed: all results may be others by now."""
+        for result in self.results.values():
+            result.is_changed = True
+        if self.running is not None:
+            self.running.is_changed = True
+
+    def result_of(self, scene: bpy.types.Scene) -> Result | None:
+        """The last result of `scene`."""
+        return self.results.get(scene.session_uid)
+
+    def is_running(self, scene: bpy.types.Scene) -> bool:
+        """Whether a comparison of `scene` is under way."""
+        return self.running is not None and self.running.uid == scene.session_uid
+
+    def forget(self) -> None:
+        """End what runs, and drop all results; reports that are written stay where they are."""
+        if self.running is not None:
+            self.running.job.cancel()
+            self.running.job.wait()
+        self.running = None
+        self.results.clear()
+        self.errors.clear()
+
+
+session = Session()
+
+
+def compared_border(scene: bpy.types.Scene) -> tuple[float, float, float, float]:
+    """The part of the frame that `scene` renders: left, bottom, right, top, in shares of it."""
+    render = scene.render
+    if not render.use_border:
+        return 0.0, 0.0, 1.0, 1.0
+    return render.border_min_x, render.border_min_y, render.border_max_x, render.border_max_y

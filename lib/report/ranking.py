@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The regions of a comparison in the order in which a person wants to see them, each with its figures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..comparison.compare import Comparison
+from ..relative import worst_channel
+from ..verdict.outcome import Outcome
+from .page import GRIDS, URGENCY
+from .summary import describe_box
+
+
+@dataclass(frozen=True)
+class RankedRegion:
+    """One region: its `kind` and `name` as in Regions, its outcome, and figures as shares.
+
+    `label` is short enough for a list. `difference`, `low` and `high` are those of `channel`, where the region is furthest off; `bound` is
+    the difference that is not ruled out. `box` is in shares of the image's width and height: left, top, right, bottom.
+    """
+
+    kind: str
+    name: str
+    label: str
+    outcome: Outcome
+    difference: float
+    low: float
+    high: float
+    bound: float
+    channel: str
+    box: tuple[float, float, float, float]
+
+    @property
+    def margin(self) -> float:
+        """The least share that reaches from the difference to both ends of its interval."""
+        return max(self.high - self.difference, self.difference - self.low)
+
+
+def rank_regions(comparison: Comparison) -> list[RankedRegion]:
+    """All regions, the worst first, in the order of the report's page; regions without a pixel to compare are left out."""
+    regions, verdict = comparison.regions, comparison.verdict
+    channel = worst_channel(verdict.difference)
+    difference, low, high = (
+        np.take_along_axis(values, channel[:, None], 1)[:, 0]
+        for values in (verdict.difference, verdict.low, verdict.high)
+    )
+    undecided = verdict.outcomes == Outcome.UNDECIDED
+    extent = np.nan_to_num(np.where(undecided, verdict.bounds, np.abs(difference)), nan=-1.0, posinf=np.inf)
+    urgency = np.array([URGENCY.index(outcome.value) for outcome in verdict.outcomes])
+    is_cell = np.isin(np.array(regions.kinds, object), GRIDS)
+    order = np.lexsort((-extent, is_cell, urgency))
+    height, width = regions.shape
+    scale = np.array([width, height, width, height], float)
+    boxes = ((regions.boxes + np.array([0, 0, 1, 1])) / scale).tolist()
+    there = verdict.excluded < regions.sizes
+    return [
+        RankedRegion(
+            regions.kinds[k],
+            regions.names[k],
+            _label(comparison, k),
+            verdict.outcomes[k],
+            float(difference[k]),
+            float(low[k]),
+            float(high[k]),
+            float(verdict.bounds[k]),
+            "RGB"[channel[k]],
+            tuple(boxes[k]),
+        )
+        for k in order[there[order]].tolist()
+    ]
+
+
+def _label(comparison: Comparison, k: int) -> str:
+    """A name for a list: the user's own, a material with its angles, or the first pixel of a cell and where it lies."""
+    kind, name = comparison.regions.kinds[k], comparison.regions.names[k]
+    if kind == "facing":
+        material, _, angles = name.removesuffix(" degrees").rpartition(", ")
+        return f"{material} {angles.replace(' to ', '–')}°"
+    if kind not in GRIDS:
+        return name
+    box = tuple(comparison.regions.boxes[k].tolist())
+    return f"{describe_box(box, comparison.regions.shape)} {box[0]}, {box[1]}"
