@@ -53,7 +53,12 @@ def departed(release):
 @pytest.mark.parametrize(
     ("release", "fact"),
     [
-        pytest.param(release, fact, id=f"{format_release(release)}-{fact}")
+        pytest.param(
+            release,
+            fact,
+            id=f"{format_release(release)}-{fact}",
+            marks=() if release == NEWEST_CHECKED else pytest.mark.slow,
+        )
         for release in fingerprint.releases()
         for fact in facts_of(release)
     ],

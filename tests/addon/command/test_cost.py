@@ -39,6 +39,7 @@ def test_bad_input_is_one_line(words, told, capfd, tmp_path):
     assert not (tmp_path / "cost").exists()
 
 
+@pytest.mark.slow
 def test_whole_command(capfd, tmp_path):
     """Forecast and check on a real scene: the table, the sentence, the folder, and the scene's settings as they were."""
     open_target("sigma_sweep")

@@ -41,7 +41,7 @@ def test_white_layers_leave_a_white_furnace_white(seed):
     assert_mean(replicates(picture, 10, 256, seed=seed), 1.0, 0.008, rounding=1e-4)
 
 
-@pytest.mark.parametrize("eta", [1.5, 0.7])
+@pytest.mark.parametrize("eta", [1.5, pytest.param(0.7, marks=pytest.mark.slow)])
 def test_glass_albedo_is_what_samples_weigh(eta, rng):
     """The mean weight of sampled directions is the albedo, which compensation makes 1."""
     for alpha, cos_o in ((0.3, 0.9), (0.8, 0.4)):
@@ -55,7 +55,9 @@ def test_glass_albedo_is_what_samples_weigh(eta, rng):
         assert weight[0].mean() == pytest.approx(expected, abs=4.5 * error + 5e-4)
 
 
-@pytest.mark.parametrize("eta", [1.2, 1.5, 0.7])
+@pytest.mark.parametrize(
+    "eta", [pytest.param(1.2, marks=pytest.mark.slow), 1.5, pytest.param(0.7, marks=pytest.mark.slow)]
+)
 def test_glass_albedo_is_the_integral(eta, rng):
     mu, alpha = 0.02 + 0.98 * rng.random((2, 40))
     fine = layers.integrate_glass(mu, alpha, eta, (121393, 75025))

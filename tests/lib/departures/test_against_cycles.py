@@ -200,7 +200,12 @@ COARSE_TABLES = Versions(None, "5.2")
 POOR = {furnace: [(2, 2)]}
 
 
-@pytest.mark.parametrize("build", CASES, ids=lambda build: build.__name__)
+# Layers take longest, and test_without_noise.py has them for each release.
+@pytest.mark.parametrize(
+    "build",
+    [pytest.param(case, marks=pytest.mark.slow if case is layers else ()) for case in CASES],
+    ids=lambda case: case.__name__,
+)
 def test_the_reference_departs_as_cycles_does(build):
     samples, acting = CASES[build]
     build()

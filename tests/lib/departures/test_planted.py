@@ -44,7 +44,13 @@ ANGLES = np.radians([64.0, 78.0, 87.1])
 REPLICATES = 62
 # Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
 PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
-LONG = (("rational Beckmann density",), ("rational Beckmann Lambda",))
+LONG = (
+    ("rational Beckmann density",),
+    ("rational Beckmann Lambda",),
+    ("texture interpolation",),
+    ("thin film series",),
+    ("Oren-Nayar colour", "narrow spread"),
+)
 
 
 def furnace():
@@ -259,7 +265,7 @@ def cases():
         names = [d.name for d in relevant(make(), masking(make))]
         for size in (1, 2):
             for chosen in combinations(names, size):
-                default = make is not furnace or chosen in PAIRS or (size == 1 and chosen not in LONG)
+                default = chosen in PAIRS or (chosen not in LONG and (size == 1 or make is not furnace))
                 marks = () if default else pytest.mark.slow
                 yield pytest.param(make, chosen, id=f"{make.__name__}: {' + '.join(chosen)}", marks=marks)
 

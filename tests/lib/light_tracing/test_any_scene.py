@@ -31,14 +31,14 @@ def assert_lit(scene):
     assert not rendering.nonfinite.any()
 
 
-@settings(max_examples=60, **KEPT)
+@settings(max_examples=30, **KEPT)
 @given(scenes())
 def test_any_valid_scene_gives_a_finite_film(scene):
     assert_lit(scene)
 
 
 @pytest.mark.slow
-@settings(max_examples=500, **KEPT)
+@settings(max_examples=250, **KEPT)
 @given(scenes())
 def test_any_of_many_valid_scenes_gives_a_finite_film(scene):
     assert_lit(scene)

@@ -23,7 +23,7 @@ def test_all_sets_together_spend_no_more_than_the_level():
         assert spent <= 1.0 + 1e-12
 
 
-@pytest.mark.parametrize("runs", [15, pytest.param(400, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [15, pytest.param(200, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("tails", [None, 3])
 def test_agreement_on_the_very_edge_is_claimed_no_more_often_than_allowed(rng, tails, runs):
     """Region 0 lies on the edge of the tolerance with every set of departures, region 1 far outside, which starts the search."""
@@ -38,6 +38,7 @@ def test_agreement_on_the_very_edge_is_claimed_no_more_often_than_allowed(rng, t
     assert wrong <= binom.ppf(0.999, runs, ATTRIBUTION_SHARE * (1 - confidence))
 
 
+@pytest.mark.slow
 def test_the_edge_is_seen_where_nothing_is_paid_for(rng, monkeypatch):
     """The same with the level of one look and one set for everything: the test above can fail."""
     monkeypatch.setattr(attribution, "set_share", lambda size, count: 4.0 / ATTRIBUTION_SHARE)

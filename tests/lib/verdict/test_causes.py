@@ -88,6 +88,7 @@ def test_a_wrong_departure_with_a_similar_pattern_is_never_the_cause(rng):
     np.testing.assert_allclose(precise[0].rest[1:, 0], GAP[1:] * [-0.3, 0.3, -0.3, 0.3], atol=3e-3)
 
 
+@pytest.mark.slow
 def test_the_wrong_departure_is_the_cause_where_its_share_is_not_asked_for(rng, monkeypatch):
     """The test above can fail: by agreement within the tolerance alone, as it used to be, it is named."""
     monkeypatch.setattr(attribution, "BAND", (1e-3, 1e3))
@@ -96,6 +97,7 @@ def test_the_wrong_departure_is_the_cause_where_its_share_is_not_asked_for(rng, 
     assert sum(why.state is State.CAUSE and why.named == ("a",) for why in said) >= 9
 
 
+@pytest.mark.slow
 def test_a_departure_on_the_edge_of_the_band_is_called_the_cause_no_more_often_than_allowed(rng):
     confidence = 0.5
     edge = share_of([BAND[1], BAND[1], BAND[0], BAND[1], BAND[0]])
@@ -136,6 +138,7 @@ def test_twins_are_both_listed(rng):
     assert {why.named, *why.alternatives} == {("a",), ("b",)}
 
 
+@pytest.mark.slow
 def test_a_noisy_true_cause_is_likely_and_its_proof_has_a_price(rng):
     """With replicates as the forecast says, the proof is there."""
     noise = 0.02

@@ -12,7 +12,7 @@ from etalon.tests.lib.verdict.simulated import decided, fireflies, gaussian
 from scipy import stats
 
 TOLERANCE = 0.01
-RUNS = [20, pytest.param(200, marks=pytest.mark.slow)]
+RUNS = [20, pytest.param(120, marks=pytest.mark.slow)]
 
 
 def test_holms_procedure_step_by_step(rng):
@@ -50,6 +50,7 @@ def test_false_alarms_are_no_more_than_the_level(rng, runs, noise, bias):
         assert wrong(rng, runs, noise, bias, confidence) <= stats.binom.ppf(0.999, runs, 1 - confidence)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [gaussian, fireflies])
 def test_looks_that_are_not_paid_for_raise_false_alarms(rng, monkeypatch, noise):
     """The test above can fail."""

@@ -222,7 +222,7 @@ def test_any_valid_scene_gives_a_finite_film(scene, strategy):
 
 
 @pytest.mark.slow
-@settings(max_examples=1000, **KEPT)
+@settings(max_examples=500, **KEPT)
 @given(scenes(), st.sampled_from(STRATEGIES))
 def test_any_of_many_valid_scenes_gives_a_finite_film(scene, strategy):
     validate(scene)
@@ -285,7 +285,7 @@ def test_any_broken_scene_gives_an_error_that_names_it(case):
 
 
 @pytest.mark.slow
-@settings(max_examples=250, **KEPT)
+@settings(max_examples=120, **KEPT)
 @given(broken())
 def test_any_of_many_broken_scenes_gives_an_error_that_names_it(case):
     assert_refused(*case)
