@@ -68,7 +68,7 @@ def refuse_object(
     if not instance.show_self:
         return
     _refuse_properties(instance, owner, checked, refusals)
-    kind = _unsupported_kind(thing)
+    kind = unsupported_kind(thing)
     if kind:
         refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it"))
     elif isinstance(thing.data, bpy.types.Mesh):
@@ -148,7 +148,7 @@ def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     return bool(surfaces) and thing.cycles.use_adaptive_subdivision and scene.cycles.feature_set == "EXPERIMENTAL"
 
 
-def _unsupported_kind(thing: bpy.types.Object) -> str | None:
+def unsupported_kind(thing: bpy.types.Object) -> str | None:
     """What kind of thing it is, when Cycles or Blender would show it and the reference would not."""
     if thing.type in _TYPES:
         return _TYPES[thing.type]

@@ -6,24 +6,27 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
+from . import preflight
 from .regions import fill_tables
 from .session import session
 
 
 @persistent
 def note_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Results are out of date once something that is rendered has changed; a selection is no change."""
+    """Results are out of date once something that is rendered has changed; a selection is no change. The survey is made anew after any."""
     if session.results or session.running is not None:
         for update in depsgraph.updates:
             if update.is_updated_geometry or update.is_updated_transform or update.is_updated_shading:
                 session.mark_changed()
-                return
+                break
+    preflight.note_change()
 
 
 @persistent
 def forget_results(*_: object) -> None:
     """Another file is going to be opened: a comparison under way ends, and its report holds what it has found."""
     session.forget()
+    preflight.forget_surveys()
 
 
 @persistent

@@ -3,26 +3,18 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
+from typing import ClassVar
 
 import bpy
 
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_files
 from .. import job
-from .properties import read_settings
+from .places import objects_with, select_only
+from .properties import output_folder, read_settings
 from .session import session
 from .text import phrase_text, translate
 from .watching import TICK, watch_job
-
-
-def output_folder(scene: bpy.types.Scene) -> Path:
-    """The folder chosen in the panel; for a file that was never saved, one among the system's temporary files."""
-    chosen = scene.etalon.out
-    if chosen.startswith("//") and not bpy.data.filepath:
-        return Path(tempfile.gettempdir()) / chosen.lstrip("/")
-    return Path(bpy.path.abspath(chosen))
 
 
 class CompareWithCycles(bpy.types.Operator):
@@ -76,6 +68,48 @@ class CompareWithCycles(bpy.types.Operator):
     def cancel(self, context: bpy.types.Context) -> None:
         """The window goes away, or the file: the job goes on in the other windows, and handlers end it with the file."""
         context.window_manager.event_timer_remove(self._timer)
+
+
+class CompareTheRest(bpy.types.Operator):
+    """Compare, and leave out the pixels that unsupported materials could affect; they are counted"""
+
+    bl_idname = "etalon.compare_the_rest"
+    bl_label = "Compare the Rest"
+    bl_options: ClassVar = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """One comparison at a time."""
+        return CompareWithCycles.poll(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Switch Partial on, and press the other button."""
+        context.scene.etalon.partial = True
+        return bpy.ops.etalon.compare("INVOKE_DEFAULT") & {"CANCELLED"} or {"FINISHED"}
+
+
+class SelectOwner(bpy.types.Operator):
+    """Select what is not supported: the object, or the objects with the material"""
+
+    bl_idname = "etalon.select_owner"
+    bl_label = "Select What Is Not Supported"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+    __annotations__ = {
+        "kind": bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"}),
+        "name": bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"}),
+    }
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Select it, and make the material the active one of its object."""
+        found = objects_with(context.view_layer, "object" if self.kind == "light" else self.kind, self.name)
+        if not found:
+            self.report({"WARNING"}, translate("'{name}' is no longer in the scene", name=self.name))
+            return {"CANCELLED"}
+        select_only(context, found)
+        for index, slot in enumerate(found[0].material_slots):
+            if self.kind == "material" and slot.material and slot.material.name == self.name:
+                found[0].active_material_index = index
+        return {"FINISHED"}
 
 
 class CancelComparison(bpy.types.Operator):

@@ -7,7 +7,8 @@ import bpy
 
 from ...lib.blender_versions import describe_unchecked
 from ...lib.verdict.outcome import Outcome
-from .operators import CancelComparison, CompareWithCycles, OpenReport
+from . import preflight
+from .operators import CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
 from .properties import SHOWN
 from .regions import ClearBorder, draw_regions
 from .session import Result, session
@@ -33,14 +34,34 @@ class _Main:
         for error in session.errors.get(scene.session_uid, ()):
             draw_text(layout.box(), context, error, icon="ERROR")
         if session.running is None:
-            row = layout.row()
-            row.scale_y = 1.6
-            row.operator(CompareWithCycles.bl_idname)
+            draw_start(layout, context)
         else:
             draw_progress(layout, context)
         unchecked = describe_unchecked(bpy.app.version[:2])
         if unchecked:
             draw_text(layout, context, unchecked, icon="INFO")
+
+
+def draw_start(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What would stop a comparison, each with a button to it, and the button that starts one."""
+    scene = context.scene
+    refused = [preflight.notice_of(refusal) for refusal in session.refusals.get(scene.session_uid, ())]
+    notices = [*preflight.notices_of_settings(scene), *(refused or preflight.notices_of_content(scene))]
+    for notice in notices[: preflight.MOST]:
+        row = layout.row()
+        stops = notice.stops and not (notice.kind == "material" and scene.etalon.partial)
+        draw_text(row, context, notice.text, icon="ERROR" if stops else "INFO")
+        if notice.name:
+            button = row.operator(SelectOwner.bl_idname, text="", icon="RESTRICT_SELECT_OFF", emboss=False)
+            button.kind, button.name = notice.kind, notice.name
+    if len(notices) > preflight.MOST:
+        draw_text(layout, context, translate("and {count} more", count=len(notices) - preflight.MOST), icon="BLANK1")
+    button = layout.row()
+    button.scale_y = 1.6
+    button.operator(CompareWithCycles.bl_idname)
+    if any(notice.kind == "material" for notice in notices) and not scene.etalon.partial:
+        layout.operator(CompareTheRest.bl_idname)
+    draw_text(layout, context, preflight.describe_task(scene), icon="BLANK1")
 
 
 def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -13,32 +13,33 @@ def material_of(region: RankedRegion) -> str:
     return region.name.rpartition(", ")[0] if region.kind == "facing" else region.name
 
 
-def objects_of(view_layer: bpy.types.ViewLayer, region: RankedRegion) -> list[bpy.types.Object]:
-    """The object that a region is, or the objects with its material; none for cells and the whole image."""
-    if region.kind == "object":
-        return [thing for thing in view_layer.objects if thing.name == region.name]
-    if region.kind not in ("material", "facing"):
+def objects_with(view_layer: bpy.types.ViewLayer, kind: str, name: str) -> list[bpy.types.Object]:
+    """The object of that name, or the objects with the material of that name; none for other kinds."""
+    if kind == "object":
+        return [thing for thing in view_layer.objects if thing.name == name]
+    if kind != "material":
         return []
-    name = material_of(region)
-    return [
-        thing
-        for thing in view_layer.objects
-        if any(s.material and s.material.name == name for s in thing.material_slots)
-    ]
+    return [o for o in view_layer.objects if any(s.material and s.material.name == name for s in o.material_slots)]
+
+
+def select_only(context: bpy.types.Context, found: list[bpy.types.Object]) -> None:
+    """Select these objects and no others, in Object Mode; the first becomes the active one."""
+    if context.mode != "OBJECT":
+        return
+    for thing in context.view_layer.objects:
+        thing.select_set(thing in found)
+    context.view_layer.objects.active = found[0]
 
 
 def select_objects(context: bpy.types.Context, region: RankedRegion) -> str:
-    """Select the objects of a region, in Object Mode; returns the region's name where none of them is there any more."""
+    """Select the objects of a region; returns its name where it has any and none of them is there any more."""
     if region.kind not in ("object", "material", "facing"):
         return ""
-    found = objects_of(context.view_layer, region)
-    if context.mode == "OBJECT" and found:
-        for thing in context.view_layer.objects:
-            thing.select_set(False)
-        for thing in found:
-            thing.select_set(True)
-        context.view_layer.objects.active = found[0]
-    return "" if found else region.name
+    kind, name = ("object", region.name) if region.kind == "object" else ("material", material_of(region))
+    found = objects_with(context.view_layer, kind, name)
+    if found:
+        select_only(context, found)
+    return "" if found else name
 
 
 def set_border(scene: bpy.types.Scene, compared: tuple[float, float, float, float], region: RankedRegion) -> None:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -84,3 +86,11 @@ def read_settings(scene: bpy.types.Scene) -> Settings:
     """The panel's settings of `scene`; one processor is left to the window. Where results go is up to the caller."""
     chosen = {d.name: _value(d.unit, getattr(scene.etalon, d.name)) for d in SHOWN if not isinstance(d.unit, FilePath)}
     return Settings(**chosen, threads=max(1, (os.cpu_count() or 2) - 1))
+
+
+def output_folder(scene: bpy.types.Scene) -> Path:
+    """The folder chosen in the panel; for a file that was never saved, one among the system's temporary files."""
+    chosen = scene.etalon.out
+    if chosen.startswith("//") and not bpy.data.filepath:
+        return Path(tempfile.gettempdir()) / chosen.lstrip("/")
+    return Path(bpy.path.abspath(chosen))

@@ -7,7 +7,7 @@ import bpy
 
 from ..command import cli
 from ..host.blender_at_hand import require_supported_blender
-from . import handlers, operators, panels, properties, regions
+from . import handlers, operators, panels, preflight, properties, regions
 from .session import session
 
 _CLASSES = (
@@ -18,6 +18,8 @@ _CLASSES = (
     regions.ShowRegion,
     regions.ClearBorder,
     operators.CompareWithCycles,
+    operators.CompareTheRest,
+    operators.SelectOwner,
     operators.CancelComparison,
     operators.OpenReport,
     *panels.PANELS,
@@ -40,6 +42,7 @@ def register() -> None:
 def unregister() -> None:
     """Remove all of it again, and end a comparison that still runs."""
     session.forget()
+    preflight.forget_surveys()
     bpy.utils.unregister_cli_command(_commands.pop())
     handlers.remove_handlers()
     del bpy.types.WindowManager.etalon_regions

@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 
 from ...lib.comparison.compare import Comparison
+from ...lib.errors import Refusal
 from ...lib.report.headline import Phrase, details, headline
 from ...lib.report.ranking import RankedRegion, rank_regions
 from .. import job
@@ -75,15 +76,17 @@ class Running:
 
 @dataclass
 class Session:
-    """The one comparison that runs, and by a scene's identifier its last result and the errors of its last comparison."""
+    """The one comparison that runs, and by a scene's identifier its last result, and the errors or refusals of its last comparison."""
 
     running: Running | None = None
     results: dict[int, Result] = field(default_factory=dict)
     errors: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    refusals: dict[int, tuple[Refusal, ...]] = field(default_factory=dict)
 
     def begin(self, scene: bpy.types.Scene, started: job.BackgroundJob) -> None:
         """`started` is the comparison that counts from now on; the last result stays until there is a new one."""
         self.errors.pop(scene.session_uid, None)
+        self.refusals.pop(scene.session_uid, None)
         self.running = Running(started, scene.session_uid, Setup.of(scene), compared_border(scene))
 
     def take_result(self) -> Result | None:
@@ -100,7 +103,9 @@ class Session:
     def end(self) -> Running:
         """The job has ended: keep its errors. One without a comparison leaves the last result as it is."""
         ended, self.running = self.running, None
-        if ended.job.errors:
+        if ended.job.refusals:
+            self.refusals[ended.uid] = ended.job.refusals
+        elif ended.job.errors:
             self.errors[ended.uid] = ended.job.errors
         return ended
 
@@ -127,6 +132,7 @@ class Session:
         self.running = None
         self.results.clear()
         self.errors.clear()
+        self.refusals.clear()
 
 
 session = Session()

@@ -27,17 +27,18 @@ def describe_memory(width: int, height: int, passes: int = 0) -> str:
     told = (
         f"{width} x {height} pixels: about {needed_memory(width, height, passes) / 1e9:.1f} GB to compare at full size"
     )
-    lacks = _lacking(width, height, passes)
+    lacks = lacking_memory(width, height, passes)
     return f"{told}; {lacks}" if lacks else told
 
 
 def require_memory(width: int, height: int, passes: int = 0) -> None:
     """Raise EtalonError where the machine does not have the memory for so many pixels and light passes."""
-    if _lacking(width, height, passes):
+    if lacking_memory(width, height, passes):
         raise EtalonError(describe_memory(width, height, passes))
 
 
-def _lacking(width: int, height: int, passes: int) -> str:
+def lacking_memory(width: int, height: int, passes: int = 0) -> str:
+    """What this machine has where that is not enough, and the remedy; empty where it is."""
     usable = usable_memory()
     if usable is None or needed_memory(width, height, passes) <= usable:
         return ""
