@@ -194,9 +194,10 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
 class BackgroundJob:
     """A comparison that leaves the window alone: export and Cycles in a second Blender, the reference in a thread.
 
-    Made and read by the main thread. `stage` is the name of what is under way, `fraction` the share of the time that is spent, `bounds` the
-    bound at each look so far. `comparison` is there as soon as it is concluded, before its report is written. When `done`, either it or
-    `errors` is there, or neither if the job was cancelled before there was anything to compare.
+    Made and read by the main thread. `stage` is the name of what is under way, `fraction` the share of the time that is spent, `bounds`
+    the bound at each look so far; `on_look` is called at each look, by the job's thread. `comparison` is there as soon as it is
+    concluded, before its report is written. When `done`, either it or `errors` is there, or neither if the job was cancelled before there
+    was anything to compare.
     """
 
     def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path) -> None:
@@ -207,6 +208,7 @@ class BackgroundJob:
         self.comparison: Comparison | None = None
         self.errors: tuple[str, ...] = ()
         self.refusals: tuple[Refusal, ...] = ()
+        self.on_look: Callable[[Interim], None] | None = None
         self._settings = settings
         self._began: float | None = None
         self._is_written = False
@@ -290,6 +292,8 @@ class BackgroundJob:
 
     def _show(self, interim: Interim) -> None:
         self.bounds.append(interim.bound)
+        if self.on_look is not None:
+            self.on_look(interim)
 
     def _conclude(self, comparison: Comparison) -> None:
         self.comparison = comparison

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from . import preflight
+from . import images, preflight
 from .regions import fill_tables
 from .session import session
 
@@ -27,6 +27,7 @@ def forget_results(*_: object) -> None:
     """Another file is going to be opened: a comparison under way ends, and its report holds what it has found."""
     session.forget()
     preflight.forget_surveys()
+    images.forget_images()
 
 
 @persistent

@@ -8,6 +8,7 @@ import bpy
 from ...lib.blender_versions import describe_unchecked
 from ...lib.verdict.outcome import Outcome
 from . import preflight
+from .images import ShowImage
 from .operators import CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
 from .properties import SHOWN
 from .regions import ClearBorder, draw_regions
@@ -91,6 +92,8 @@ def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context, result: 
         draw_text(column, context, phrase_text(phrase), icon="BLANK1")
     draw_regions(layout, context, result)
     row = layout.row(align=True)
+    row.operator_menu_enum(ShowImage.bl_idname, "view", icon="IMAGE_DATA")
+    row = layout.row(align=True)
     row.operator(OpenReport.bl_idname, icon="URL")
     row.operator(ClearBorder.bl_idname, icon="FULLSCREEN_EXIT")
 
@@ -123,10 +126,16 @@ def _in_sidebar(base: type, name: str, **more: object) -> type:
     return type(f"ETALON_PT_sidebar_{name}", (base, bpy.types.Panel), place | more)
 
 
+def _in_image_editor(base: type, name: str, **more: object) -> type:
+    """The panel `base` in the sidebar of the Image editor."""
+    place = {"bl_space_type": "IMAGE_EDITOR", "bl_region_type": "UI", "bl_category": "Étalon"}
+    return type(f"ETALON_PT_image_{name}", (base, bpy.types.Panel), place | more)
+
+
 def _make_panels() -> tuple[type, ...]:
     """All panels, each in each of its places; parents come before their children."""
     made = []
-    for place in (_in_render_properties, _in_sidebar):
+    for place in (_in_render_properties, _in_sidebar, _in_image_editor):
         main = place(_Main, "main")
         made.append(main)
         made.append(place(_Target, "target", bl_parent_id=main.__name__))

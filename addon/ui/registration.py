@@ -7,7 +7,7 @@ import bpy
 
 from ..command import cli
 from ..host.blender_at_hand import require_supported_blender
-from . import handlers, operators, panels, preflight, properties, regions
+from . import handlers, images, operators, panels, preflight, properties, regions
 from .session import session
 
 _CLASSES = (
@@ -17,6 +17,9 @@ _CLASSES = (
     regions.RegionList,
     regions.ShowRegion,
     regions.ClearBorder,
+    images.ShowImage,
+    images.SwitchImage,
+    images.ImageMenu,
     operators.CompareWithCycles,
     operators.CompareTheRest,
     operators.SelectOwner,
@@ -35,6 +38,7 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Scene.etalon = bpy.props.PointerProperty(type=properties.EtalonSettings)
     bpy.types.WindowManager.etalon_regions = bpy.props.CollectionProperty(type=regions.RegionTable)
+    images.add_to_image_editor()
     handlers.add_handlers()
     _commands.append(bpy.utils.register_cli_command("etalon", cli.main))
 
@@ -45,6 +49,7 @@ def unregister() -> None:
     preflight.forget_surveys()
     bpy.utils.unregister_cli_command(_commands.pop())
     handlers.remove_handlers()
+    images.remove_from_image_editor()
     del bpy.types.WindowManager.etalon_regions
     del bpy.types.Scene.etalon
     for cls in reversed(_CLASSES):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ...lib.pages.formats import format_bound, format_duration
+from .images import follow_result
 from .regions import fill_tables
 from .session import Running, session
 from .text import translate
@@ -81,6 +82,7 @@ def set_status(text: str | None) -> None:
 
 def watch_job() -> None:
     """Look at the job from now on, until it has ended; at one job once."""
+    follow_result(session.running.uid)
     if not bpy.app.timers.is_registered(_look):
         bpy.app.timers.register(_look, first_interval=TICK, persistent=True)
 
@@ -96,6 +98,7 @@ def _look() -> float | None:
     if session.take_result() is not None:
         for window_manager in bpy.data.window_managers:
             fill_tables(window_manager)
+        follow_result(running.uid)
     if is_done:
         session.end()
     set_status(None if is_done else describe_running(running))
