@@ -134,8 +134,8 @@ def _open(target: Target) -> tuple[str, Any]:
     from .addon.host.blender import load_blender
 
     bpy = load_blender()
-    from .addon.command.opening import open_target, refuse_archive
+    from .addon.command.opening import open_asked, refuse_archive
 
     refuse_archive(target)
-    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    name = open_asked(target)
     return name, bpy.context.scene

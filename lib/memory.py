@@ -19,6 +19,15 @@ def usable_memory() -> int | None:
     return min([machine, *(limit for limit in map(_read_limit, _LIMITS) if limit is not None)])
 
 
+def resident_memory(process: int) -> int | None:
+    """The bytes of memory that a process has in use; None where the system, which is not Linux, does not say, or it has ended."""
+    try:
+        pages = Path(f"/proc/{process}/statm").read_text().split()[1]
+    except (OSError, IndexError):
+        return None
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+
 def _read_limit(path: Path) -> int | None:
     try:
         text = path.read_text().strip()

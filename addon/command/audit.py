@@ -27,7 +27,7 @@ from ..cycles.renderer import neutral
 from ..cycles.settings import Assignment, CyclesWith, denoiser_is_there
 from ..host.quiet import quiet
 from .console import bar, interruptible, open_page, print_json
-from .opening import as_opened, open_target, refuse_archive, results_folder
+from .opening import as_opened, open_asked, refuse_archive, results_folder
 
 # What `neutral` leaves alone, for it only adds noise or needs volumes, and an audit asks about.
 NEUTRAL_BESIDES = {
@@ -94,7 +94,7 @@ def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
 def run(target: Target, asked_for: AuditOptions, terminal: PageTerminal) -> int:
     """Open the scene, measure, print the table, leave the report; the user's settings come back."""
     refuse_archive(target)
-    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    name = open_asked(target)
     folder = results_folder(asked_for.out, name)
     found = measure_open_scene(
         name, asked_for, folder, repeating_command("audit", as_opened(target), asked_for), terminal

@@ -20,13 +20,13 @@ from ...lib.settings.words import repeating_command
 from .. import job
 from ..host.quiet import quiet
 from .console import bar, interruptible, open_page, paint, print_json
-from .opening import as_opened, open_target, refuse_archive, results_folder
+from .opening import as_opened, open_asked, refuse_archive, results_folder
 
 
 def run(target: Target, settings: Settings, terminal: PageTerminal) -> int:
     """Open the scene, compare, print the verdict; the exit code is the verdict's."""
     refuse_archive(target)
-    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    name = open_asked(target)
     folder = results_folder(settings.out, name)
     repeat = repeating_command("compare", as_opened(target), settings)
     with interruptible() as interrupted, bar(name, terminal) as shown, quiet():

@@ -31,9 +31,9 @@ def run(target: Target, settings: CostOptions, terminal: PageTerminal) -> int:
         import bpy
 
         from ..cost import measure_cost
-        from .opening import as_opened, open_target, refuse_archive, results_folder
+        from .opening import as_opened, open_asked, refuse_archive, results_folder
     refuse_archive(target)
-    name = open_target(target.scene, target.frame, target.camera, target.assignments)
+    name = open_asked(target)
     folder = results_folder(settings.out, name)
     repeat = repeating_command("cost", as_opened(target), settings)
 

@@ -22,7 +22,7 @@ def read_scene(target: Target) -> Scene:
         import bpy
 
         from .. import job
-        from .opening import open_target
-    open_target(target.scene, target.frame, target.camera, target.assignments)
+        from .opening import open_asked
+    open_asked(target)
     with quiet():
         return job.export(bpy.context.scene)

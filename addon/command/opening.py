@@ -21,13 +21,22 @@ from .scene_choice import describe_missing, describe_unknown
 _MAGIC = (b"BLENDER", b"\x1f\x8b", b"\x28\xb5\x2f\xfd")
 
 
+def open_asked(asked: Target) -> str:
+    """Open what a Target names, set what it sets, and return its name; raises EtalonError as `open_target`."""
+    return open_target(asked.scene, asked.frame, asked.camera, asked.assignments, asked.view_layer)
+
+
 def open_target(
-    target: str | None, frame: int | None = None, camera: str | None = None, assignments: Sequence[str] = ()
+    target: str | None,
+    frame: int | None = None,
+    camera: str | None = None,
+    assignments: Sequence[str] = (),
+    view_layer: str | None = None,
 ) -> str:
     """Open `target` and return its name; None stays with the file that is open already.
 
-    Then the frame, the camera and each assignment "path=value" are set. Raises EtalonError where there is no such scene,
-    file, library, camera or property.
+    Then the frame, the camera, the view layer and each assignment "path=value" are set. Raises EtalonError where there is no such
+    scene, file, library, camera, view layer or property.
     """
     if target is not None:
         if target in SCENES:
@@ -42,6 +51,8 @@ def open_target(
         scene.frame_set(frame)
     if camera is not None:
         choose_camera(scene, camera)
+    if view_layer is not None:
+        choose_view_layer(scene, view_layer)
     for assignment in assignments:
         assign(assignment)
     if scene.camera is None:
@@ -107,3 +118,12 @@ def choose_camera(scene: bpy.types.Scene, name: str) -> None:
         there = ", ".join(sorted(cameras)) or "none"
         raise EtalonError(f"{name}: no camera of that name in scene {scene.name}; cameras there: {there}")
     scene.camera = cameras[name]
+
+
+def choose_view_layer(scene: bpy.types.Scene, name: str) -> None:
+    """Use the view layer `name` alone for rendering; raise EtalonError, with the names there are, if there is none."""
+    if name not in scene.view_layers:
+        there = ", ".join(sorted(layer.name for layer in scene.view_layers))
+        raise EtalonError(f"{name}: no view layer of that name in scene {scene.name}; view layers there: {there}")
+    for layer in scene.view_layers:
+        layer.use = layer.name == name

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 from ...lib.comparison.memory import describe_memory, needed_memory
 from ...lib.effects.plan import Plan, make_plan
@@ -36,7 +37,7 @@ def run(target: Target, settings: PlanOutput, terminal: Terminal) -> int:
     except Refused as refused:
         if not terminal.json:
             raise
-        print_json({"refusals": [asdict(refusal) for refusal in refused.refusals]})
+        print_json({"refusals": [asdict(refusal) for refusal in refused.refusals], **_facts(target)})
         return ExitCode.BAD_INPUT
     plan = make_plan(scene)
     if settings.save is not None:
@@ -45,10 +46,20 @@ def run(target: Target, settings: PlanOutput, terminal: Terminal) -> int:
         counts = {"triangles": scene.mesh.triangle_count, "lights": len(scene.lights)}
         findings = [asdict(finding) for finding in check_scene(scene)]
         memory = {"bytes_at_full_size": needed_memory(scene.camera.width, scene.camera.height)}
-        print_json({"scene": scene.name, **counts, **memory, **asdict(plan), "scene_check": findings})
+        facts = counts | memory | _facts(target)
+        print_json({"scene": scene.name, **facts, **asdict(plan), "scene_check": findings})
     else:
         print(plan_text(scene, plan))
     return 0
+
+
+def _facts(target: Target) -> dict[str, Any]:
+    """What only the open file says: its frames, cameras, view layers, and the files that it refers to."""
+    if target.is_archive:
+        return {}
+    from .facts import read_facts
+
+    return read_facts()
 
 
 def _run_folder(folder: Path, target: Target, settings: PlanOutput, terminal: Terminal) -> int:

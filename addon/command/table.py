@@ -31,24 +31,14 @@ VERDICTS = _codes(
 DONE = _codes((ExitCode.DONE, "done"), FAILED)
 
 _BATCH = """\
-Compare every scene at every combination of property values. PLAN.toml:
+Compare every scene at every combination of values. `etalon batch --example` prints a plan with all that it may say: scenes by
+name or pattern; frames, cameras, view layers and Blenders; any option of `etalon compare`, of which a list is an axis; and any
+property by its data path from bpy.data, or from the open scene if it begins with `scene.`.
 
-  out = "sweep"                              # folder for the results, beside the plan
-  scenes = ["glossy_spheres", "room.blend"]  # reference scenes and files, beside the plan
-
-  [options]                                  # any long option of `etalon compare`, with numbers or texts
-  tolerance = "1%"
-  time = "1m"
-
-  [[vary]]                                   # any number of these; all combinations are compared
-  path = 'materials["Floor"].node_tree.nodes["Glossy BSDF"].inputs["Roughness"].default_value'
-  values = [0.1, 0.3, 0.5]
-  name = "roughness"                         # optional: its name in tables
-
-A path is a data path from bpy.data, or from the open scene if it begins with `scene.`. Each comparison runs in a process of
-its own. If one crashes, it is recorded as failed and the rest continue. Finished comparisons are kept in OUT/journal.sqlite, so
-the same command runs only what is missing after Ctrl-C or a crash. OUT has a folder for each comparison, batch.csv and
-batch.html."""
+The whole plan is checked before the first comparison. Each comparison runs in a process of its own. If one crashes, it is run
+once more, recorded as failed, and the rest continue. All results are kept in OUT/journal.sqlite, so the same command runs only
+what is missing after Ctrl-C or a crash, or what depends on a file that has changed. OUT has a folder for each comparison,
+batch.csv and batch.html."""
 
 _COMPLETION = """\
 Print a completion script. For bash:

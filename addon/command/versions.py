@@ -69,7 +69,7 @@ def _target(target: VersionsTarget, scene: str) -> Target:
             raise EtalonError(describe_missing(Path(scene)))
     elif scene not in REFERENCE_SCENES:
         raise EtalonError(describe_unknown(scene))
-    return Target(scene, target.frame, target.camera, target.assignments)
+    return Target(scene, target.frame, target.camera, target.view_layer, target.assignments)
 
 
 def _refuse_same_folder(targets: list[Target]) -> None:

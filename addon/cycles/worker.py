@@ -116,7 +116,7 @@ def _open(target: dict[str, Any], package: str) -> Any:
     opening = importlib.import_module(f"{package}.addon.command.opening")
     importlib.import_module(f"{package}.addon.host.blender_at_hand").require_supported_blender()
     asked = common.Target.from_json(target)
-    opening.open_target(asked.scene, asked.frame, asked.camera, asked.assignments)
+    opening.open_asked(asked)
     return bpy.context.scene
 
 

@@ -4,12 +4,17 @@
 from __future__ import annotations
 
 import subprocess
+import threading
+import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..comparison.run import Stop
 from ..errors import EtalonError
 from ..exit_codes import ExitCode
 from ..files.atomic import clear_unfinished
+from ..memory import resident_memory
+from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
 from .process import end, start
@@ -18,13 +23,36 @@ VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outc
 _OURS = "etalon: "
 
 
-def run_comparison(command: list[str], folder: Path) -> tuple[str, int, str]:
+# So often a process is looked at, in seconds.
+_LOOK = 0.25
+FINISHED, REFUSED, FAILED, ENDED = "finished", "refused", "failed", "ended"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one comparison may take, `seconds` and `memory` in bytes (None: no limit), and an event that ends it from another thread."""
+
+    seconds: float | None = None
+    memory: int | None = None
+    stop: threading.Event | None = None
+
+
+NO_LIMITS = Limits()
+
+
+def run_comparison(command: list[str], folder: Path, limits: Limits = NO_LIMITS) -> tuple[str, int, str]:
     """Run an `etalon compare` that writes to `folder`, in a process of its own.
 
-    Returns its status, 'finished', 'refused' or 'failed', its exit code, and the reason where it is not finished.
+    Returns its status, FINISHED, REFUSED, FAILED or ENDED from outside, its exit code, and the reason where it is not finished. One that
+    crashed is run once more.
     """
-    code, words = _run(command, folder)
-    status, message = _judge(code, words, folder / "verdict.json")
+    for _ in range(2):
+        code, words, is_over = _run(command, folder, limits)
+        if is_over:
+            return (ENDED if limits.stop is not None and limits.stop.is_set() else FAILED), code, words
+        status, message = _judge(code, words, folder / "verdict.json")
+        if status != FAILED:
+            break
     return status, code, message
 
 
@@ -34,40 +62,62 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
     A crash may end with any code; what counts as a verdict has been written as one, and not because the process was ended.
     """
     if code == ExitCode.BAD_INPUT:
-        return "refused", words
+        return REFUSED, words
     if code not in VERDICTS or not verdict.is_file():
-        return "failed", words
+        return FAILED, words
     try:
         figures = read_verdict(verdict)
     except EtalonError as error:
-        return "failed", str(error)
+        return FAILED, str(error)
     if figures.get("stopped") == Stop.CANCELLED.value:
-        return "failed", "it was ended by another process; run the batch again"
-    return "finished", ""
+        return ENDED, "it was ended by another process; run the batch again"
+    return FINISHED, ""
 
 
-def _run(command: list[str], folder: Path) -> tuple[int, str]:
-    """Run `command`, which writes to `folder`; return its exit code and its reason."""
+def _run(command: list[str], folder: Path, limits: Limits) -> tuple[int, str, bool]:
+    """Run `command`, which writes to `folder`; return its exit code, its reason, and whether a limit ended it."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
     process = start(command, leash=True, **pipes)
     try:
-        _, errors = _communicate(process)
+        errors, over = _wait(process, limits)
     except BaseException:
         end(process)
         raise
     finally:
         clear_unfinished(folder)
-    return process.returncode, _reason(process.returncode, errors)
+    return process.returncode, over or _reason(process.returncode, errors), bool(over)
 
 
-def _communicate(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """What the process prints; its standard input, which is its leash, stays open until it has ended."""
+def _wait(process: subprocess.Popen[str], limits: Limits) -> tuple[str, str]:
+    """What the process prints as errors, and which limit ended it, or ''; its standard input, which is its leash, stays open."""
     leash, process.stdin = process.stdin, None
+    begin, over = time.monotonic(), ""
     try:
-        return process.communicate()
+        while True:
+            try:
+                _, errors = process.communicate(timeout=_LOOK)
+                return errors, over
+            except subprocess.TimeoutExpired:
+                over = over or _is_over(process, limits, time.monotonic() - begin)
+                if over:
+                    end(process)
     finally:
         if leash is not None:
             leash.close()
+
+
+def _is_over(process: subprocess.Popen[str], limits: Limits, seconds: float) -> str:
+    """Which limit a process has reached, or ''."""
+    if limits.stop is not None and limits.stop.is_set():
+        return "it was ended with the batch"
+    if limits.seconds is not None and seconds > limits.seconds:
+        return (
+            f"it took longer than {format_duration(limits.seconds)}; raise 'time' in [limits], or lower the resolution"
+        )
+    used = resident_memory(process.pid) if limits.memory is not None else None
+    if used is not None and used > limits.memory:
+        return f"it took more than {format_gigabytes(limits.memory)} of memory; raise 'memory' in [limits], or lower the resolution"
+    return ""
 
 
 def _reason(code: int, errors: str) -> str:

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
@@ -14,6 +15,8 @@ from ..errors import EtalonError
 from ..files.ownership import lock
 
 FILE, LOCK = "journal.sqlite", "journal.lock"
+# Grows when a table changes; a journal of a newer format is left alone.
+FORMAT = 2
 _BUSY = {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 _DISK = {
     sqlite3.SQLITE_FULL,
@@ -28,8 +31,8 @@ _DISK = {
 class Entry:
     """What one comparison came to.
 
-    `key` stands for all that its result depends on, `assignments` are its values as JSON, `status` is 'finished', 'refused' or
-    'failed', `message` the reason where it is not finished, `folder` its results' own below the batch's.
+    `key` stands for all that its result depends on, `assignments` are its values as JSON, `status` is 'finished', 'refused', 'failed' or
+    'ended' (from outside), `message` the reason where it is not finished, `folder` its results' own below the batch's.
     """
 
     key: str
@@ -55,14 +58,50 @@ class Journal:
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
         self._path, self._connection = path, connection
         with _explained(path):
+            (number,) = connection.execute("pragma user_version").fetchone()
+            if number > FORMAT:
+                raise EtalonError(
+                    f"{path}: is a journal of format {number}, and this Étalon knows {FORMAT}; update Étalon, or name another 'out'"
+                )
+            # Readers and the one writer do not wait for each other, and a crash leaves whole transactions.
+            connection.execute("pragma journal_mode = wal")
+            connection.execute("begin immediate")
             connection.execute(f"create table if not exists units ({_TABLE})")
             connection.execute(f"select {_COLUMNS} from units limit 0")
+            connection.execute("create table if not exists files (digest text primary key, paths text)")
+            connection.execute("create table if not exists digests (path text primary key, stamp text, digest text)")
+            connection.execute(f"pragma user_version = {FORMAT}")
+            connection.execute("commit")
 
-    def read(self, key: str) -> Entry | None:
-        """The entry of that key, None if there is none."""
+    def read_all(self) -> dict[str, Entry]:
+        """All entries by their keys."""
         with _explained(self._path):
-            row = self._connection.execute(f"select {_COLUMNS} from units where key = ?", (key,)).fetchone()
-        return None if row is None else Entry(*row)
+            rows = self._connection.execute(f"select {_COLUMNS} from units").fetchall()
+        return {row[0]: Entry(*row) for row in rows}
+
+    def read_files(self, digest: str) -> list[str] | None:
+        """The paths that the scene of that content refers to; None where they are not known."""
+        row = self._one("select paths from files where digest = ?", digest)
+        return None if row is None else json.loads(row[0])
+
+    def write_files(self, digest: str, paths: Sequence[str]) -> None:
+        """Keep the paths that a scene refers to."""
+        with _explained(self._path):
+            self._connection.execute("insert or replace into files values (?, ?)", (digest, json.dumps(list(paths))))
+
+    def read_digest(self, path: str, stamp: str) -> str | None:
+        """The hash of a file whose time and size are as they were; None otherwise."""
+        row = self._one("select digest from digests where path = ? and stamp = ?", path, stamp)
+        return None if row is None else row[0]
+
+    def write_digest(self, path: str, stamp: str, digest: str) -> None:
+        """Keep the hash of a file."""
+        with _explained(self._path):
+            self._connection.execute("insert or replace into digests values (?, ?, ?)", (path, stamp, digest))
+
+    def _one(self, query: str, *values: str) -> tuple[str, ...] | None:
+        with _explained(self._path):
+            return self._connection.execute(query, values).fetchone()
 
     def write(self, entry: Entry) -> None:
         """Add an entry, in the place of the one of its key."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import re
 import tomllib
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -15,35 +16,53 @@ from typing import Any
 from ..errors import EtalonError, unknown
 from ..settings.common import Target
 from ..settings.comparison import Settings
-from ..settings.declaration import Declared
+from ..settings.declaration import Declared, Option
+from ..settings.units import Seconds
 from ..settings.words import read_table
-from .asked import ask_plan
 
-ENTRIES = ("out", "scenes", "options", "vary")
+# The axes that have entries of their own, with the option of `etalon compare` that each one sets.
+AXES = {"frames": "frame", "cameras": "camera", "view_layers": "view-layer"}
+ENTRIES = ("out", "scenes", *AXES, "blenders", "options", "vary", "limits")
 VARIED = ("path", "values", "name")
+LIMITED = ("time", "memory")
+_FRAMES = re.compile(r"(-?\d+)-(-?\d+)(?::(\d+))?")
+_MEMORY = re.compile(r"(\d+(?:\.\d*)?)\s*GB")
+# Blender has no frames beyond this.
+MOST_FRAME = 1048574
 _HELP = "see `etalon batch --help`"
 
 
 @dataclass(frozen=True)
 class Variation:
-    """One property and the values it takes; `name` is what tables call it."""
+    """One axis: a property, an option or the Blender, and the values it takes.
+
+    `name` is what tables call it, `path` the data path of the property, the flag of the option, or '--blender'; `words` are what each value
+    adds to the command line.
+    """
 
     name: str
     path: str
     values: tuple[Any, ...]
+    words: tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True)
 class Unit:
-    """One comparison: a scene, as the plan names it, and the values of all varied properties."""
+    """One comparison: a scene, as the plan names it, and the values of all axes; `words` are what these add to the command line."""
 
     scene: str
     target: str
     assignments: tuple[tuple[Variation, Any], ...]
+    words: tuple[str, ...] = ()
 
     def arguments(self) -> list[str]:
         """The part of the command line that makes this unit what it is."""
-        return [self.target, *(_assignment(v, value) for v, value in self.assignments)]
+        return [self.target, *self.words]
+
+    @property
+    def blender(self) -> str | None:
+        """The Blender that it runs in, as the plan names it; None for the one at hand."""
+        return next((value for v, value in self.assignments if v.path == BLENDER), None)
 
     @property
     def label(self) -> str:
@@ -51,20 +70,21 @@ class Unit:
         return " ".join([self.scene, *(f"{v.name}={value}" for v, value in self.assignments)])
 
 
-def _assignment(variation: Variation, value: Any) -> str:
-    """The word of a command line that sets a property to a value."""
-    return f"--set={variation.path}={json.dumps(value)}"
+BLENDER = "--blender"
+"""The path of the axis of Blenders."""
 
 
 @dataclass(frozen=True)
 class BatchPlan:
-    """What a PLAN.toml says."""
+    """What a PLAN.toml says; `time_limit` (seconds) and `memory_limit` (bytes) are those of one comparison, None without one."""
 
     out: Path
     scenes: tuple[str, ...]
     folder: Path
     options: tuple[str, ...]
     variations: tuple[Variation, ...]
+    time_limit: float | None = None
+    memory_limit: int | None = None
 
     def target(self, scene: str) -> str:
         """What `etalon compare` calls a scene of the plan."""
@@ -73,20 +93,39 @@ class BatchPlan:
     def units(self) -> Iterator[Unit]:
         """All combinations, scene by scene."""
         for scene in self.scenes:
-            for values in itertools.product(*(v.values for v in self.variations)):
-                yield Unit(scene, self.target(scene), tuple(zip(self.variations, values, strict=True)))
+            for places in itertools.product(*(range(len(v.values)) for v in self.variations)):
+                chosen = list(zip(self.variations, places, strict=True))
+                words = tuple(word for v, k in chosen for word in v.words[k])
+                yield Unit(scene, self.target(scene), tuple((v, v.values[k]) for v, k in chosen), words)
 
-    def require_properties(self, scenes: Collection[str]) -> None:
-        """Raise EtalonError for one of `scenes` that cannot be read, or in which a varied property cannot have one of its values."""
-        if not self.variations:
-            return
+    @property
+    def blenders(self) -> tuple[str, ...]:
+        """The Blenders of the plan, as it names them; none for the one at hand."""
+        return next((v.values for v in self.variations if v.path == BLENDER), ())
+
+    @property
+    def asked(self) -> list[str]:
+        """The words that have `etalon plan` set every value of every property, one after the other."""
         flags = {flag for declared in Target.options() for flag in _flags(declared.flag)}
         options = [word for word in self.options if word.partition("=")[0] in flags]
-        values = [_assignment(v, value) for v in self.variations for value in v.values]
-        for scene in scenes:
-            answer = ask_plan(self.target(scene), [*options, *values])
-            if answer.found is None:
-                raise EtalonError(f"{scene}: {answer.error.removeprefix(f'{scene}: ')}")
+        return [*options, *(word for v in self.variations if v.path[:2] != "--" for words in v.words for word in words)]
+
+    def check_facts(self, scene: str, facts: dict[str, Any]) -> None:
+        """Raise EtalonError where a scene has not the frames, cameras or view layers of the plan; `facts` are what `etalon plan` found."""
+        for v in self.variations:
+            if v.path == "--frame" and "frames" in facts:
+                first, last = facts["frames"]
+                for frame in v.values:
+                    if not first <= frame <= last:
+                        raise EtalonError(
+                            f"{scene}: frame {frame} is outside its frames {first} to {last}; change 'frames' of the plan"
+                        )
+            for path, key in (("--camera", "cameras"), ("--view-layer", "view_layers")):
+                for name in v.values if v.path == path and key in facts else ():
+                    if name not in facts[key]:
+                        raise EtalonError(
+                            f"{scene}: {unknown(key[:-1].replace('_', ' '), name, facts[key] or ['none'])}"
+                        )
 
     def require_scenes(self, known: Collection[str]) -> None:
         """Raise EtalonError for a scene that is neither a reference scene, one of `known`, nor a file that is there."""
@@ -127,11 +166,93 @@ def _plan(path: Path, data: dict[str, Any]) -> BatchPlan:
     folder = path.resolve().parent
     if (folder / out).resolve() == folder:
         raise EtalonError(f"'out' is the folder of the plan; name another one, such as {path.stem!r}")
-    plan = BatchPlan(folder / out, tuple(scenes), folder, _options(options), tuple(map(_variation, vary)))
+    words, axes = _options(options)
+    axes = [*_axes(data), *axes, *map(_variation, vary)]
+    limits = _limits(data.get("limits", {}))
+    plan = BatchPlan(folder / out, _find_scenes(folder, scenes), folder, words, tuple(axes), *limits)
     _refuse_twice("scene", plan.scenes)
     _refuse_twice("name in [[vary]]", [v.name for v in plan.variations])
     _refuse_twice("path in [[vary]]", [v.path for v in plan.variations])
     return plan
+
+
+def _find_scenes(folder: Path, scenes: list[str]) -> tuple[str, ...]:
+    """The scenes, with the files that patterns stand for; a file that several patterns or links lead to counts once."""
+    found: list[str] = []
+    seen: set[Path] = set()
+    for text in scenes:
+        if not re.search(r"[*?\[]", text):
+            found.append(text)
+            continue
+        if Path(text).is_absolute():
+            raise EtalonError(f"the pattern {text!r} is not relative; write it relative to the folder of the plan")
+        files = [path for path in sorted(folder.glob(text)) if path.suffix == ".blend" and path.is_file()]
+        if not files:
+            raise EtalonError(f"no .blend file fits {text!r} in {folder}")
+        for file in files:
+            name = file.relative_to(folder).as_posix()
+            if file.resolve() not in seen and name not in found:
+                found.append(name)
+            seen.add(file.resolve())
+    return tuple(found)
+
+
+def _axes(data: dict[str, Any]) -> Iterator[Variation]:
+    """The axes that have entries of their own."""
+    for entry, flag in AXES.items():
+        if entry in data:
+            values = _frames(data[entry]) if entry == "frames" else _texts(entry, data[entry])
+            _refuse_twice(f"value of '{entry}'", values)
+            yield Variation(flag, f"--{flag}", tuple(values), tuple(read_table((Target,), {flag: v}) for v in values))
+    if "blenders" in data:
+        values = _texts("blenders", data["blenders"])
+        _refuse_twice("value of 'blenders'", values)
+        yield Variation("blender", BLENDER, tuple(values), ((),) * len(values))
+
+
+def _texts(entry: str, values: Any) -> list[str]:
+    if not isinstance(values, list) or not values or not all(isinstance(v, str) and v for v in values):
+        raise EtalonError(f"'{entry}' must be a list of texts that is not empty")
+    return values
+
+
+def _frames(values: Any) -> list[int]:
+    """Frames from a list of numbers and of texts such as '1-100' or '1-100:10'."""
+    if not isinstance(values, list) or not values:
+        raise EtalonError("'frames' must be a list that is not empty, such as [1, 24] or [\"1-100:10\"]")
+    found: list[int] = []
+    for value in values:
+        parts = _FRAMES.fullmatch(value) if isinstance(value, str) else None
+        if parts:
+            first, last, step = int(parts[1]), int(parts[2]), int(parts[3] or 1)
+            if first > last or step == 0:
+                raise EtalonError(f"'frames': {value!r} has no frame; write FIRST-LAST or FIRST-LAST:STEP")
+        elif isinstance(value, int) and not isinstance(value, bool):
+            first = last = value
+            step = 1
+        else:
+            raise EtalonError(f"'frames': {value!r} is no frame; give numbers, or texts such as '1-100:10'")
+        if max(abs(first), abs(last)) > MOST_FRAME:
+            raise EtalonError(f"'frames': {value!r} is out of range; Blender has frames up to {MOST_FRAME}")
+        found += range(first, last + 1, step)
+    return found
+
+
+def _limits(table: Any) -> tuple[float | None, int | None]:
+    """Seconds and bytes that one comparison may take."""
+    if not isinstance(table, dict):
+        raise EtalonError(f"'limits' is a table; {_HELP}")
+    for name in table.keys() - set(LIMITED):
+        raise EtalonError(unknown("entry of [limits]", name, LIMITED))
+    try:
+        seconds = Seconds().check(table["time"]) if "time" in table else None
+    except ValueError as error:
+        raise EtalonError(f"[limits]: time: {error}") from None
+    memory = table.get("memory")
+    size = _MEMORY.fullmatch(memory) if isinstance(memory, str) else None
+    if memory is not None and (size is None or float(size[1]) == 0.0):
+        raise EtalonError(f"[limits]: memory: {memory!r} is not a size; write it as '8 GB'")
+    return seconds, None if size is None else int(float(size[1]) * 1e9)
 
 
 def _refuse_twice(what: str, values: Collection[Any]) -> None:
@@ -142,17 +263,44 @@ def _refuse_twice(what: str, values: Collection[Any]) -> None:
             raise EtalonError(f"the {what} {value} is listed twice; remove one")
 
 
-def _options(table: dict[str, Any]) -> tuple[str, ...]:
-    """The table [options] as words for `etalon compare`; --out is the batch's own."""
+def _options(table: dict[str, Any]) -> tuple[tuple[str, ...], list[Variation]]:
+    """The table [options]: words for `etalon compare`, and an axis for each option that has a list of values.
+
+    --out is the batch's own.
+    """
     if "out" in table:
         raise EtalonError("[options] cannot set 'out'; each comparison gets a folder below the plan's own 'out'")
+    known = {declared.flag: declared for kind in (Target, Settings) for declared in kind.options()}
+    single = {flag: value for flag, value in table.items() if not _is_axis(known.get(flag), value)}
+    several = {flag: value for flag, value in table.items() if flag not in single}
+    axes = []
     try:
-        words = read_table((Target, Settings), table)
-        for kind in (Target, Settings):
-            _read_words(kind, words)
+        words = read_table((Target, Settings), single)
+        _check_words(words)
+        for flag, values in several.items():
+            if not values:
+                raise EtalonError(f"the list of '{flag}' is empty; give at least one value")
+            _refuse_twice(f"value of '{flag}'", values)
+            of_values = tuple(read_table((Target, Settings), {flag: value}) for value in values)
+            for one in of_values:
+                _check_words((*words, *one))
+            shown = tuple(tuple(v) if isinstance(v, list) else v for v in values)
+            axes.append(Variation(flag, f"--{flag}", shown, of_values))
     except EtalonError as error:
         raise EtalonError(f"[options]: {error}") from None
-    return words
+    return words, axes
+
+
+def _is_axis(declared: Option | None, value: Any) -> bool:
+    """Whether a value of [options] is a list of values, each for comparisons of its own."""
+    if declared is None or not isinstance(value, list):
+        return False
+    return not declared.unit.repeats or (bool(value) and all(isinstance(one, list) for one in value))
+
+
+def _check_words(words: tuple[str, ...]) -> None:
+    for kind in (Target, Settings):
+        _read_words(kind, words)
 
 
 def _read_words(kind: type[Declared], words: tuple[str, ...]) -> None:
@@ -195,7 +343,11 @@ def _variation(entry: Any) -> Variation:
         if not _is_value(value) and not (isinstance(value, list) and all(map(_is_value, value))):
             raise EtalonError(f"'values' of {path}: {value} is no number, text, true or false, nor a list of them")
     _refuse_twice(f"value of {path}", values)
-    return Variation(entry.get("name", path), path, tuple(tuple(v) if isinstance(v, list) else v for v in values))
+    if path.startswith("-"):
+        raise EtalonError(f"{path!r} is not a data path; an option is varied by a list in [options]")
+    shown = tuple(tuple(v) if isinstance(v, list) else v for v in values)
+    words = tuple((f"--set={path}={json.dumps(value)}",) for value in values)
+    return Variation(entry.get("name", path), path, shown, words)
 
 
 def _is_value(value: Any) -> bool:

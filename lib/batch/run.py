@@ -1,68 +1,129 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many comparisons: each in a process of its own, finished ones kept in a journal."""
+"""Many comparisons: each in a process of its own, side by side where there are processors for it, finished ones kept in a journal."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
+import threading
 import time
 from collections import Counter
-from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..errors import EtalonError
 from ..exit_codes import ExitCode
 from ..files.atomic import UNFINISHED, clear_unfinished, replace_files
+from ..pages.formats import format_duration
 from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
 from ..report.batch import Row, write_csv, write_grid
 from ..report.read import read_verdict
-from ..version import VERSION
-from .comparison import VERDICTS, run_comparison
-from .journal import Entry, Journal, open_journal
+from .comparison import FINISHED, VERDICTS, Limits, run_comparison
+from .journal import Entry
 from .plan import BatchPlan, Unit
+from .prepare import Batch, How, Tell, prepare
 from .process import etalon_command
 
+# What a comparison takes beside its time budget, in seconds: to start Blender, to read the scene, to write the report.
+_START = 10.0
+# The time budget of a comparison whose plan names none.
+_TIME = 120.0
 # From the best to the worst: a batch ends with the exit code of its worst comparison.
 _SEVERITY = (ExitCode.EQUIVALENT, ExitCode.EXPLAINED, ExitCode.UNDECIDED, ExitCode.DIFFERENT)
 
-Tell = Callable[[str], None]
+
+@dataclass(frozen=True)
+class Outlook:
+    """What a plan would do: all its comparisons with the journal's entry of each, those to run, and the most seconds that they take.
+
+    `expected` are the seconds that they take if they are like those in the journal, None where there are none.
+    """
+
+    units: tuple[tuple[Unit, Entry | None], ...]
+    missing: tuple[Unit, ...]
+    most: float | None
+    expected: float | None
 
 
-def _key(unit: Unit, options: tuple[str, ...], blender: str) -> str:
-    """What a unit's result depends on: its command line, both programs' versions, and the file as it is now."""
-    stamp = ""
-    if unit.target.endswith(".blend") and Path(unit.target).is_file():
-        status = Path(unit.target).stat()
-        stamp = f"{status.st_mtime_ns} {status.st_size}"
-    what = [VERSION, blender, stamp, *unit.arguments(), *options]
-    return hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
-
-
-def run_plan(plan: BatchPlan, blender: str, tell: Tell, progress: Progress = NO_PROGRESS) -> int:
+def run_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROGRESS) -> int:
     """Run what the plan asks for and its journal lacks; return the exit code of the batch.
 
-    `blender` names the release and the build that the comparisons will run in. `tell` gets a line about each comparison, and one about all;
-    `progress` is told each comparison as it begins, and the share that is done.
+    `tell` gets a line about each comparison, and one about all; `progress` is told what is begun, and the share that is done.
     """
-    keyed = {_key(unit, plan.options, blender): unit for unit in plan.units()}
-    with replace_files(plan.out):  # says at once when the folder cannot be written
-        pass
-    with open_journal(plan.out) as journal:
+    with prepare(plan, how, tell, progress) as batch:
         # Also what a killed batch left of comparisons that this plan does not ask for.
         for left in sorted(path.parent for path in plan.out.glob(f"*/{UNFINISHED}*")):
             clear_unfinished(left)
         try:
-            _run_missing(plan, keyed, journal, tell, progress)
+            _run_missing(batch, tell, progress)
         finally:
-            recorded = [journal.read(key) for key in keyed]
-            _write_tables(plan, list(zip(keyed.values(), recorded, strict=True)))
-    tell(_summary(recorded))
-    if any(entry is None or entry.status != "finished" for entry in recorded):
+            recorded = batch.recorded()
+            _write_tables(plan, recorded)
+    entries = [entry for _, entry in recorded]
+    tell(_summary(entries))
+    if any(entry is None or entry.status != FINISHED for entry in entries):
         return ExitCode.BAD_INPUT
-    return max((ExitCode(entry.exit_code) for entry in recorded if entry), key=_SEVERITY.index)
+    return max((ExitCode(entry.exit_code) for entry in entries if entry), key=_SEVERITY.index)
+
+
+def preview_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROGRESS) -> Outlook:
+    """Check the whole plan, and say what `run_plan` would do; nothing is rendered."""
+    with prepare(plan, how, tell, progress) as batch:
+        limit = next((float(w.partition("=")[2]) for w in plan.options if w.startswith("--time=")), _TIME)
+        seconds = [entry.seconds for entry in batch.journal.read_all().values() if entry.status == FINISHED]
+        turns = -(-len(batch.missing) // how.jobs)
+        is_bounded = not any(v.path == "--time" for v in plan.variations)
+        return Outlook(
+            units=tuple(batch.recorded()),
+            missing=tuple(batch.units[key] for key in batch.missing),
+            most=turns * (limit + _START) if is_bounded else None,
+            expected=turns * sum(seconds) / len(seconds) if seconds else None,
+        )
+
+
+def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
+    """Run every unit that is missing, side by side, journal each as it ends, and tell what it came to."""
+    total, missing = len(batch.units), batch.missing
+    done = total - len(missing)
+    if done:
+        tell(f"{done} of {plural(total, 'comparison')} {'was' if done == 1 else 'were'} done before")
+    begin, stop = time.monotonic(), threading.Event()
+    with ThreadPoolExecutor(max_workers=batch.how.jobs) as pool:
+        waiting = [pool.submit(_run_unit, batch, key, stop, progress) for key in missing]
+        try:
+            for number, future in enumerate(as_completed(waiting), 1):
+                entry = future.result()
+                batch.journal.write(entry)
+                reason = f": {entry.message}" if entry.message else ""
+                left = (time.monotonic() - begin) / number * (len(missing) - number)
+                rest = f"; about {format_duration(left)} left" if number < len(missing) else ""
+                label = batch.units[entry.key].label
+                tell(f"[{done + number}/{total}] {label}: {_outcome(entry)}{reason} ({entry.seconds:.0f} s){rest}")
+                progress.report((done + number) / total)
+        except BaseException:
+            stop.set()
+            for future in waiting:
+                future.cancel()
+            raise
+
+
+def _run_unit(batch: Batch, key: str, stop: threading.Event, progress: Progress) -> Entry:
+    """Run one comparison; return what it came to."""
+    plan, how, unit = batch.plan, batch.how, batch.units[key]
+    progress.begin(unit.label)
+    folder = _folder_name(unit, key)
+    begin = time.perf_counter()
+    threads = [] if how.threads is None else [f"--threads={how.threads}"]
+    words = ["compare", *unit.arguments(), *plan.options, *threads, f"--out={plan.out / folder}", "--quiet"]
+    limits = Limits(plan.time_limit, plan.memory_limit, stop)
+    host = how.hosts.get(unit.blender or "")
+    command = [*etalon_command(), *words] if host is None else host.command(words)
+    status, code, message = run_comparison(command, plan.out / folder, limits)
+    assignments = json.dumps({v.name: value for v, value in unit.assignments})
+    return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
 
 
 def _summary(recorded: list[Entry | None]) -> str:
@@ -72,49 +133,7 @@ def _summary(recorded: list[Entry | None]) -> str:
 
 
 def _outcome(entry: Entry) -> str:
-    return VERDICTS[entry.exit_code] if entry.status == "finished" else entry.status
-
-
-def _is_finished(out: Path, entry: Entry | None, tell: Tell) -> bool:
-    """Whether the journal has a verdict, and the folder still has it too, as this version writes it; what has not is said."""
-    if entry is None or entry.status != "finished":
-        return False
-    path = out / entry.folder / "verdict.json"
-    if not path.is_file():
-        return False
-    try:
-        read_verdict(path)
-    except EtalonError as error:
-        tell(str(error))
-        return False
-    return True
-
-
-def _run_missing(plan: BatchPlan, keyed: dict[str, Unit], journal: Journal, tell: Tell, progress: Progress) -> None:
-    """Run every unit that is not finished, journal each as it ends, and tell what it came to."""
-    missing = [key for key in keyed if not _is_finished(plan.out, journal.read(key), tell)]
-    done = len(keyed) - len(missing)
-    if done:
-        tell(f"{done} of {plural(len(keyed), 'comparison')} {'was' if done == 1 else 'were'} finished before")
-    plan.require_properties(dict.fromkeys(keyed[key].scene for key in missing))
-    for number, key in enumerate(missing, done + 1):
-        unit = keyed[key]
-        progress.begin(unit.label)
-        progress.report((number - 1) / len(keyed))
-        entry = _run_unit(plan, unit, key)
-        journal.write(entry)
-        reason = f": {entry.message}" if entry.message else ""
-        tell(f"[{number}/{len(keyed)}] {unit.label}: {_outcome(entry)}{reason} ({entry.seconds:.0f} s)")
-
-
-def _run_unit(plan: BatchPlan, unit: Unit, key: str) -> Entry:
-    """Run one comparison; return what it came to."""
-    folder = _folder_name(unit, key)
-    begin = time.perf_counter()
-    arguments = [*unit.arguments(), *plan.options, f"--out={plan.out / folder}", "--quiet"]
-    status, code, message = run_comparison([*etalon_command(), "compare", *arguments], plan.out / folder)
-    assignments = json.dumps({v.name: value for v, value in unit.assignments})
-    return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
+    return VERDICTS[entry.exit_code] if entry.status == FINISHED else entry.status
 
 
 def _folder_name(unit: Unit, key: str) -> str:
@@ -137,7 +156,7 @@ def _result(out: Path, unit: Unit, entry: Entry | None) -> Row:
     if entry is None:
         return Row(unit.scene, values, status="not run")
     facts: dict[str, Any] = {name: getattr(entry, name) for name in ("status", "seconds", "folder", "message")}
-    if entry.status != "finished":
+    if entry.status != FINISHED:
         return Row(unit.scene, values, **facts)
     try:
         figures = read_verdict(out / entry.folder / "verdict.json")

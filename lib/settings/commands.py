@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..errors import EtalonError
 from .declaration import Declared, option, required
 from .units import Choice, FilePath, Flag, Pair, Whole
 
@@ -31,9 +32,23 @@ class ScenesOptions(Declared):
 
 @dataclass(frozen=True)
 class BatchOptions(Declared):
-    """The plan of a batch."""
+    """The plan of a batch, and how it is run."""
 
-    plan: Path = required(FilePath("PLAN.toml"), "scenes, options and property values to compare", positional=True)
+    plan: Path | None = option(
+        None, FilePath("PLAN.toml"), "scenes, options and property values to compare", positional=True
+    )
+    example: bool = option(False, Flag(), "print a plan to begin with, and end")
+    dry_run: bool = option(False, Flag(), "check the plan, and list what would be run and how long that takes")
+    jobs: int | None = option(
+        None, Whole("N", 1), "comparisons that run side by side", absent="as many as processors and memory allow"
+    )
+    force: bool = option(False, Flag(), "run all comparisons again")
+    retry_failed: bool = option(False, Flag(), "run comparisons again that were refused or failed")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.plan is None and not self.example:
+            raise EtalonError("name a plan: etalon batch PLAN.toml; --example prints one to begin with")
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,9 @@ class Target(Declared):
     )
     frame: int | None = option(None, Whole("N"), "frame to render", absent="the file's current frame")
     camera: str | None = option(None, Unit("NAME"), "camera object to render from", absent="the file's active camera")
+    view_layer: str | None = option(
+        None, Unit("NAME"), "view layer to render", absent="the first one that is used for rendering", advanced=True
+    )
     assignments: tuple[str, ...] = option(
         (),
         Texts("PATH=VALUE"),

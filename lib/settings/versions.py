@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..errors import EtalonError
 from .common import Target
 from .comparison import Settings
 from .declaration import Declared, again, option, required
@@ -23,7 +24,13 @@ class VersionsTarget(Declared):
     )
     frame: int | None = again(Target, "frame")
     camera: str | None = again(Target, "camera")
+    view_layer: str | None = again(Target, "view_layer")
     assignments: tuple[str, ...] = again(Target, "assignments")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.blender) < 2:
+            raise EtalonError("name at least two Blenders, such as --blender 4.5 --blender 5.2")
 
 
 @dataclass(frozen=True, kw_only=True)

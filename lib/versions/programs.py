@@ -59,8 +59,6 @@ def find_blenders(asked: Sequence[str], script: Path, modules: dict[str, str], t
     an environment of its own, which is made where it is missing. `modules` are those that Étalon needs, by the package that has them.
     `tell` is told what is being made.
     """
-    if len(asked) < 2:
-        raise EtalonError("name at least two Blenders, such as --blender 4.5 --blender 5.2")
     found = [_find(text, script, modules, tell) for text in asked]
     labels = [one.label for one in found]
     named = [one if labels.count(one.label) == 1 else _with_place(one) for one in found]

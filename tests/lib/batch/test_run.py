@@ -13,6 +13,7 @@ from etalon.lib.batch import asked
 from etalon.lib.batch import run as batch
 from etalon.lib.batch.journal import open_journal
 from etalon.lib.batch.plan import read_plan
+from etalon.lib.batch.prepare import Host, How
 from etalon.lib.errors import EtalonError
 from etalon.lib.files.atomic import UNFINISHED
 from etalon.lib.files.ownership import OWNER, owned_folder
@@ -83,9 +84,9 @@ def write_plan(folder, values, scenes=("glossy_spheres",)):
     return path
 
 
-def run(path, blender="5.3.0", told=None):
+def run(path, blender="5.3.0", told=None, **how):
     """What `etalon batch` does with a plan."""
-    return batch.run_plan(read_plan(path), blender, [].append if told is None else told.append)
+    return batch.run_plan(read_plan(path), How(blender, **how), [].append if told is None else told.append)
 
 
 def calls(folder):
@@ -133,9 +134,15 @@ def test_what_a_killed_batch_of_another_plan_left_goes_and_what_is_being_written
 
 def test_the_same_command_runs_only_what_is_missing(folder):
     path = write_plan(folder, ["crash", 0])
-    run(path)
-    run(path)
-    assert [call[2].rpartition("=")[2] for call in calls(folder)] == ['"crash"', "0", '"crash"']
+    for how, values in (
+        ({}, ['"crash"', '"crash"', "0"]),  # a crash is tried once more
+        ({}, []),
+        ({"retry": True}, ['"crash"', '"crash"']),
+        ({"force": True}, ['"crash"', '"crash"', "0"]),
+    ):
+        (folder / "calls.txt").write_text("")
+        run(path, **how)
+        assert [call[2].rpartition("=")[2] for call in calls(folder)] == values
 
 
 def test_a_finished_unit_whose_folder_was_removed_runs_again(folder):
@@ -166,10 +173,10 @@ def test_ctrl_c_keeps_what_is_finished_and_the_tables(folder, monkeypatch):
     path = write_plan(folder, [0, 1, 3])
     run_comparison = batch.run_comparison
 
-    def interrupted(arguments, out):
+    def interrupted(*arguments):
         if len(calls(folder)) == 2:
             raise KeyboardInterrupt
-        return run_comparison(arguments, out)
+        return run_comparison(*arguments)
 
     (folder / "calls.txt").touch()
     monkeypatch.setattr(batch, "run_comparison", interrupted)
@@ -282,15 +289,16 @@ def test_a_plan_of_which_everything_fails_says_so(folder):
     path = write_plan(folder, ["refuse", "crash"])
     assert run(path) == 2
     assert run(path, told=told) == 2
-    assert told[-1] == "2 comparisons: 1 refused, 1 failed"
-    assert len(calls(folder)) == 4
+    assert told == ["2 of 2 comparisons were done before", "2 comparisons: 1 refused, 1 failed"]
 
 
 def test_a_verdict_of_a_comparison_that_was_ended_is_none(folder, verdict_json):
     stopped = json.loads(verdict_json) | {"stopped": "cancelled"}
     (folder / "verdict.json").write_text(json.dumps(stopped))
     assert run(write_plan(folder, [3])) == 2
-    assert statuses(folder)[3][0] == "failed"
+    assert statuses(folder)[3][0] == "ended"
+    run(folder / "plan.toml")
+    assert len(calls(folder)) == 2
 
 
 def test_what_a_child_leaves_half_written_is_removed(folder):
@@ -329,3 +337,139 @@ def test_what_is_finished_is_not_asked_again(folder):
     assert run(path) == 0
     (folder / "stand_in.py").unlink()
     assert run(path) == 0
+
+
+def write_scene(folder, text, files):
+    """A scene of that content, which refers to `files`, and a plan over it."""
+    (folder / "room.blend").write_text(text)
+    found = json.dumps({"files": [str(folder / name) for name in files], "frames": [1, 250], "cameras": ["Front"]})
+    (folder / "stand_in.py").write_text(STAND_IN.replace('print("{}")', f"print({found!r})"))
+    return write_plan(folder, [0], scenes=["room.blend"])
+
+
+def test_a_scene_is_compared_again_where_it_or_a_file_that_it_refers_to_has_another_content(folder):
+    texture = folder / "wood.png"
+    texture.write_text("oak")
+    path = write_scene(folder, "one", ["wood.png", "not_there.png"])
+    counts = []
+    for change in (
+        lambda: None,
+        lambda: None,
+        lambda: texture.write_text("pine"),
+        lambda: (folder / "room.blend").write_text("two"),
+        lambda: texture.write_text("oak"),
+        lambda: (folder / "not_there.png").write_text("there"),
+        lambda: (folder / "room.blend").touch(),
+    ):
+        change()
+        run(path)
+        counts.append(len(calls(folder)))
+    assert counts == [1, 1, 2, 3, 4, 5, 5]
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ("frames = [1, 251]", "room.blend: frame 251 is outside its frames 1 to 250; change 'frames' of the plan"),
+        ('cameras = ["Fornt"]', "room.blend: unknown camera 'Fornt'; did you mean 'Front'?"),
+    ],
+)
+def test_what_a_scene_has_not_is_told_before_the_first_comparison(folder, entry, says):
+    path = write_scene(folder, "one", [])
+    path.write_text(f"{entry}\n{path.read_text()}")
+    with pytest.raises(EtalonError) as caught:
+        run(path)
+    assert str(caught.value) == says
+    assert not (folder / "calls.txt").exists()
+
+
+def test_a_preview_renders_nothing_and_says_what_is_missing(folder):
+    path = write_plan(folder, [0, 1])
+    outlook = batch.preview_plan(read_plan(path), How("5.3.0", jobs=2), [].append)
+    assert (len(outlook.missing), outlook.most, outlook.expected) == (2, 15.0, None)
+    assert not (folder / "calls.txt").exists()
+    run(write_plan(folder, [0]))
+    outlook = batch.preview_plan(read_plan(write_plan(folder, [0, 1])), How("5.3.0"), [].append)
+    assert [unit.label for unit in outlook.missing] == ["glossy_spheres <b>rough</b>=1"]
+    assert outlook.expected > 0
+
+
+def test_units_run_side_by_side_and_each_in_its_own_blender(folder):
+    """Each waits for a file that the other one writes; alone, neither would end."""
+    (folder / "stand_in.py").write_text(
+        STAND_IN.replace(
+            'with open("calls.txt"',
+            """import time
+Path(f"begun{value}").touch()
+while not Path(f"begun{1 - value}").exists():
+    time.sleep(0.01)
+with open("calls.txt\"""".replace('\\"', '"'),
+        )
+    )
+    assert run(write_plan(folder, [0, 1]), jobs=2, threads=1) == 1
+    assert all("--threads=1" in call for call in calls(folder))
+
+
+def test_a_plan_names_blenders_and_each_result_is_that_of_one(folder):
+    path = write_plan(folder, [0])
+    path.write_text(f'blenders = ["4.5", "5.2"]\n{path.read_text()}')
+    stand_in = [sys.executable, str(folder / "stand_in.py")]
+
+    def hosts(build):
+        return {
+            name: Host(f"{name} {build}", lambda words, name=name: [*stand_in, *words, name]) for name in ("4.5", "5.2")
+        }
+
+    assert run(path, hosts=hosts("a")) == 0
+    assert [call[-1] for call in calls(folder)] == ["4.5", "5.2"]
+    run(path, hosts=hosts("a"))
+    assert len(calls(folder)) == 2
+    run(path, hosts=hosts("b"))
+    assert len(calls(folder)) == 4
+    assert (
+        "blender = 5.2" not in (folder / "out" / "batch.html").read_text()
+    )  # the last axis goes across, blenders down
+
+
+def test_a_journal_of_a_newer_format_is_left_alone(folder):
+    path = write_plan(folder, [0])
+    run(path)
+    with closing(sqlite3.connect(folder / "out" / "journal.sqlite")) as journal:
+        journal.execute("pragma user_version = 3")
+    with pytest.raises(EtalonError, match="is a journal of format 3, and this Étalon knows 2; update Étalon"):
+        run(path)
+
+
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="the memory of another process is read from Linux's /proc"
+)
+def test_a_unit_that_takes_too_long_or_too_much_memory_is_ended_and_says_so(folder):
+    (folder / "stand_in.py").write_text(
+        STAND_IN.replace(
+            'if value == "crash":',
+            'if value == "large":\n    kept = b"x" * 200_000_000\nif value in ("long", "large"):',
+        ).replace("    os.abort()", "    import time\n    time.sleep(60)")
+    )
+    path = write_plan(folder, ["long", "large"])
+    for limit, says in (
+        ('time = "1s"', "took longer than 1 s"),
+        ('memory = "0.15 GB"', "took more than 0.15 GB of memory"),
+    ):
+        told = []
+        value = ["long"] if "time" in limit else ["large"]
+        path = write_plan(folder, value)
+        path.write_text(f"{path.read_text()}\n[limits]\n{limit}\n")
+        assert run(path, told=told) == 2
+        assert says in told[0]
+
+
+def test_ten_thousand_results_are_found_again_in_one_query(folder):
+    path = write_plan(folder, [0])
+    run(path)
+    rows = [(f"{number:016x}", "room", "{}", "refused", 2, 1.0, "no", "x") for number in range(10_000)]
+    with closing(sqlite3.connect(folder / "out" / "journal.sqlite")) as journal, journal:
+        journal.executemany("insert into units values (?, ?, ?, ?, ?, ?, ?, ?)", rows)
+    with open_journal(folder / "out") as journal:
+        assert len(journal.read_all()) == 10_001
+    run(path)
+    assert len(calls(folder)) == 1
