@@ -13,7 +13,7 @@ import numpy as np
 from ..blender_versions import Release
 from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
-from ..film.light_passes import LightPass
+from ..film.parts import Part
 from ..film.regions import BLOCK, Coverage, Regions, image_regions
 from ..film.windows import Windows
 from ..light_tracing.scouting import Scouted
@@ -119,7 +119,7 @@ def compare(
     left_out: np.ndarray | None = None,
     divisor: int = 1,
     scouted: Scouted | None = None,
-    passes: Sequence[LightPass] = (),
+    passes: Sequence[Part] = (),
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
@@ -156,7 +156,7 @@ class _Loop:
         progress: Progress,
         among: Alternatives | None,
         scouted: Scouted | None,
-        passes: Sequence[LightPass],
+        passes: Sequence[Part],
     ) -> None:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._scene, self._renderers, self._options = scene, renderers, options

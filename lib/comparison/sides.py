@@ -10,8 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..film.film import Film
-from ..film.light_passes import LightPass
 from ..film.moments import Moments
+from ..film.parts import Part
 from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..film.windows import Windows
@@ -42,7 +42,7 @@ class Renderer(Protocol):
     def at_size(self, width: int, height: int) -> Renderer:
         """The same view on a smaller raster."""
 
-    def with_passes(self, passes: Sequence[LightPass]) -> Renderer:
+    def with_passes(self, passes: Sequence[Part]) -> Renderer:
         """The same, with light passes."""
 
 
@@ -57,11 +57,11 @@ class Side:
     settings: dict[str, Any]
     film: Film
     regions: RegionMoments
-    passes: dict[LightPass, RegionMoments] = field(default_factory=dict)
-    pass_films: dict[LightPass, Moments] = field(default_factory=dict)
+    passes: dict[Part, RegionMoments] = field(default_factory=dict)
+    pass_films: dict[Part, Moments] = field(default_factory=dict)
 
     @classmethod
-    def empty(cls, renderer: Renderer, regions: Regions, samples: int, passes: Sequence[LightPass] = ()) -> Side:
+    def empty(cls, renderer: Renderer, regions: Regions, samples: int, passes: Sequence[Part] = ()) -> Side:
         """A side before its first replicate."""
         film = Film.empty(*regions.shape, samples)
         return cls(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .light_passes import LightPass
+from .parts import Part
 from .windows import Windows
 
 
@@ -29,4 +29,4 @@ class Rendering:
     rays: int = 0
     windows: Windows | None = None
     unknown: np.ndarray | None = None
-    passes: dict[LightPass, np.ndarray] = field(default_factory=dict)
+    passes: dict[Part, np.ndarray] = field(default_factory=dict)

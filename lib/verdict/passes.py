@@ -15,6 +15,7 @@ import numpy as np
 
 from ..film.light_passes import LightPass
 from ..film.moments import Moments
+from ..film.parts import Part
 from ..film.regions import RegionMoments
 from ..relative import difference_scale
 from .claims import WAYS_TO_DIFFER, difference, interval
@@ -24,7 +25,7 @@ from .sequential import ALL_AGREE, ONE_DIFFERS, SequentialTest
 
 PASSES_SHARE = 0.05
 
-Passes = dict[LightPass, RegionMoments]
+Passes = dict[Part, RegionMoments]
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class PassVerdict:
     part of a region's light that arrives by each pass, by the reference.
     """
 
-    passes: tuple[LightPass, ...]
+    passes: tuple[Part, ...]
     outcomes: np.ndarray
     bounds: np.ndarray
     difference: np.ndarray
@@ -52,7 +53,7 @@ class PassTest:
 
     def __init__(
         self,
-        passes: Sequence[LightPass],
+        passes: Sequence[Part],
         families: np.ndarray,
         tolerance: float,
         confidence: float,
@@ -70,9 +71,11 @@ class PassTest:
 
     @property
     def differing(self) -> frozenset[LightPass]:
-        """The passes that are shown to differ in the image or in a region with a name."""
+        """The light passes that are shown to differ in the image or in a region with a name."""
         differs = (self._test.outcomes == Outcome.DIFFERENT).reshape(len(self._passes), self._count).any(axis=1)
-        return frozenset(name for name, one in zip(self._passes, differs, strict=True) if one)
+        return frozenset(
+            name for name, one in zip(self._passes, differs, strict=True) if one and isinstance(name, LightPass)
+        )
 
     def look(
         self,

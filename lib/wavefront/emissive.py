@@ -14,7 +14,7 @@ from ..vectors import cross, dot, orthonormal_basis, to_world
 
 
 class EmissiveMesh:
-    """Emissive faces; a light sampler whose radiance is the material's own emission at the sampled point."""
+    """Emissive faces, by their indices `triangles` (t,); a light sampler of the material's own emission at the sampled point."""
 
     delta = False
 
@@ -30,7 +30,7 @@ class EmissiveMesh:
         self._normal, self._plane_of = planes[:3, triangles], np.full(mesh.triangle_count, -1, np.intp)
         self._plane_of[triangles] = np.arange(triangles.size)
         self._offset = float(planes[4].max())
-        self._triangles, self._offsets = triangles, planes[4, triangles]
+        self.triangles, self._offsets = triangles, planes[4, triangles]
         normal = cross(*edges)
         flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edges)  # both faces
         self._sampler = EmissiveTriangles(corner, *edges, triangles, flux)
@@ -71,7 +71,7 @@ class EmissiveMesh:
     def extent(self) -> Ball:
         """The ball about the faces."""
         mesh = self._tables.mesh
-        return bounding_ball(mesh.vertices[:, mesh.triangles[:, self._triangles].ravel()])
+        return bounding_ball(mesh.vertices[:, mesh.triangles[:, self.triangles].ravel()])
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
         """Uniform by area on a face chosen by power, by the cosine on either side of it; origins stand off the face."""
@@ -85,7 +85,7 @@ class EmissiveMesh:
     def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
         """Rays of given directions (3, n), sampled with `density` (n,) per steradian, from faces chosen by power."""
         which, b1, b2, position = self._sampler.place(*place)
-        triangle = np.take(self._triangles, which)
+        triangle = np.take(self.triangles, which)
         normal = np.take(self._normal, which, axis=1)
         radiance = self._radiance(SurfacePoints(self._tables, triangle, b1, b2, position, normal, direction))
         cosine = dot(normal, direction)

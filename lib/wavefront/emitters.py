@@ -76,7 +76,7 @@ class Emitters:
             arriving *= self._weight(paths.pdf[index], k, density)
             if kernel.media is not None:  # what is between the last face and here is no part of the throughput yet
                 arriving *= kernel.media.transmittance(paths.medium[index], distance[at] - paths.travelled[index])
-            self._add(paths, index, arriving, LightPass.EMISSION)
+            self._add(paths, index, arriving, LightPass.EMISSION, self._of_light(k))
 
     def _mirrored(self, paths: Paths, light: LightSampler, k: int, near: np.ndarray) -> np.ndarray:
         """Add what rays of Dirac lobes see of light `k`, hidden by its blockers only; of the rays at `near`, those from the camera."""
@@ -94,7 +94,7 @@ class Emitters:
         index = sent[met]
         self._sums.add_unknown(paths.pixel[index[unknown]])
         arriving = np.take(radiance, met, axis=1) * np.take(paths.throughput, index, axis=1) * through
-        self._add(paths, index, arriving, LightPass.EMISSION)
+        self._add(paths, index, arriving, LightPass.EMISSION, self._of_light(k))
         return near[~scattered]
 
     def sky(self, paths: Paths, escaped: np.ndarray) -> None:
@@ -105,17 +105,18 @@ class Emitters:
         if escaped.size == 0 or (kernel.sky is None and not self._asks_world):
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
+        emitter = -1 if self._sums.emitters is None else kernel.emitters.world
         if kernel.media is not None:
             throughput *= kernel.media.transmittance(paths.medium[escaped], np.full(escaped.size, np.inf))
         if kernel.sky is not None:  # no light sampling competes for a constant sky
-            self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT)
+            self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT, emitter)
             return
         direction = np.take(paths.direction, escaped, axis=1)
         throughput *= kernel.world(direction, kernel.sight.flags_of(paths, escaped))
         if kernel.environment is not None:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
             throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
-        self._add(paths, escaped, throughput, LightPass.ENVIRONMENT)
+        self._add(paths, escaped, throughput, LightPass.ENVIRONMENT, emitter)
 
     def faces(
         self, paths: Paths, points: SurfacePoints, distance: np.ndarray, start: int, stop: int, material: int
@@ -132,10 +133,24 @@ class Emitters:
             for sampler in kernel.emissive:  # each has a density for its own faces, and none for the others
                 density = sampler.pdf_of_hit(points.triangle, reach, facing)
                 arriving *= self._weight(pdf, kernel.lights.index(sampler), density)
-        self._add(paths, slice(start, stop), arriving, LightPass.EMISSION)
+        emitter = -1
+        if self._sums.emitters is not None:
+            emitter = kernel.emitters.of_objects[kernel.scene.mesh.object_index[points.triangle]]
+        self._add(paths, slice(start, stop), arriving, LightPass.EMISSION, emitter)
 
-    def _add(self, paths: Paths, index: Index, arriving: np.ndarray, seen: LightPass) -> None:
-        """Add what arrives (3, n) along the paths at `index`; `seen` is its light pass where these come straight from the camera."""
-        self._sums.add(paths.pixel[index], arriving)
-        if self._sums.passes is not None:
-            self._sums.passes.add_emission(paths, index, arriving, seen)
+    def _of_light(self, k: int) -> int:
+        """The emitter of light number k, where emitters are told apart."""
+        return -1 if self._sums.emitters is None else int(self._kernel.emitters.of_lights[k])
+
+    def _add(
+        self, paths: Paths, index: Index, arriving: np.ndarray, seen: LightPass, emitter: np.ndarray | int
+    ) -> None:
+        """Add what arrives (3, n) from `emitter`, () or (n,), along the paths at `index`; straight from the camera it is of the pass `seen`."""
+        sums = self._sums
+        sums.add(paths.pixel[index], arriving)
+        if sums.passes is not None:
+            sums.passes.add_emission(paths, index, arriving, seen)
+        if sums.bounces is not None:
+            sums.bounces.add(paths, index, arriving, 0)
+        if sums.emitters is not None:
+            sums.emitters.add(paths.pixel[index], arriving, emitter)

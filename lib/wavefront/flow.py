@@ -50,7 +50,7 @@ class Flow:
             emission=needs(Effect.EMISSION),
             samples_lobes=needs(Effect.SCATTERED_RAYS),
             last_rays=needs(Effect.LAST_RAYS),
-            has_choices=needs(Effect.LIGHT_SELECTION) or needs(Effect.SEVERAL_LOBES),
+            has_choices=kernel.selects or needs(Effect.SEVERAL_LOBES),
             asks_visibility=needs(Effect.SHADOW_RAYS)
             or LIGHT_BELOW in options.departures
             or kernel.coplanar is not None,

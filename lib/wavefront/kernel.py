@@ -32,6 +32,7 @@ from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
 from .emissive import EmissiveMesh
+from .emitter_names import EmitterNames, name_emitters
 from .media import Media
 from .refuse import refuse_linked_faces, refuse_volumes
 from .sight import Sight
@@ -49,17 +50,21 @@ class Kernel:
     `one_sided`: all light leaves a face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which.
     `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
     others; both belong to departures. `media` are the volumes, where there are any.
+    With `apart`, emissive faces have a sampler for each object, so that each sampler is of one emitter.
     A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
     """
 
-    def __init__(self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None) -> None:
+    def __init__(
+        self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None, apart: bool = False
+    ) -> None:
         refuse_absent(scene, options.departures)
         refuse_linked_faces(scene)
         refuse_volumes(scene)
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
+        self.apart = apart
         same = like if like is not None and like.scene.mesh is scene.mesh else None
         self._casters = Casters(scene.mesh, scene.camera.world_from_camera[:, 3]) if same is None else same._casters
         self.caster = self._casters.whole
@@ -103,17 +108,36 @@ class Kernel:
 
     def _emissive_meshes(self) -> list[tuple[Switches, EmissiveMesh]]:
         """Samplers of the emissive faces, one for those of the same switches; faces that no scattered ray meets are in none."""
-        mesh = self.scene.mesh
-        emits = np.array([m.emits for m in self.materials])[mesh.material_index]
-        of_objects = [Switches(rays=thing.rays, links=thing.links) for thing in mesh.objects]
-        kinds = sorted(set(of_objects), key=lambda one: (one.rays, one.links.receivers, one.links.blockers))
+        mesh, emits = self.scene.mesh, self._emits
+        of_objects = [(thing.rays, thing.links, thing.name if self.apart else "") for thing in mesh.objects]
+        kinds = sorted(set(of_objects), key=lambda one: (one[0], one[1].receivers, one[1].blockers, one[2]))
         kind = np.array([kinds.index(one) for one in of_objects] or [0])[mesh.object_index]
-        parts = [(kinds[k], np.flatnonzero(emits & (kind == k))) for k in np.unique(kind[emits])]
+        parts = [
+            (Switches(rays=kinds[k][0], links=kinds[k][1]), np.flatnonzero(emits & (kind == k)))
+            for k in np.unique(kind[emits])
+        ]
         return [
             (switches, EmissiveMesh(self.tables, self.materials, self.caster.planes, part))
             for switches, part in parts
             if switches.rays & SCATTERED
         ]
+
+    @property
+    def selects(self) -> bool:
+        """Whether there is a choice of lights: the plan says so, or emissive objects were told apart."""
+        return self.plan.needs(Effect.LIGHT_SELECTION) or (self.apart and len(self.lights) > 1)
+
+    @property
+    def _emits(self) -> np.ndarray:
+        """Whether the faces emit, (t,) bool."""
+        return np.array([m.emits for m in self.materials])[self.scene.mesh.material_index]
+
+    @cached_property
+    def emitters(self) -> EmitterNames:
+        """The names of the emitters, of a kernel that has them `apart`."""
+        objects = [light for light, _ in self._light_objects()]
+        faces = [sampler.triangles for sampler in self.emissive]
+        return name_emitters(objects, self.scene.mesh, self._emits, faces, self.plan)
 
     def _environment(self) -> EnvironmentSampler | SunnySampler:
         """The sampler of a world that depends on the direction, its suns apart."""

@@ -35,7 +35,7 @@ class LightSampling:
         wanted = bool(kernel.sight.alone.any()) or (bool(kernel.lights) and options.direct != "bsdf")
         return LightSampling(
             runs=wanted and needs(Effect.LIGHT_SAMPLING),
-            selects=needs(Effect.LIGHT_SELECTION) and bool(kernel.lights),
+            selects=kernel.selects and bool(kernel.lights),
             weighs=options.direct == "mis" and needs(Effect.MULTIPLE_IMPORTANCE_SAMPLING),
             by_lobes=options.direct == "bsdf",
             below_faces=LIGHT_BELOW in options.departures,

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..effects.plan import Plan, make_plan
 from ..film.light_passes import LightPass
+from ..film.parts import BounceLimit, EmitterLight, Part
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
@@ -21,6 +22,7 @@ from ..scene.camera import smaller_camera
 from ..scene.scene import Scene
 from ..settings.reference import Options
 from .kernel import Kernel
+from .part_sums import BounceSums, EmitterSums
 from .pass_sums import PassSums
 from .sums import PixelSums, StageClock
 from .trace import Tracer
@@ -55,7 +57,7 @@ _Done = tuple[Tile, PixelSums, StageClock, int]
 class ReferenceRenderer:
     """The scene by the book. One object renders any number of replicates; each has its own scrambling.
 
-    `passes` are the light passes that its images come with; without any, nothing is done for them.
+    `passes` are the light passes and other parts that its images come with; without any, nothing is done for them.
     """
 
     name = "reference"
@@ -66,11 +68,11 @@ class ReferenceRenderer:
         options: Options = Options(),  # noqa: B008
         plan: Plan | None = None,
         like: Kernel | None = None,
-        passes: Sequence[LightPass] = (),
+        passes: Sequence[Part] = (),
     ) -> None:
         self.scene, self.options, self.passes = scene, options, tuple(passes)
         self.plan = make_plan(scene) if plan is None else plan
-        self.kernel = Kernel(scene, self.plan, options, like)
+        self.kernel = Kernel(scene, self.plan, options, like, _asks_emitters(passes))
 
     def under(self, options: Options) -> ReferenceRenderer:
         """The same scene under other options; the acceleration structure is shared."""
@@ -81,8 +83,10 @@ class ReferenceRenderer:
         scene = replace(self.scene, camera=smaller_camera(self.scene.camera, width, height))
         return ReferenceRenderer(scene, self.options, self.plan, self.kernel, self.passes)
 
-    def with_passes(self, passes: Sequence[LightPass]) -> ReferenceRenderer:
-        """The same, whose images come with light passes."""
+    def with_passes(self, passes: Sequence[Part]) -> ReferenceRenderer:
+        """The same, whose images come with light passes and other parts."""
+        if _asks_emitters(passes) != self.kernel.apart:
+            return ReferenceRenderer(self.scene, self.options, self.plan, self.kernel, passes)
         more = copy(self)
         more.passes = tuple(passes)
         return more
@@ -126,7 +130,7 @@ class ReferenceRenderer:
             total[part] += sums.radiance.T
             bad[part] += sums.nonfinite
             for name, image in passes.items():
-                image.reshape(-1, 3)[part] += sums.pass_radiance(name).T
+                image.reshape(-1, 3)[part] += sums.part_radiance(name).T
             if unknown is not None:
                 unknown.reshape(-1)[part] += sums.unknown
             rays += traced
@@ -175,11 +179,26 @@ class ReferenceRenderer:
     ) -> tuple[PixelSums, StageClock, int]:
         row, column = np.divmod(index, self.scene.camera.width)
         depth = tile.stop - tile.start
-        passes = PassSums(self.kernel.families, index.size, tile.start, depth) if self.passes else None
-        sums, clock = PixelSums(index.size, passes), StageClock()
+        sums, clock = self._sums(index.size, tile), StageClock()
         tracer = self.tracer(sampler.tile(index), sums, clock)
         pixel = np.repeat(np.arange(index.size), depth)
         sample = np.tile(np.arange(tile.start, tile.stop), index.size)
         with np.errstate(invalid="ignore"):  # what is not finite is counted by the sums; a warning would say less
             tracer.trace(column, row, pixel, sample)
         return sums, clock, tracer.rays
+
+    def _sums(self, pixels: int, tile: Tile) -> PixelSums:
+        """What a tile adds up: the image, and the parts that are asked for."""
+        passes = bounces = emitters = None
+        if any(isinstance(part, LightPass) for part in self.passes):
+            passes = PassSums(self.kernel.families, pixels, tile.start, tile.stop - tile.start)
+        limits = [part.bounces for part in self.passes if isinstance(part, BounceLimit)]
+        if limits:
+            bounces = BounceSums(max(limits), pixels)
+        if self.kernel.apart:
+            emitters = EmitterSums(self.kernel.emitters.names, pixels)
+        return PixelSums(pixels, passes, bounces, emitters)
+
+
+def _asks_emitters(parts: Sequence[Part]) -> bool:
+    return any(isinstance(part, EmitterLight) for part in parts)

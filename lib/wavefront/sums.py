@@ -8,19 +8,26 @@ from time import perf_counter
 import numpy as np
 
 from ..effects.names import Stage
-from ..film.light_passes import LightPass
+from ..film.parts import BounceLimit, EmitterLight, Part
+from .part_sums import BounceSums, EmitterSums
 from .pass_sums import PassSums
 
 
 class PixelSums:
     """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away.
 
-    `unknown` (p,) counts how often paths met a material that is not known. `passes` has the same light by light pass, where that is
-    asked for.
+    `unknown` (p,) counts how often paths met a material that is not known. `passes`, `bounces` and `emitters` have the same light in
+    parts, where these are asked for.
     """
 
-    def __init__(self, pixels: int, passes: PassSums | None = None) -> None:
-        self.passes = passes
+    def __init__(
+        self,
+        pixels: int,
+        passes: PassSums | None = None,
+        bounces: BounceSums | None = None,
+        emitters: EmitterSums | None = None,
+    ) -> None:
+        self.passes, self.bounces, self.emitters = passes, bounces, emitters
         self.radiance = np.zeros((3, pixels))
         self.nonfinite = np.zeros(pixels, np.int64)
         self.unknown = np.zeros(pixels, np.int64)
@@ -37,9 +44,14 @@ class PixelSums:
         """Count one meeting with a material that is not known for each of the pixels (n,)."""
         self.unknown += np.bincount(pixel, minlength=self.unknown.shape[0])
 
-    def pass_radiance(self, name: LightPass) -> np.ndarray:
-        """The radiance sums (3, p) of one light pass; NaN where a contribution was not finite."""
-        radiance = self.passes.radiance.get(name, np.zeros_like(self.radiance))
+    def part_radiance(self, part: Part) -> np.ndarray:
+        """The radiance sums (3, p) of one part of the image; NaN where a contribution was not finite."""
+        if isinstance(part, BounceLimit):
+            radiance = self.bounces.radiance(part)
+        elif isinstance(part, EmitterLight):
+            radiance = self.emitters.radiance(part)
+        else:
+            radiance = self.passes.radiance.get(part, np.zeros_like(self.radiance))
         return np.where(self.nonfinite > 0, np.nan, radiance) if self.nonfinite.any() else radiance
 
     def _set_aside(self, pixel: np.ndarray, contribution: np.ndarray) -> None:

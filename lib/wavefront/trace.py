@@ -262,11 +262,11 @@ class Tracer:
         if self._kernel.sight.casts_shadow is not None:
             casts = np.broadcast_to(self._kernel.sight.casts_shadow[light.number], paths.pixel.shape)[index]
             free, index = index[~casts], index[casts]
-            self._add_arriving(paths, free, np.take(direct, free, axis=1), shaded.direct_shares)
+            self._add_arriving(paths, free, np.take(direct, free, axis=1), light.number, shaded.direct_shares)
         if index.size == 0:
             return
         if not self._flow.asks_visibility:
-            self._add_arriving(paths, index, np.take(direct, index, axis=1), shaded.direct_shares)
+            self._add_arriving(paths, index, np.take(direct, index, axis=1), light.number, shaded.direct_shares)
             return
         direction = np.take(sample.wi, index, axis=1)
         origin = np.take(origins.towards(sample.wi), index, axis=1)
@@ -288,7 +288,7 @@ class Tracer:
         arriving = np.take(direct, index, axis=1)
         if through.shape[0] == 3:
             arriving *= np.take(through, lit, axis=1)
-        self._add_arriving(paths, index, arriving, shaded.direct_shares)
+        self._add_arriving(paths, index, arriving, light.number, shaded.direct_shares)
 
     def _medium_beyond(
         self, paths: Paths, points: SurfacePoints, index: np.ndarray, direction: np.ndarray
@@ -297,12 +297,23 @@ class Tracer:
         media = self._kernel.media
         return None if media is None else media.beyond(paths.medium[index], points.at(index), direction)
 
-    def _add_arriving(self, paths: Paths, index: np.ndarray, arriving: np.ndarray, shares: np.ndarray | None) -> None:
-        """Add the light (3, n) of the paths at `index`, of which the families of lobes have the `shares` of all paths."""
-        self._sums.add(paths.pixel[index], arriving)
-        if self._sums.passes is not None:
+    def _add_arriving(
+        self, paths: Paths, index: np.ndarray, arriving: np.ndarray, light: np.ndarray, shares: np.ndarray | None
+    ) -> None:
+        """Add the light (3, n) of the paths at `index`.
+
+        `light` () or of all paths says from which light, `shares` of all paths what the families of lobes have of it.
+        """
+        sums = self._sums
+        sums.add(paths.pixel[index], arriving)
+        if sums.passes is not None:
             here = None if shares is None else np.take(shares, index, axis=2)
-            self._sums.passes.add_direct(paths, index, arriving, here)
+            sums.passes.add_direct(paths, index, arriving, here)
+        if sums.bounces is not None:
+            sums.bounces.add(paths, index, arriving, 1)
+        if sums.emitters is not None:
+            number = np.broadcast_to(light, paths.pixel.shape)[index]
+            sums.emitters.add(paths.pixel[index], arriving, self._kernel.emitters.of_lights[number])
         self._clock.lap(Stage.FILM)
 
     def _advance(self, paths: Paths, origins: _Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
