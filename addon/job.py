@@ -17,13 +17,12 @@ from ..lib.comparison.caustics import scout
 from ..lib.comparison.compare import BoundAt, Comparison, Interim, Renderer, compare
 from ..lib.comparison.departures import alternatives
 from ..lib.comparison.memory import require_memory
+from ..lib.comparison.parts import asked_parts
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
-from ..lib.effects.light_passes import light_passes
 from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
-from ..lib.film.light_passes import is_asked
 from ..lib.film.view_transform import ViewTransform
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
@@ -87,7 +86,7 @@ def judge(
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
-        passes = [name for name in light_passes(scene, reference.plan) if is_asked(name, settings.passes)]
+        passes = asked_parts(reference, settings)
         reference, candidate = reference.with_passes(passes), candidate.with_passes(passes)
         verdict, divisor, run = settings.part(CompareOptions), 1, TimedRun(settings.time, progress)
         progress.begin("timing the renderers")

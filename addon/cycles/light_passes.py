@@ -56,24 +56,24 @@ def ask_for_passes(changes: Changes, scene: bpy.types.Scene, layer: str, passes:
 
 def combined(channels: dict[str, np.ndarray]) -> np.ndarray:
     """The image itself, (height, width, 3) float32, of the channels of a multilayer file."""
-    return _layer(channels, "Combined")
+    return read_layer(channels, "Combined")
 
 
 def read_pass(channels: dict[str, np.ndarray], name: LightPass) -> np.ndarray:
     """The light of one pass, (height, width, 3), of the channels of a multilayer file; the colour is multiplied in again."""
-    light = _layer(channels, *_PROPERTIES[name][1:]).astype(float)
+    light = read_layer(channels, *_PROPERTIES[name][1:]).astype(float)
     family = _family(name)
-    return light if family is None else light * _layer(channels, *_COLORS[family][1:])
+    return light if family is None else light * read_layer(channels, *_COLORS[family][1:])
 
 
 def _family(name: LightPass) -> Family | None:
     return next((family for family in Family if name.startswith(family)), None)
 
 
-def _layer(channels: dict[str, np.ndarray], *names: str) -> np.ndarray:
+def read_layer(channels: dict[str, np.ndarray], *names: str) -> np.ndarray:
     """The colour of the layer that is called one of `names`, (height, width, 3)."""
     for name in names:
         found = [value for color in "RGB" for key, value in channels.items() if key.endswith(f".{name}.{color}")]
         if len(found) == 3:
             return np.stack(found, axis=2)
-    raise EtalonError(f"Cycles wrote no pass '{names[-1]}'; compare without --passes")
+    raise EtalonError(f"Cycles wrote no pass '{names[-1]}'; compare without --passes and --lights")

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,14 @@ from ...lib.errors import EtalonError
 from ...lib.files.ownership import temporary_folder
 from ...lib.film.exr import read_exr
 from ...lib.film.light_passes import LightPass
+from ...lib.film.parts import BounceLimit, EmitterLight, Part
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Box, Windows
 from ...lib.progress import NO_PROGRESS, Progress
 from ...lib.sampling.streams import CYCLES_REPLICATES
 from ..host.frame import full_frame, rendered_region
 from ..host.quiet import quiet
+from .light_groups import light_groups, read_emitter
 from .light_passes import ask_for_passes, combined, read_pass
 from .neutral import SEQUENCE, Changes, neutral
 
@@ -56,7 +59,7 @@ class CyclesRenderer:
         self._layer = layers[0]
         self._neutral = {"max_bounces": max_bounces, "threads": threads}
         self._size: tuple[int, int] | None = None
-        self.passes: tuple[LightPass, ...] = ()
+        self.passes: tuple[Part, ...] = ()
         with neutral(scene, **self._neutral) as changes:
             build = f"{_text(bpy.app.build_hash)}, {_text(bpy.app.build_date)}"
             self.settings: dict[str, Any] = {
@@ -74,8 +77,8 @@ class CyclesRenderer:
         smaller._size = width, height
         return smaller
 
-    def with_passes(self, passes: Sequence[LightPass]) -> CyclesRenderer:
-        """The same, whose images come with light passes; the view layer's own settings of them return."""
+    def with_passes(self, passes: Sequence[Part]) -> CyclesRenderer:
+        """The same, whose images come with light passes and other parts; the user's own settings of them return."""
         more = copy(self)
         more.passes = tuple(passes)
         return more
@@ -94,6 +97,12 @@ class CyclesRenderer:
         counted for each partial image in which the pixel was not finite.
         Raises EtalonError where Cycles cannot render, Cancelled when asked to end.
         """
+        limits = [part for part in self.passes if isinstance(part, BounceLimit)]
+        if limits:
+            others = self.with_passes([part for part in self.passes if part not in limits])
+            return others._with_limits(
+                limits, others.render(replicate, samples, progress, windows), replicate, samples, progress
+            )
         begin = time.perf_counter()
         rendering = reading = 0.0
         with self._state(), temporary_folder() as folder:
@@ -122,11 +131,30 @@ class CyclesRenderer:
         pixels = (whole if windows is None else windows).pixels
         return Rendering(total, nonfinite, rendering, stages, pixels * samples, windows=windows, passes=passes)
 
+    def _with_limits(
+        self, limits: Sequence[BounceLimit], whole: Rendering, replicate: int, samples: int, progress: Progress
+    ) -> Rendering:
+        """The `whole` image with those of fewer bounces, each a render of its own with the same random numbers."""
+        passes, seconds = dict(whole.passes), whole.seconds
+        with self._state() as changes:
+            most = changes.settings["cycles.max_bounces"]
+        for part in limits:
+            if part.bounces == most:
+                passes[part] = whole.radiance
+                continue
+            fewer = self.with_passes(())
+            fewer._neutral = {**self._neutral, "max_bounces": part.bounces}
+            found = fewer.render(replicate, samples, progress, whole.windows)
+            seconds += found.seconds
+            passes[part] = np.where(found.nonfinite[..., None] > 0, np.nan, found.radiance)
+        return replace(whole, passes=passes, seconds=seconds)
+
     @contextmanager
-    def _state(self) -> Iterator[None]:
-        """The settings under which it renders."""
+    def _state(self) -> Iterator[Changes]:
+        """The settings under which it renders; those of the neutral state are given."""
         changes = Changes()
-        with neutral(self.scene, **self._neutral):
+        emitters = [part for part in self.passes if isinstance(part, EmitterLight)]
+        with neutral(self.scene, **self._neutral) as held, ExitStack() as stack:
             try:
                 if self._size is not None:
                     render = self.scene.render
@@ -134,8 +162,11 @@ class CyclesRenderer:
                     changes.set(render, "resolution_y", self._size[1])
                     changes.set(render, "resolution_percentage", 100)
                 if self.passes:
-                    ask_for_passes(changes, self.scene, self._layer, self.passes)
-                yield
+                    lights = [part for part in self.passes if isinstance(part, LightPass)]
+                    ask_for_passes(changes, self.scene, self._layer, lights)
+                if emitters:
+                    stack.enter_context(light_groups(changes, self.scene, self._layer, emitters))
+                yield held
             finally:
                 changes.undo()
 
@@ -207,7 +238,7 @@ class CyclesRenderer:
 
 
 def _add(
-    path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray, passes: dict[LightPass, np.ndarray]
+    path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray, passes: dict[Part, np.ndarray]
 ) -> None:
     """Add what Cycles wrote, times `weight`, to `radiance` and each of `passes` (height, width, 3), and count what is not finite."""
     try:
@@ -220,8 +251,10 @@ def _add(
     image = combined(channels) if passes else np.stack([channels[name] for name in "RGB"], axis=2)
     radiance += np.multiply(image, weight, dtype=np.float64)
     nonfinite += ~np.isfinite(image).all(axis=2)
+    emitters = [part for part in passes if isinstance(part, EmitterLight)]
     for name, light in passes.items():
-        light += read_pass(channels, name) * weight
+        found = read_emitter(channels, emitters.index(name)) if name in emitters else read_pass(channels, name)
+        light += found * weight
 
 
 def _text(value: bytes) -> str:

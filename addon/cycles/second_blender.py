@@ -14,7 +14,7 @@ import numpy as np
 
 from ...lib.batch.process import end, find_blender, send, start
 from ...lib.errors import EtalonError, Refusal, Refused
-from ...lib.film.light_passes import LightPass
+from ...lib.film.parts import Part, encode_part
 from ...lib.film.rendering import Rendering
 from ...lib.film.windows import Windows
 from ...lib.progress import NO_PROGRESS, Progress
@@ -40,7 +40,7 @@ class AnotherBlender:
         self.scene = ""
         self.may_shrink = False
         self._size: tuple[int, int] | None = None
-        self.passes: tuple[LightPass, ...] = ()
+        self.passes: tuple[Part, ...] = ()
         self._log = folder / "second_blender.log"
         with self._log.open("w", encoding="utf-8") as log:
             self._process = start(
@@ -68,8 +68,8 @@ class AnotherBlender:
         smaller._size = width, height
         return smaller
 
-    def with_passes(self, passes: Sequence[LightPass]) -> Self:
-        """The same process, whose images come with light passes."""
+    def with_passes(self, passes: Sequence[Part]) -> Self:
+        """The same process, whose images come with light passes and other parts."""
         more = shallow_copy(self)
         more.passes = tuple(passes)
         return more
@@ -88,7 +88,7 @@ class AnotherBlender:
         try:
             part = windows and [windows.shape, windows.boxes]
             wanted = {"replicate": replicate, "samples": samples, "windows": part, "size": self._size}
-            self._send(wanted | {"passes": self.passes})
+            self._send(wanted | {"passes": [encode_part(part) for part in self.passes]})
             for reply in self._replies():
                 if "error" in reply:
                     raise EtalonError(reply["error"])
@@ -99,7 +99,7 @@ class AnotherBlender:
             progress.check()
             raise
         with np.load(reply.pop("images")) as images:
-            passes = {name: images[name] for name in self.passes}
+            passes = {part: images[encode_part(part)] for part in self.passes}
             return Rendering(images["radiance"], images["nonfinite"], windows=windows, passes=passes, **reply)
 
     def show(self, box: tuple[int, int, int, int], names: list[str], path: Path) -> None:

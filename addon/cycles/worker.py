@@ -53,8 +53,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import numpy as np
 
     cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
-    names = ("errors", "progress", "scene.archive", "film.windows", "film.light_passes", "settings.comparison")
-    errors, progress, archive, windows, light_passes, options = (
+    names = ("errors", "progress", "scene.archive", "film.windows", "film.parts", "settings.comparison")
+    errors, progress, archive, windows, parts, options = (
         importlib.import_module(f"{package}.lib.{name}") for name in names
     )
     quiet = importlib.import_module(f"{package}.addon.host.quiet")
@@ -90,11 +90,12 @@ def _serve(request: dict[str, Any], package: str) -> None:
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
                 sized = renderer.at_size(*wanted["size"]) if wanted["size"] else renderer
-                sized = sized.with_passes([light_passes.LightPass(name) for name in wanted["passes"]])
+                sized = sized.with_passes([parts.decode_part(name) for name in wanted["passes"]])
                 done = sized.render(
                     wanted["replicate"], wanted["samples"], progress.Progress(lambda f: say(progress=f)), part
                 )
-                np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite, **done.passes)
+                passes = {parts.encode_part(part): image for part, image in done.passes.items()}
+                np.savez(folder / "images.npz", radiance=done.radiance, nonfinite=done.nonfinite, **passes)
                 say(
                     images=str(folder / "images.npz"),
                     seconds=done.seconds,

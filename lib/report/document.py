@@ -23,7 +23,7 @@ from .words import forecast_seconds, sentences
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 9
+VERSION = 10
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -44,6 +44,7 @@ CHANGES = {
     8: "Version 8: `passes` says of each light pass, in the image and in every region with a name, whether it differs; "
     "null where none was compared.",
     9: "Version 9: the `role` of a departure may be 'acts on no pass that differs': it was not tried, since others explain the difference.",
+    10: "Version 10: `passes` also has limits of bounces and the light of each lamp, emitting object and the world; `kind` says what each is.",
 }
 
 

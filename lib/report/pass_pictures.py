@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from ..comparison.compare import Comparison
-from ..film.light_passes import LightPass
+from ..film.parts import Part
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8
 from ..relative import relative_difference
 from .pixels import averaged, code_significances, pack, pack_floats, pixel_significances, write_shot
@@ -45,7 +45,7 @@ def draw_passes(comparison: Comparison, least: int, most: int, limit: float) -> 
     return [_draw(comparison, name, step, limit) for name in passes], step
 
 
-def _draw(comparison: Comparison, name: LightPass, step: int, limit: float) -> PassPicture:
+def _draw(comparison: Comparison, name: Part, step: int, limit: float) -> PassPicture:
     moments = tuple(side.pass_films[name] for side in (comparison.reference, comparison.candidate))
     means = tuple(np.where(comparison.left_out[..., None], np.nan, one.mean) for one in moments)
     images = [averaged(mean, step) for mean in means]

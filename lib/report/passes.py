@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of light passes: sentences for the terminal and the report, and figures for verdict.json."""
+"""What is said of the parts of the light: sentences for the terminal and the report, and figures for verdict.json.
+
+Parts are light passes, images with fewer bounces, and the light of each emitter.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..comparison.compare import Comparison
+from ..film.light_passes import LightPass
+from ..film.parts import BounceLimit, EmitterLight, Part
 from ..pages.formats import format_bound, format_percent
 from ..relative import worst_channel
 from ..verdict.outcome import Outcome
@@ -19,28 +24,90 @@ NAMED = 3
 
 
 def pass_sentences(comparison: Comparison) -> list[str]:
-    """Which light passes differ and by how much, and up to what the others agree; nothing where none was compared."""
+    """Which parts of the light differ and by how much, and up to what the others agree; nothing where none was compared."""
     found = comparison.passes
     if found is None:
         return []
+    said = []
+    for kind, tell in ((LightPass, _light_passes), (BounceLimit, _bounces), (EmitterLight, _emitters)):
+        numbers = np.flatnonzero([isinstance(part, kind) for part in found.passes])
+        if numbers.size:
+            said += tell(comparison, numbers)
+    return said
+
+
+def _light_passes(comparison: Comparison, numbers: np.ndarray) -> list[str]:
+    """What is said of the light passes among the parts, by their numbers."""
+    differing = [
+        f"The {comparison.passes.passes[k]} pass differs{_where(comparison, at)} by {_difference(comparison, k, at)}."
+        for k, at in _differing(comparison, numbers)
+    ]
+    return [*differing, *_others(comparison, numbers, "light passes", "all other passes")]
+
+
+def _emitters(comparison: Comparison, numbers: np.ndarray) -> list[str]:
+    """What is said of the light of each emitter."""
+    differing = [
+        f"The {comparison.passes.passes[k]} differs{_where(comparison, at)} by {_difference(comparison, k, at)}."
+        for k, at in _differing(comparison, numbers)
+    ]
+    return [*differing, *_others(comparison, numbers, "lights", "all other lights")]
+
+
+def _bounces(comparison: Comparison, numbers: np.ndarray) -> list[str]:
+    """At which bounce the two part."""
+    found = comparison.passes
+    numbers = sorted(numbers.tolist(), key=lambda k: found.passes[k].bounces)
     differ = found.outcomes == Outcome.DIFFERENT
-    said = [_differs(comparison, k, 0) for k in _by_size(comparison, np.argwhere(differ[:, :1])[:, 0], 0)]
-    if not said:
-        pairs = sorted(np.argwhere(differ).tolist(), key=lambda at: -np.nanmax(np.abs(found.difference[tuple(at)])))
-        said = [_differs(comparison, k, region) for k, region in pairs[:NAMED]]
-    others = ~differ.any(axis=1)
-    if not others.any():
-        return said
-    name = "all other passes" if said else "all light passes"
+    first = next((k for k in numbers if differ[k, 0]), next((k for k in numbers if differ[k].any()), None))
+    if first is None:
+        bound = _largest(found.bounds[numbers, 0])
+        if not math.isfinite(bound):
+            return ["Too few samples to judge images with fewer bounces."]
+        return [
+            f"With {found.passes[numbers[-1]]} and with fewer the images agree to within {format_bound(bound)} as a whole."
+        ]
+    at = int(np.argmax(differ[first]))
+    bounces, off = found.passes[first].bounces, _difference(comparison, first, at)
+    where = _where(comparison, at)
+    before = [k for k in numbers if found.passes[k].bounces < bounces]
+    if not before:
+        return [f"The images differ{where} with {found.passes[first]}, the fewest that were compared, by {off}."]
+    bound = _largest(found.bounds[before, at])
+    agree = f"agree to within {format_bound(bound)}" if math.isfinite(bound) else "are not decided yet"
+    return [
+        f"The renderers part at bounce {bounces}{where}: with fewer the images {agree}, with {found.passes[first]} they differ by {off}."
+    ]
+
+
+def _differing(comparison: Comparison, numbers: np.ndarray) -> list[tuple[int, int]]:
+    """Parts that differ in the image, the one that takes or adds most light first; else the parts and regions furthest off."""
+    found = comparison.passes
+    differ = found.outcomes == Outcome.DIFFERENT
+    whole = [(k, 0) for k in _by_size(comparison, numbers[differ[numbers, 0]], 0)]
+    if whole:
+        return whole
+    pairs = [(k, at) for k, at in np.argwhere(differ).tolist() if k in numbers]
+    return sorted(pairs, key=lambda one: -np.nanmax(np.abs(found.difference[one])))[:NAMED]
+
+
+def _others(comparison: Comparison, numbers: np.ndarray, every: str, rest: str) -> list[str]:
+    """Up to what the parts that do not differ agree; `every` is what they are called where none differs."""
+    found = comparison.passes
+    differ = found.outcomes == Outcome.DIFFERENT
+    others = numbers[~differ[numbers].any(axis=1)]
+    if not others.size:
+        return []
+    name = f"all {every}" if others.size == numbers.size else rest
     bound, everywhere = _largest(found.bounds[others, 0]), _largest(found.bounds[others])
     if math.isfinite(bound):
-        rest = f"{name} agree to within {format_bound(bound)} as a whole"
+        told = f"{name} agree to within {format_bound(bound)} as a whole"
         is_larger = bound < everywhere < math.inf
-        rest += f", and to within {format_bound(everywhere)} in every region with a name." if is_larger else "."
+        told += f", and to within {format_bound(everywhere)} in every region with a name." if is_larger else "."
     else:
-        noisy = [str(p) for p, one in zip(found.passes, found.bounds[:, 0], strict=True) if not math.isfinite(one)]
-        rest = f"too few samples to judge: {listed(tuple(noisy))}."
-    return [*said, rest[0].upper() + rest[1:]]
+        noisy = [str(found.passes[k]) for k in numbers if not math.isfinite(found.bounds[k, 0])]
+        told = f"too few samples to judge: {listed(tuple(noisy))}."
+    return [told[0].upper() + told[1:]]
 
 
 def _largest(bounds: np.ndarray) -> float:
@@ -56,25 +123,33 @@ def _by_size(comparison: Comparison, numbers: np.ndarray, region: int) -> list[i
     return sorted(numbers.tolist(), key=lambda k: -gap[k])
 
 
-def _differs(comparison: Comparison, k: int, region: int) -> str:
+def _where(comparison: Comparison, region: int) -> str:
+    return "" if region == 0 else f" in {place(comparison, region)}"
+
+
+def _difference(comparison: Comparison, k: int, region: int) -> str:
+    """The difference of part k in a region with its interval, in the channel furthest off."""
     found = comparison.passes
     channel = worst_channel(found.difference[k, region])
     low, high = found.low[k, region, channel], found.high[k, region, channel]
-    where = "" if region == 0 else f" in {place(comparison, region)}"
-    return (
-        f"The {found.passes[k]} pass differs{where} by {format_percent(found.difference[k, region, channel])} in {'RGB'[channel]} "
-        f"({format_percent(low)} to {format_percent(high)})."
-    )
+    return f"{format_percent(found.difference[k, region, channel])} in {'RGB'[channel]} ({format_percent(low)} to {format_percent(high)})"
+
+
+def _kind(part: Part) -> str:
+    if isinstance(part, LightPass):
+        return "light pass"
+    return "limit of bounces" if isinstance(part, BounceLimit) else "light"
 
 
 def pass_figures(comparison: Comparison) -> list[dict[str, Any]] | None:
-    """Every light pass in every region with a name, as plain data; None where none was compared."""
+    """Every part of the light in every region with a name, as plain data; None where none was compared."""
     found = comparison.passes
     if found is None:
         return None
     return [
         {
-            "name": name,
+            "kind": _kind(name),
+            "name": str(name),
             "regions": [
                 {
                     "region": region,

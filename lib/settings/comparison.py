@@ -12,7 +12,7 @@ from ..film.light_passes import Family, LightPass
 from .common import Seeded
 from .declaration import Panel, option
 from .reference import Options
-from .units import Choice, FilePath, Flag, Seconds, Share, Whole, WholeOrPair
+from .units import Choice, FilePath, Flag, Seconds, Share, Whole, WholeOrPair, WholeRange
 
 SIZES = ("auto", "full")
 PASSES = ("none", "all", *(str(family) for family in Family), str(LightPass.EMISSION), str(LightPass.ENVIRONMENT))
@@ -76,6 +76,7 @@ class Settings(CompareOptions, Options):
     tolerance, confidence, time, samples, replicates: as in CompareOptions. strategy, direct, masking, sampler, departures,
     russian_roulette, seed, threads: as in Options.
     passes: the light passes that are compared beside the image: 'none', 'all', or those of one name.
+    bounces: limits of bounces, from the first to the last, under which images are compared too. lights: compare the light of each emitter.
     size: whether a smaller image may be compared, 'auto', or not, 'full'.
     partial: compare what can be compared where materials are not supported. out: folder for the results.
     Raises EtalonError for a value out of range.
@@ -100,6 +101,19 @@ class Settings(CompareOptions, Options):
         Choice("PASSES", "light passes", PASSES),
         f"light passes to compare beside the image, which say in which light it differs: {', '.join(PASSES)}",
         panel=Panel("Light passes"),
+    )
+    bounces: tuple[int, int] | None = option(
+        None,
+        WholeRange(),
+        "limits of bounces under which the images are compared too, which says at which bounce they part; "
+        "Cycles renders once for each",
+        absent="only the scene's own",
+    )
+    lights: bool = option(
+        False,
+        Flag(),
+        "compare the light of each lamp, each emitting object and the world, which says whose light differs",
+        panel=Panel("Lights"),
     )
     partial: bool = option(
         False,

@@ -194,6 +194,46 @@ class WholeOrPair(Unit):
 
 
 @dataclass(frozen=True)
+class WholeRange(Unit):
+    """Whole numbers from one to another, at least 0, such as 0..4; one number alone stands for itself."""
+
+    metavar: str = "FIRST..LAST"
+
+    def read(self, text: str) -> tuple[int, int]:
+        """The first and the last number in a text such as '0..4' or '2'."""
+        first, dots, last = text.strip().partition("..")
+        if re.fullmatch(r"[0-9]{1,4}", first) is None or (dots and re.fullmatch(r"[0-9]{1,4}", last) is None):
+            raise ValueError(f"'{text}' is not a range; {self._remedy()}")
+        return self._ordered(int(first), int(last or first))
+
+    def check(self, value: Any) -> tuple[int, int]:
+        """A pair of numbers, or text."""
+        if isinstance(value, str):
+            return self.read(value)
+        if isinstance(value, int) and not isinstance(value, bool):
+            value = value, value
+        if not isinstance(value, (tuple, list)) or len(value) != 2 or not all(type(one) is int for one in value):
+            raise ValueError(f"{value!r} is not a range; {self._remedy()}")
+        return self._ordered(*value)
+
+    def write(self, value: tuple[int, int]) -> str:
+        """The range with two dots."""
+        return f"{value[0]}..{value[1]}"
+
+    def plain(self, value: tuple[int, int]) -> list[int]:
+        """The two numbers as a list."""
+        return list(value)
+
+    def _ordered(self, first: int, last: int) -> tuple[int, int]:
+        if not 0 <= first <= last:
+            raise ValueError(f"{first}..{last} is out of range; {self._remedy()}")
+        return first, last
+
+    def _remedy(self) -> str:
+        return "give the first and the last, such as 0..4"
+
+
+@dataclass(frozen=True)
 class Flag(Unit):
     """Yes or no."""
 

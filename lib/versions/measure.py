@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..comparison.parts import asked_parts
 from ..comparison.run import TimedRun
 from ..comparison.sides import Renderer
 from ..comparison.size import choose_divisor
 from ..departures.catalogue import Departure, changed, relevant
-from ..effects.light_passes import light_passes
-from ..film.light_passes import is_asked
 from ..progress import Progress
 from ..scene.archive import fingerprint
 from ..scene.scene import Scene
@@ -64,7 +63,7 @@ def measure(name: str, versions: Sequence[Opened], settings: Settings, progress:
         progress.begin("timing the renderers")
         divisor = choose_divisor((first, versions[0].cycles), first.scene.camera, run)
     size = first.scene.camera.width // divisor, first.scene.camera.height // divisor
-    passes = [one for one in light_passes(first.scene, first.plan) if is_asked(one, settings.passes)]
+    passes = asked_parts(first, settings)
 
     def sized(renderer: Any) -> Any:
         return (renderer if divisor == 1 else renderer.at_size(*size)).with_passes(passes)

@@ -191,5 +191,5 @@ def test_a_comparison_reports_the_passes_that_were_asked_for(tmp_path):
     assert comparison.passes.passes == (LightPass.GLOSSY_DIRECT, LightPass.GLOSSY_INDIRECT)
     figures = read_verdict(tmp_path / "out" / "verdict.json")
     assert [one["name"] for one in figures["passes"]] == ["glossy direct", "glossy indirect"]
-    assert "Light passes" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Parts of the light" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert read_properties(scene) == before

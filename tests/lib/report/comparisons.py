@@ -9,6 +9,7 @@ from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.departures.catalogue import Departure
 from etalon.lib.effects.plan import Decision, Plan
 from etalon.lib.film.light_passes import LightPass
+from etalon.lib.film.parts import BounceLimit, EmitterLight
 from etalon.lib.progress import Progress
 from etalon.lib.report import write_report
 from etalon.tests.lib.renderers import Painter, blank, grey
@@ -50,6 +51,7 @@ CASES = {
     "non-finite": {"change": bad_pixel},
     "nothing finite": {"change": lambda replicate, image: image * np.inf},
     "passes": {"passes": {LightPass.GLOSSY_INDIRECT: (0.1, 0.095), LightPass.DIFFUSE_DIRECT: (0.9, 0.9)}},
+    "parts": {"passes": {BounceLimit(0): (0.5, 0.5), EmitterLight(HOSTILE): (0.9, 0.95)}},
     "noisy passes": {"passes": {LightPass.EMISSION: (1.0, 1.0)}, "replicates": 1},
     "one pixel": {"truth": grey(1.0, 1, 1), "coverage": {}},
 }

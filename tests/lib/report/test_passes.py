@@ -2,6 +2,7 @@
 """What is said of light passes."""
 
 from etalon.lib.film.light_passes import LightPass
+from etalon.lib.film.parts import WORLD, BounceLimit, EmitterLight
 from etalon.lib.report.passes import pass_figures, pass_sentences
 from etalon.lib.report.words import sentences
 from etalon.tests.lib.report.comparisons import CASES, made
@@ -36,3 +37,37 @@ def test_nothing_is_said_where_no_pass_was_compared():
 def test_an_image_without_a_finite_pixel_has_no_bound():
     (only,) = pass_sentences(made(change=CASES["nothing finite"]["change"], passes=OFF))
     assert only == "Too few samples to judge: glossy indirect and diffuse direct."
+
+
+def limits(*factors):
+    """Parts for images with up to 0, 1, 2, ... bounces, of which Cycles has so many times the light."""
+    return {BounceLimit(k): (0.4 + 0.3 * k, (0.4 + 0.3 * k) * factor) for k, factor in enumerate(factors)}
+
+
+def test_the_bounce_at_which_they_part_is_named():
+    (only,) = pass_sentences(made(passes=limits(1.0, 1.05, 1.04)))
+    assert only.startswith("The renderers part at bounce 1: with fewer the images agree to within 0.")
+    assert ", with up to 1 bounce they differ by +" in only
+
+
+def test_a_difference_without_any_bounce_is_said_to_be_one():
+    (only,) = pass_sentences(made(passes=limits(1.05, 1.0)))
+    assert only.startswith("The images differ with up to 0 bounces, the fewest that were compared, by +")
+
+
+def test_limits_that_agree_are_bounded():
+    (only,) = pass_sentences(made(passes=limits(1.0, 1.0)))
+    assert only.startswith("With up to 1 bounce and with fewer the images agree to within 0.")
+    (few,) = pass_sentences(made(passes=limits(1.0), replicates=1))
+    assert few == "Too few samples to judge images with fewer bounces."
+
+
+def test_the_light_that_differs_is_named_beside_the_passes():
+    parts = {EmitterLight("Key"): (0.3, 0.285), WORLD: (0.7, 0.7)} | {light: (a, a) for light, (a, _) in OFF.items()}
+    comparison = made(passes=parts)
+    passes, key, others = pass_sentences(comparison)
+    assert passes.startswith("All light passes agree to within")
+    assert key.startswith("The light of 'Key' differs by -")
+    assert others.startswith("All other lights agree to within")
+    kinds = [(part["kind"], part["name"]) for part in pass_figures(comparison)]
+    assert kinds[:2] == [("light", "light of 'Key'"), ("light", "light of the world")]

@@ -34,6 +34,8 @@ FULL = Settings(
     threads=3,
     size="full",
     passes="glossy",
+    bounces="0..4",
+    lights=True,
     partial=True,
     out="a folder/out",
 )
