@@ -57,7 +57,7 @@ def change_sentences(change: Mapping[str, Any]) -> list[str]:
     if not change["has_changed"]:
         open_ = change["regions"][Outcome.UNDECIDED.value]
         if not open_ and change["outcome"] == Outcome.UNDECIDED.value:
-            return ["No region changed by more than the tolerance; some light passes are too noisy to decide."]
+            return ["No region changed by more than the tolerance; some parts of the light are too noisy to decide."]
         if open_:
             return [
                 f"No change was found; {plural(open_, 'region')} of {sum(change['regions'].values())} still too noisy."
@@ -88,7 +88,7 @@ def _where(change: Mapping[str, Any]) -> list[str]:
         one["pass"] for one in change["passes"] if one["outcome"] in (Outcome.DIFFERENT.value, Outcome.EXPLAINED.value)
     ]
     if passes:
-        said.append(f"Light passes that changed: {listed(passes)}.")
+        said.append(f"Parts of the light that changed: {listed(passes)}.")
     return said
 
 

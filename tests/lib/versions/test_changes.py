@@ -114,7 +114,7 @@ def test_the_light_pass_that_changed_is_named(clock, seed):
     assert (passes[DIFFUSE].outcomes == Outcome.EQUIVALENT).all()
     assert (passes[GLOSSY].outcomes == Outcome.DIFFERENT).any()
     figures = scene_figures("Test", [], found, "")
-    assert "Light passes that changed: glossy direct." in figures["changes"][0]["sentences"]
+    assert "Parts of the light that changed: glossy direct." in figures["changes"][0]["sentences"]
 
 
 def test_independent_noise_without_a_change_is_no_change(clock, seed):
