@@ -193,8 +193,17 @@ CASES = {
         [of(Glossy("ASHIKHMIN_SHIRLEY", roughness=HALF))],
         [of(Glossy("GGX", roughness=HALF))],
     ),
+    "other models": (
+        [
+            of(Glossy("student-t:g=2.5", roughness=HALF)),
+            of(Glossy("ward", roughness=HALF)),
+            of(Glossy("GGX", roughness=HALF, fresnel="schlick")),
+        ],
+        [of(Glossy("GGX", roughness=HALF)), of(Glossy("ward")), of(Metallic("GGX", roughness=HALF))],
+    ),
     "Fresnel": (
         [
+            of(Glossy("GGX", color=Constant(0.5), roughness=HALF, fresnel="cook-torrance")),
             of(Metallic("GGX", roughness=HALF)),
             of(Glass(ior=Constant(1.5))),
             of(Diffuse(ValueToColor(FresnelFactor(Constant(1.5))))),

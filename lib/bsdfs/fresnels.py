@@ -94,6 +94,45 @@ class Conductor(_PerPoint):
         return F82(f0, edge / fresnel.schlick(one / 7.0, f0)).average
 
 
+def _average(curve: Fresnel) -> np.ndarray:
+    """Integral of 2 c F(c) over c by quadrature, (3, 1) or (3, n)."""
+    node, weight = roots_legendre(24)
+    cosines = 0.5 + 0.5 * node
+    return sum(w * c * curve(np.full(1, c)) for c, w in zip(cosines, weight, strict=True))
+
+
+@dataclass(frozen=True)
+class Schlick(_PerPoint):
+    """Schlick's approximation from the colour `f0` at normal incidence to white at grazing."""
+
+    f0: np.ndarray
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance, (3, n)."""
+        return fresnel.schlick(cos, self.f0)
+
+    @property
+    def average(self) -> np.ndarray:
+        """Integral of 2 c F(c) over c: F0 + (1 - F0) / 21."""
+        return self.f0 + (1.0 - self.f0) / 21.0
+
+
+@dataclass(frozen=True)
+class CookTorrance(_PerPoint):
+    """The exact dielectric, colour by colour, whose index gives the colour `f0` at normal incidence (Cook and Torrance 1982)."""
+
+    f0: np.ndarray
+
+    def __call__(self, cos: np.ndarray) -> np.ndarray:
+        """Reflectance, (3, n)."""
+        return fresnel.cook_torrance(cos, self.f0)
+
+    @property
+    def average(self) -> np.ndarray:
+        """Integral of 2 c F(c) over c, (3, 1) or (3, n)."""
+        return _average(self)
+
+
 @dataclass(frozen=True)
 class F82(_PerPoint):
     """Schlick's curve from `f0`, bent so that `tint` times its value is met at the cosine 1/7.

@@ -57,6 +57,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.GGX, Stage.SHADE, distribution("GGX", "MULTI_GGX")),
     Entry(Effect.MULTIPLE_SCATTERING, Stage.SHADE, distribution("MULTI_GGX")),
     Entry(Effect.ASHIKHMIN_SHIRLEY, Stage.SHADE, distribution("ASHIKHMIN_SHIRLEY")),
+    Entry(Effect.OTHER_MODELS, Stage.SHADE, closure(Glossy, surface.is_replaced)),
     Entry(Effect.ANISOTROPY, Stage.SHADE, closure(Anisotropic, lambda c: c.is_anisotropic)),
     Entry(Effect.FRESNEL, Stage.SHADE, surface.fresnel),
     Entry(Effect.METALS, Stage.SHADE, closure(Metallic)),

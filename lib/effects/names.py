@@ -24,6 +24,7 @@ class Effect(StrEnum):
     GGX = "GGX"
     MULTIPLE_SCATTERING = "multiple scattering"
     ASHIKHMIN_SHIRLEY = "Ashikhmin-Shirley"
+    OTHER_MODELS = "other models"
     ANISOTROPY = "anisotropy"
     FRESNEL = "Fresnel"
     METALS = "metals"

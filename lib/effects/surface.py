@@ -9,11 +9,12 @@ from typing import TypeVar
 from ..microfacets.thin_film import LEAST_THICKNESS
 from ..plural import plural
 from ..scene.expressions import BeneathLayer, CoatTint, Constant, Expression, FresnelFactor, LayerWeight
-from ..scene.materials import Closure, Diffuse, Glass, Metallic, Microfacets, Specular
+from ..scene.materials import Closure, Diffuse, Glass, Glossy, Metallic, Microfacets, Specular
 from ..textures.fold import walk
 from .facts import Facts, is_smooth, is_zero, scatters
 from .geometry import Answer
 
+_OF_NODES = ("BECKMANN", "GGX", "MULTI_GGX", "ASHIKHMIN_SHIRLEY")
 Question = Callable[[Facts], Answer]
 C = TypeVar("C", bound=Closure)
 
@@ -41,6 +42,11 @@ def closure(kind: type[C] | tuple[type[C], ...], test: Callable[[C], bool] = lam
 def is_rough(closure: Microfacets | Diffuse) -> bool:
     """Whether the roughness is anything but the constant zero."""
     return not is_zero(closure.roughness)
+
+
+def is_replaced(closure: Glossy) -> bool:
+    """Whether the options of a rendering gave the closure a model or a Fresnel term that its node does not have."""
+    return closure.fresnel != "none" or (not is_smooth(closure) and closure.distribution not in _OF_NODES)
 
 
 def has_film(closure: Closure) -> bool:
@@ -73,8 +79,13 @@ def socket(kinds: tuple[type, ...], none: str) -> Question:
 def fresnel(facts: Facts) -> Answer:
     """Whether a closure or a socket reflects by a Fresnel curve."""
     curves = facts.named((Metallic, Specular, Glass))
+    terms = [m.name for m in facts.materials if any(_has_term(x.closure) for x in m.lobes)]
     factors = _nodes(facts, (FresnelFactor, LayerWeight, BeneathLayer, CoatTint))
-    return named(sorted({*curves, *factors}), "material", "no lobe and no socket has a Fresnel term")
+    return named(sorted({*curves, *terms, *factors}), "material", "no lobe and no socket has a Fresnel term")
+
+
+def _has_term(closure: Closure) -> bool:
+    return isinstance(closure, Glossy) and closure.fresnel != "none"
 
 
 def several_lobes(facts: Facts) -> Answer:

@@ -75,7 +75,7 @@ def open_places(comparison: Comparison) -> str:
         said.append(f"{still.size} of {plural(total, 'region')} {are} too noisy to judge{where}.")
     if not said:
         said.append(f"No part of the picture is off by more than {limit}: {plural(total, 'region')} tested.")
-    return " ".join([*said, *_masked(comparison)])
+    return " ".join([*said, *_replaced(comparison), *_masked(comparison)])
 
 
 def next_step(comparison: Comparison) -> str:
@@ -134,6 +134,16 @@ def _next_of_noise(comparison: Comparison) -> str:
     goal = format_percent(forecast.bound, sign=False)
     span = f"{format_duration(low)} to {format_duration(high)}"
     return f"Next: allow about {format_duration(median)} ({span}) to know it to within {goal} everywhere."
+
+
+def _replaced(comparison: Comparison) -> list[str]:
+    """The model that took the place of Glossy nodes in the reference, by choice."""
+    settings = comparison.reference.settings
+    given = (("model", None), ("fresnel", "none"))
+    chosen = [f"--{name} {settings[name]}" for name, usual in given if settings.get(name, usual) != usual]
+    if not chosen:
+        return []
+    return [f"Glossy nodes have another model in the reference ({', '.join(chosen)}); differences show that, too."]
 
 
 def _masked(comparison: Comparison) -> list[str]:

@@ -72,8 +72,9 @@ class Tangent:
 class Glossy(Anisotropic):
     """Microfacet reflection without Fresnel (Blender's Glossy BSDF).
 
-    `distribution`: 'BECKMANN', 'GGX', 'MULTI_GGX' or 'ASHIKHMIN_SHIRLEY'. `roughness` is Blender's; alpha = roughness^2. `anisotropy` in
-    (-1, 1) and `rotation` (in turns) as on the node.
+    `distribution`: 'BECKMANN', 'GGX', 'MULTI_GGX', 'ASHIKHMIN_SHIRLEY', or a model that replaces it, such as 'student-t:g=2.5'
+    (settings/models.py). `roughness` is Blender's; alpha = roughness^2. `anisotropy` in (-1, 1) and `rotation` (in turns) as on the node.
+    `fresnel`: 'none', as in Blender, or a term of settings/models.py.
     """
 
     distribution: str = "GGX"
@@ -83,6 +84,7 @@ class Glossy(Anisotropic):
     rotation: Expression = ZERO
     tangent: Tangent = Tangent()
     normal: Expression | None = None
+    fresnel: str = "none"
 
 
 @dataclass(frozen=True)

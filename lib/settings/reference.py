@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from ..errors import EtalonError
 from .common import Run
 from .declaration import again, option, required
+from .models import EMPIRICAL_MODELS, FRESNELS, MODELS, ModelName, describe_models, split_model
 from .units import Choice, FilePath, Flag, Names, Whole
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
@@ -36,6 +38,10 @@ class Options(Run):
         that one of them cannot sample is then still taken by the other: deltas, constant worlds).
     masking: 'correlated' (Ross, Heitz; what Cycles uses), 'separable' (the documents' G1 G1) or 'torrance_sparrow'.
     sampler: 'sobol' (Owen-scrambled, padded) or 'random'.
+    model: what takes the place of the lobes of Glossy nodes (Blender's Glossy BSDF, and nothing else): a distribution of microfacets or an
+        empirical model with the node's roughness, anisotropy and colour; None leaves them as they are. lib/settings/models.py has the names.
+    fresnel: a Fresnel term for the same lobes, which have none in Blender: 'exact' of an index, times the node's colour; 'schlick' and
+        'cook-torrance' from the node's colour as the reflectance at normal incidence.
     departures: names from lib/departures/catalogue.py, by which the reference errs as Cycles does.
     russian_roulette: stop paths after the third scattering with a probability that leaves the mean as it is.
     tile_paths: the most paths that one thread traces at once; no figure depends on it.
@@ -55,6 +61,19 @@ class Options(Run):
     masking: str = option(
         MASKING[0], Choice("NAME", "masking", MASKING), f"masking-shadowing: {', '.join(MASKING)}", advanced=True
     )
+    model: str | None = option(
+        None,
+        ModelName(known=MODELS),
+        f"model in place of the lobes of Glossy nodes: {describe_models(MODELS)}",
+        absent="each node's own",
+        advanced=True,
+    )
+    fresnel: str = option(
+        "none",
+        ModelName("FRESNEL", "Fresnel term", FRESNELS),
+        f"Fresnel term of the lobes of Glossy nodes: {describe_models(FRESNELS)}",
+        advanced=True,
+    )
     sampler: str = option(
         SAMPLERS[0], Choice("NAME", "sampler", SAMPLERS), f"random numbers: {', '.join(SAMPLERS)}", advanced=True
     )
@@ -67,6 +86,16 @@ class Options(Run):
     )
     russian_roulette: bool = option(True, Flag(), "end faint paths early; the mean does not change", advanced=True)
     tile_paths: int = 131072
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.model is None or split_model(self.model, MODELS, "model")[0] not in EMPIRICAL_MODELS:
+            return
+        for flag, value, default in (("strategy", self.strategy, STRATEGIES[0]), ("masking", self.masking, MASKING[0])):
+            if value not in (default, LIGHT_TRACING):
+                raise EtalonError(
+                    f"--{flag} {value} is for distributions of microfacets, and '{self.model}' has none; leave one of them out"
+                )
 
 
 @dataclass(frozen=True, kw_only=True)

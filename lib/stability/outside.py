@@ -126,6 +126,8 @@ OUTSIDE: dict[str, str] = {
             "bsdfs.dielectric.Interface",
             "bsdfs.dielectric.RoughDielectric",
             "bsdfs.dielectric.SmoothInterface",
+            "bsdfs.fresnels.CookTorrance",
+            "bsdfs.fresnels.Schlick",
             "bsdfs.fresnels.tinted_dielectric",
             "bsdfs.fresnels.reflectance_at_normal",
             "bsdfs.lambert.LambertTransmission",

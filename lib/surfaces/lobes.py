@@ -36,7 +36,6 @@ from ..departures.closures import ashikhmin_shirley_form, distribution_form, ore
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
 from ..microfacets.distribution import Distribution
-from ..microfacets.distributions import distribution_by_name
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..sampling.wavelengths import NODES
 from ..scene.materials import (
@@ -57,6 +56,7 @@ from ..scene.materials import (
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator
 from ..vectors import dot, orthonormal_basis, to_local
+from .models import distribution_of, empirical_form, fresnel_curve
 from .surface import SurfacePoints
 
 # Below this product of the alphas a lobe is a mirror, as in Cycles (bsdf_microfacet.h); D(0) would exceed 1.6e9.
@@ -109,9 +109,12 @@ def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:
 def _glossy(closure: Glossy, site: Site) -> tuple[Lobe, np.ndarray]:
     anisotropy = np.clip(site.read(closure.anisotropy), -0.99, 0.99)
     stretch = None if not np.any(np.abs(anisotropy) > 1e-4) else glossy_stretch(anisotropy)
-    color = site.read(closure.color)
+    curve, color = fresnel_curve(closure.fresnel, site.read(closure.color))
     lobe, alpha = _reflection(closure, stretch, site)
-    return _compensated(lobe, closure.distribution, alpha, np.maximum(color, 0.0), site), color
+    if curve is None:
+        return _compensated(lobe, closure.distribution, alpha, np.maximum(color, 0.0), site), color
+    tone = curve.average * np.maximum(color, 0.0)
+    return _compensated(Reflected(lobe, site.wo, curve), closure.distribution, alpha, tone, site), color
 
 
 def _metallic(closure: Metallic, site: Site) -> tuple[Lobe, np.ndarray]:
@@ -168,6 +171,9 @@ def _reflection(
         np.maximum(alpha_x, _FLOOR),
         np.maximum(alpha_y, _FLOOR),
     )  # where a texture reaches zero roughness
+    form = empirical_form(closure.distribution)
+    if form is not None:
+        return _turned(closure, stretch, site, lambda wo: form(wo, alpha_x, alpha_y)), np.sqrt(alpha_x * alpha_y)
     options, distribution = site.options, _distribution(closure, site.options)
 
     def make(wo: np.ndarray) -> Lobe:
@@ -320,7 +326,7 @@ def _masking(options: Options) -> str:
 
 def _distribution(closure: Anisotropic | Refraction, options: Options) -> Distribution:
     """The distribution of a closure's normals, as it departs."""
-    return distribution_form(distribution_by_name(closure.distribution), options.departures)
+    return distribution_form(distribution_of(closure.distribution), options.departures)
 
 
 def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -21,6 +21,7 @@ from ..sampling.sobol import RandomSampler, RandomTile, SobolSampler, SobolTile
 from ..scene.camera import smaller_camera
 from ..scene.scene import Scene
 from ..settings.reference import Options
+from ..surfaces.models import with_other_model
 from .kernel import Kernel
 from .part_sums import BounceSums, EmitterSums
 from .pass_sums import PassSums
@@ -70,6 +71,7 @@ class ReferenceRenderer:
         like: Kernel | None = None,
         passes: Sequence[Part] = (),
     ) -> None:
+        scene = with_other_model(scene, options)
         self.scene, self.options, self.passes = scene, options, tuple(passes)
         self.plan = make_plan(scene) if plan is None else plan
         self.kernel = Kernel(scene, self.plan, options, like, _asks_emitters(passes))

@@ -20,6 +20,7 @@ from etalon.lib.bsdfs.tilted import Tilted
 from etalon.lib.bsdfs.toon import Toon
 from etalon.lib.bsdfs.velvet import Velvet
 from etalon.lib.departures.closures import Misstated
+from etalon.lib.empirical.models import EMPIRICAL
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.microfacets.thin_film import cycles_sensitivity
@@ -34,6 +35,7 @@ ROWS = np.repeat(np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])[
 TURN = np.full(COUNT, 0.6), np.full(COUNT, 0.8)
 FILM = FilmF82(Film(np.float64(300.0), np.float64(1.5), cycles_sensitivity()), np.full((3, 1), 0.5), WHITE)
 CURVE = F82(np.full((3, 1), 0.5), WHITE)
+LAFORTUNE = (), (-1.0, -0.9, 0.8)
 
 
 def glossy(strategy):
@@ -59,6 +61,7 @@ LOBES = {
     "rotated": Rotated(glossy("visible"), *TURN),
     "sheen": Sheen(WO, ALPHA),
     "velvet": Velvet(WO, ALPHA),
+    **{name: make(*LAFORTUNE[name == "lafortune"])(WO, ALPHA, ALPHA) for name, make in EMPIRICAL.items()},
     "toon": Toon(WO, ALPHA, ALPHA, False),
     "glossy toon": Toon(WO, np.full(COUNT, 0.2), np.full(COUNT, 0.1), True),
     "tilted": Tilted(Lambert(), ROWS),
@@ -113,7 +116,7 @@ def test_a_wrapped_lobe_is_picked_and_widened_as_it_would_be_alone(wrap, rng):
 
 
 def test_no_class_of_lobes_is_left_out():
-    base = {"Lobe", "DeltaLobe", "Wrapper", "StrayAshikhminShirley"}
+    base = {"Lobe", "DeltaLobe", "Wrapper", "StrayAshikhminShirley", "MirrorPower", "HalfVector", "_OfDistribution"}
     made = {kind.__name__ for kind in lobe_classes() if kind.__module__.startswith("etalon.lib")}
     assert made - base == {type(lobe).__name__ for lobe in LOBES.values()}
 

@@ -27,6 +27,8 @@ FULL = Settings(
     strategy="bounded",
     direct="bsdf",
     masking="separable",
+    model="student-t:g=2.5",
+    fresnel="exact:ior=1.5",
     sampler="random",
     departures=["Oren-Nayar colour", "narrow spread"],
     russian_roulette=False,
