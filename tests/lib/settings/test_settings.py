@@ -41,7 +41,9 @@ FULL = Settings(
     partial=True,
     out="a folder/out",
 )
-TARGET = Target("my room.blend", 3, "Cam 2", ('objects["A b"].x=1', "scene.render.resolution_percentage=50"))
+TARGET = Target(
+    "my room.blend", 3, "Cam 2", assignments=('objects["A b"].x=1', "scene.render.resolution_percentage=50")
+)
 
 
 def read(line):
