@@ -38,6 +38,7 @@ from etalon.lib.scene.materials import (
     Refraction,
     Sheen,
     Specular,
+    Subsurface,
     Toon,
     Translucent,
     Transparent,
@@ -227,6 +228,10 @@ CASES = {
     "sheen": ([of(Sheen(roughness=HALF))], [of(Sheen(color(0.0), HALF)), of(Velvet())]),
     "velvet": ([of(Velvet())], [of(Velvet(color(0.0))), of(Sheen(roughness=HALF))]),
     "toon": ([of(Toon()), of(GlossyToon(size=HALF))], [of(Toon(color=color(0.0))), PLAIN]),
+    "subsurface scattering": (
+        [of(Subsurface(color(0.5), color(0.3))), of(Diffuse(color(0.5)), Subsurface(color(0.4), color(0.2, 0.1, 0.0)))],
+        [of(Subsurface(color(0.0))), PLAIN],
+    ),
     "translucency": ([of(Translucent())], [of(Translucent(color(0.0))), PLAIN]),
     "glass": (
         [of(Glass(ior=Constant(1.5)))],

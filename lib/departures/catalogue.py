@@ -16,7 +16,7 @@ from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.findings import OVERLAPPING_FACES
 from ..scene.lights import AreaLight
-from ..scene.materials import Closure, Diffuse, Emission, Glass, Microfacets, Refraction
+from ..scene.materials import Closure, Diffuse, Emission, Glass, Microfacets, Refraction, Subsurface
 from ..scene.scene import Scene
 from ..textures.fold import fold_scene, is_constant, walk
 from .scene import NARROW
@@ -311,6 +311,14 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/closure/bsdf_oren_nayar.h",
         Versions("4.3", "5.2"),
         _rough_diffuse,
+        passes=DIFFUSE,
+    ),
+    Departure(
+        "short subsurface walks",
+        "A walk below a surface ends after 256 free paths, and the light that has not left by then is lost: about 10 % of what a thick white "
+        "body reflects, 5 % of a colour of 0.95, 0.2 % of 0.8. From the eleventh free path on scattering is isotropic, and as much weaker.",
+        "kernel/integrator/subsurface_random_walk.h",
+        relevant=lambda scene: any(isinstance(c, Subsurface) for c in _closures(scene)),
         passes=DIFFUSE,
     ),
     Departure(

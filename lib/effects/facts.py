@@ -18,6 +18,7 @@ from ..scene.materials import (
     Glass,
     Material,
     Refraction,
+    Subsurface,
     Translucent,
     Transparent,
     WeightedClosure,
@@ -154,5 +155,5 @@ class Facts:
         """Whether what leaves a face can meet another, and the fact that says so."""
         if self.volumes:
             return True, f"rays are followed through the volume of '{self.volumes[0]}'"
-        behind = self.named((Glass, Refraction, Translucent))
+        behind = self.named((Glass, Refraction, Translucent, Subsurface))
         return meets_again(self.scene.mesh, self.scene.camera, behind + self.transparent)

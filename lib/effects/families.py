@@ -14,6 +14,7 @@ from ..scene.materials import (
     Refraction,
     Sheen,
     Specular,
+    Subsurface,
     Toon,
     Translucent,
     Velvet,
@@ -22,6 +23,7 @@ from ..scene.materials import (
 FAMILIES: dict[type[Closure], tuple[Family, ...]] = {
     Diffuse: (Family.DIFFUSE,),
     Translucent: (Family.DIFFUSE,),
+    Subsurface: (Family.DIFFUSE,),
     Sheen: (Family.DIFFUSE,),
     Toon: (Family.DIFFUSE,),
     GlossyToon: (Family.GLOSSY,),

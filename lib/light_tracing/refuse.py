@@ -10,7 +10,7 @@ from ..errors import EtalonError, Refusal, Refused
 from ..scene.camera import PANORAMAS
 from ..scene.expressions import Constant
 from ..scene.lights import SphereLight, SpotLight
-from ..scene.materials import Material, Sheen, Toon
+from ..scene.materials import Material, Sheen, Subsurface, Toon
 from ..wavefront.kernel import Kernel
 from .dirac import may_be_dirac, varies
 
@@ -60,6 +60,8 @@ def _of_material(material: Material) -> list[str]:
     closures = [lobe.closure for lobe in material.lobes]
     if any(isinstance(closure, Toon) for closure in closures):
         found.append("light tracing of the Toon BSDF, which sends light where its own samples do not go")
+    if any(isinstance(closure, Subsurface) for closure in closures):
+        found.append("subsurface scattering by light tracing")
     if any(isinstance(closure, Sheen) and not _has_lobe_everywhere(closure) for closure in closures):
         found.append(f"light tracing of sheen whose roughness may be below {_LEAST_SHEEN}")
     if any(varies(closure) for closure in closures):

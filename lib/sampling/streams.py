@@ -63,6 +63,10 @@ WAVELENGTH = 1 << 30
 EMITTER, PLACE, HEADING, FIRST_LIGHT_STEP = (k + (1 << 29) for k in range(4))
 ADJOINT_CHOICES, ADJOINT_BSDF, ADJOINT_LENS, ADJOINT_FATE = 0, 1, 2, 3
 
+# Walks below surfaces, three pairs for each step of the path: whether and by which closure light enters, how, and a key for the rest.
+WALK = 1 << 28
+ENTER, ENTRY, WALK_KEY = 0, 1, 2
+
 # Keys beside the dimensions: how pixels pick and shift point sets, and the generator of plain random numbers.
 PIXEL_KEYS, RANDOM_NUMBERS = -2, -1
 
@@ -75,3 +79,8 @@ def step_dimension(step: int, decision: int) -> int:
 def light_step_dimension(step: int, decision: int) -> int:
     """The dimension of a `decision` (ADJOINT_CHOICES, _BSDF, _LENS or _FATE) at a step of a path from a light, counted from 0."""
     return FIRST_LIGHT_STEP + DIMENSIONS_PER_STEP * step + decision
+
+
+def walk_dimension(step: int, decision: int) -> int:
+    """The dimension of a `decision` (ENTER, ENTRY or WALK_KEY) about a walk below a surface at a step of the path, counted from 0."""
+    return WALK + 3 * step + decision

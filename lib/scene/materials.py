@@ -150,6 +150,25 @@ class Translucent(Closure):
 
 
 @dataclass(frozen=True)
+class Subsurface(Closure):
+    """Light that enters an object, scatters inside it and leaves by a diffuse lobe (Blender's Subsurface Scattering).
+
+    `color` is about the albedo of a thick body, `radius` the mean free path of each channel in metres, as `mapping` reads it
+    (lib/scattering/subsurface.py); `anisotropy` is that of the scattering. Light enters by refraction at GGX facets of `alpha` and the
+    index `ior`, and half of it by the cosine where it enters `softly`.
+    """
+
+    color: Expression = WHITE
+    radius: Expression = WHITE
+    anisotropy: Expression = ZERO
+    ior: Expression = ONE
+    alpha: Expression = ONE
+    mapping: str = "VAN_DE_HULST"
+    softly: bool = False
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
 class Sheen(Closure):
     """A layer of upright fibers (Blender's Sheen BSDF 'Microfiber', Principled BSDF); lib/bsdfs/sheen.py.
 
@@ -222,7 +241,7 @@ class Refraction(Microfacets):
     normal: Expression | None = None
 
 
-WIDE = (Diffuse, Translucent, Sheen, Velvet, Toon)
+WIDE = (Diffuse, Translucent, Subsurface, Sheen, Velvet, Toon)
 """Closures that scatter into directions about the normal, whatever their sockets hold, and GlossyToon."""
 
 

@@ -185,6 +185,7 @@ OUTSIDE: dict[str, str] = {
             "lights.light.Emitted",
             "lights.light.bounding_ball",
             "sampling.streams.light_step_dimension",
+            "sampling.streams.walk_dimension",
             "lights.sky.suns_of",
             "lights.triangles.TriangleSample",
         ),

@@ -38,6 +38,7 @@ from ..microfacets.dispersion import cauchy_index
 from ..microfacets.distribution import Distribution
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..sampling.wavelengths import NODES
+from ..scattering.subsurface import LEAST_RADIUS
 from ..scene.materials import (
     Anisotropic,
     Closure,
@@ -49,6 +50,7 @@ from ..scene.materials import (
     Refraction,
     Sheen,
     Specular,
+    Subsurface,
     Toon,
     Translucent,
     Velvet,
@@ -314,6 +316,11 @@ def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.nd
     return factor
 
 
+def _shallow(closure: Subsurface, site: Site) -> tuple[Lobe, np.ndarray]:
+    """What the channels whose radius is too small to enter do."""
+    return Lambert(), site.read(closure.color) * (site.read(closure.radius) < LEAST_RADIUS)
+
+
 def _toon(closure: Toon, site: Site) -> tuple[Lobe, np.ndarray]:
     size, smooth = site.read(closure.size), site.read(closure.smooth)
     return ToonLobe(site.wo, size, smooth, isinstance(closure, GlossyToon)), site.read(closure.color)
@@ -343,6 +350,7 @@ _BUILDERS: dict[type[Closure], Callable[..., tuple[Lobe, np.ndarray]]] = {
     Translucent: lambda closure, site: (LambertTransmission(), site.read(closure.color)),
     Glass: _glass,
     Refraction: _refraction,
+    Subsurface: _shallow,
     Sheen: lambda closure, site: (SheenLobe(site.wo, site.read(closure.roughness)), site.read(closure.color)),
     Velvet: lambda closure, site: (VelvetLobe(site.wo, site.read(closure.sigma)), site.read(closure.color)),
     Toon: _toon,

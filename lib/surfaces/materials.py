@@ -19,6 +19,7 @@ from ..scene.materials import (
     Material,
     Microfacets,
     Refraction,
+    Subsurface,
     Translucent,
     Transparent,
 )
@@ -26,6 +27,7 @@ from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
 from .lobes import Site, build
+from .subsurface import Entry, make_entry, may_be_shallow
 from .surface import SurfacePoints
 
 
@@ -41,7 +43,12 @@ class PreparedMaterial:
     ) -> None:
         self.name, self.unknown = material.name, bool(material.unknown)
         self._images, self._options, self._tables = images, options, tables
-        lobes = [(x.weight, x.closure) for x in (adding_lobes(material) if prunes else material.lobes)]
+        adding = adding_lobes(material) if prunes else material.lobes
+        self._subsurface = [(x.weight, x.closure) for x in adding if isinstance(x.closure, Subsurface)]
+        # Of a closure whose light all enters, nothing is left to reflect.
+        lobes = [
+            (x.weight, x.closure) for x in adding if not isinstance(x.closure, Subsurface) or may_be_shallow(x.closure)
+        ]
         self._emissions = [(weight, closure) for weight, closure in lobes if isinstance(closure, Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
@@ -52,6 +59,7 @@ class PreparedMaterial:
         self.shadows = not material.transparent_shadows
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
+        self.enters = bool(self._subsurface)
         self.disperses = any(isinstance(x, Glass) and not is_zero(x.dispersion) for _, x in self._scattering)
 
     def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:
@@ -77,11 +85,23 @@ class PreparedMaterial:
         return total
 
     def scattered_share(self, points: SurfacePoints) -> np.ndarray:
-        """Mean colour of all scattering lobes together, () or (n,): how much they weigh beside transparency."""
+        """Mean colour of all that scatters, below the surface too, () or (n,): how much it weighs beside transparency."""
+        total = self.reflected_share(points)
+        for weight, closure in self._subsurface:
+            total = total + np.maximum(self._color(weight, closure, points), 0.0).mean(axis=0)
+        return total
+
+    def reflected_share(self, points: SurfacePoints) -> np.ndarray:
+        """Mean colour of the scattering lobes, () or (n,): how much they weigh beside what enters."""
         total = np.zeros(())
         for weight, closure in self._scattering:
             total = total + np.maximum(self._color(weight, closure, points), 0.0).mean(axis=0)
         return total
+
+    def entries(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> tuple[list[Entry], Site]:
+        """What enters by each subsurface closure for local directions `wo` in the frame (t, s, n), and the site of it."""
+        site = self._site(points, wo, t, s)
+        return [make_entry(weight, closure, site) for weight, closure in self._subsurface], site
 
     def alphas(self, points: SurfacePoints) -> np.ndarray:
         """Roughness squared of each scattering lobe, (lobes, n), as in `mixture`; inf for diffuse ones.
@@ -99,10 +119,13 @@ class PreparedMaterial:
 
     def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
         """The scattering lobes for local directions `wo` in the frame (t, s, n); a colour below 0 scatters nothing, as in Cycles."""
-        site = Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options, self._tables)
+        site = self._site(points, wo, t, s)
         lobes, colors = [], []
         for weight, closure in self._scattering:
             lobe, color = build(closure, site)
             lobes.append(lobe)
             colors.append(np.maximum(np.atleast_1d(site.read(weight)) * color, 0.0))
         return Mixture(lobes, colors, points.size)
+
+    def _site(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Site:
+        return Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options, self._tables)

@@ -18,7 +18,8 @@ class Flow:
     matters.
     emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
-    the first one. disperses: an index depends on the wavelength. roulette: weak paths end at random.
+    the first one. disperses: an index depends on the wavelength. subsurface: light scatters inside
+    objects. roulette: weak paths end at random.
     """
 
     has_lens: bool
@@ -34,6 +35,7 @@ class Flow:
     asks_visibility: bool
     most_bounces: int
     disperses: bool
+    subsurface: bool
     roulette: bool
 
     @staticmethod
@@ -56,5 +58,6 @@ class Flow:
             or kernel.coplanar is not None,
             most_bounces=kernel.scene.transport.max_bounces if needs(Effect.INDIRECT_LIGHT) else 0,
             disperses=needs(Effect.DISPERSION),
+            subsurface=needs(Effect.SUBSURFACE),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
         )

@@ -20,6 +20,7 @@ from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
 from ..microfacets.cycles_tables import cycles_tables
 from ..scene.lights import Light, Switches
+from ..scene.mesh import Mesh
 from ..scene.rays import FLAGS, SCATTERED
 from ..scene.scene import Scene
 from ..settings.reference import Options
@@ -28,6 +29,7 @@ from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold_scene
 from ..textures.images import ImageSet
+from .bodies import exit_materials, find_bodies
 from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
@@ -49,7 +51,8 @@ class Kernel:
     world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for those of the same switches.
     `one_sided`: all light leaves a face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which.
     `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
-    others; both belong to departures. `media` are the volumes, where there are any.
+    others; both belong to departures. `media` are the volumes, where there are any. `bodies` are the objects that light scatters inside of;
+    `exit_of` (materials,) numbers the entry of `materials` that says what faces do where it leaves.
     With `apart`, emissive faces have a sampler for each object, so that each sampler is of one emitter.
     A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
@@ -78,6 +81,8 @@ class Kernel:
         tables = cycles_tables(scene.blender) if "multiple-scattering tables" in options.departures else None
         self.materials = [PreparedMaterial(m, self.images, options, plan.prunes, tables) for m in self.scene.materials]
         self.material_of = np.append(scene.mesh.material_index, -1).astype(np.int16)  # a miss, -1, reads the last entry
+        if plan.needs(Effect.SUBSURFACE):
+            self._add_bodies(scene.mesh)
         objects = self._light_objects()
         self.lights = [sampler for _, sampler in objects]
         self.environment = self._environment() if plan.needs(Effect.ENVIRONMENT_TABLE) else None
@@ -100,6 +105,13 @@ class Kernel:
             CoplanarFaces(scene.mesh, of_two_materials=True) if OTHER_FACE in options.departures else None
         )
         self.one_sided = not lit_from_below and not any(m.transmits for m in self.materials)
+
+    def _add_bodies(self, mesh: Mesh) -> None:
+        """Make ready the objects that light scatters inside of, and what their faces do where it leaves."""
+        self.bodies = find_bodies(mesh, self.scene.materials)
+        made, numbers = exit_materials(self.scene.materials)
+        self.exit_of = numbers + len(self.materials)
+        self.materials += [PreparedMaterial(m, self.images, self.options, self.plan.prunes) for m in made]
 
     def _light_objects(self) -> list[tuple[Light, LightSampler]]:
         """The light objects with their samplers; a plan that prunes leaves out those that send out nothing."""

@@ -10,6 +10,7 @@ import numpy as np
 from ..effects.facts import Facts
 from ..errors import Refusal, Refused
 from ..scene.links import EVERY_SET
+from ..scene.materials import Subsurface
 from ..scene.rays import EVERY
 from ..scene.scene import Scene
 
@@ -34,6 +35,7 @@ def refuse_volumes(scene: Scene) -> None:
     linked = [one.name for one in emitters if one.links.blockers != EVERY_SET]
     remedy = "remove the blockers, or the volume"
     refusals += [Refusal(f"'{name}'", "shadow linking beside a volume", remedy) for name in linked]
+    refusals += _of_bodies(scene)
     if refusals:
         raise Refused(refusals)
 
@@ -54,3 +56,29 @@ def _of_bounds(scene: Scene) -> Iterator[Refusal]:
         if mesh.objects[thing].rays != EVERY:
             what = f"the volume of material '{name}' in an object that some rays do not meet"
             yield Refusal(owner, what, "switch its ray visibility on")
+
+
+def _of_bodies(scene: Scene) -> Iterator[Refusal]:
+    """Objects below whose faces light may get from one volume into another: walks do not say which they pass."""
+    mesh = scene.mesh
+    filled = [m.volume is not None and not m.volume.is_empty for m in scene.materials]
+    enters = [any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in scene.materials]
+    volumes, bodies = (np.unique(mesh.object_index[np.take(has, mesh.material_index)]) for has in (filled, enters))
+    for body in bodies.tolist():
+        for volume in volumes.tolist():
+            if body != volume and _touch(_box(scene, body), _box(scene, volume)):
+                what = (
+                    f"subsurface scattering where the object may reach into the volume of '{mesh.objects[volume].name}'"
+                )
+                yield Refusal(f"object '{mesh.objects[body].name}'", what, "move them apart")
+
+
+def _box(scene: Scene, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest and the highest coordinates (3,) of an object."""
+    mesh = scene.mesh
+    places = mesh.vertices[:, mesh.triangles[:, mesh.object_index == number].ravel()]
+    return places.min(axis=1), places.max(axis=1)
+
+
+def _touch(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> bool:
+    return bool((first[0] <= second[1]).all() and (second[0] <= first[1]).all())

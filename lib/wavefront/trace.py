@@ -13,16 +13,17 @@ from ..sampling.sobol import RandomTile, SobolTile
 from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, step_dimension
 from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..surfaces.surface import SurfacePoints
-from ..vectors import dot
 from .camera_rays import camera_rays
 from .emitters import Emitters
 from .flow import Flow
 from .kernel import Kernel
 from .light_choice import LightChoice, LightSampling, choose_light
+from .origins import Origins
 from .pass_through import Groups, split
 from .paths import Paths
 from .raycaster import Hits
 from .shade import Shaded, shade_all
+from .subsurface import walk_below
 from .sums import PixelSums, StageClock
 from .visibility import coplanar_transmittance, transmittance, transmittance_to
 
@@ -187,7 +188,7 @@ class Tracer:
         if not self._flow.transparent:
             if self._is_last(step):
                 return paths.take(np.empty(0, np.intp))
-            return self._shade(paths, points, offset, groups, step)
+            return self._shade_or_walk(paths, points, offset, groups, step)
         uniform, _ = self._pair(step_dimension(step, FATE), paths)
         parted = split(self._kernel, paths, points, distance, offset, groups, uniform, self._flow.most_bounces)
         self._clock.lap(Stage.PASS_THROUGH)
@@ -195,8 +196,23 @@ class Tracer:
             return parted.passing
         scattering = paths.take(parted.index)
         scattering.throughput /= parted.share[parted.index]
-        following = self._shade(scattering, points.at(parted.index), offset[parted.index], parted.groups, step)
+        following = self._shade_or_walk(scattering, points.at(parted.index), offset[parted.index], parted.groups, step)
         return Paths.joined(parted.passing, following)
+
+    def _shade_or_walk(
+        self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int
+    ) -> Paths:
+        """Scatter at the hits, or walk below them and scatter where the walks leave; the paths that go on."""
+        below = walk_below(self._kernel, self._uniforms, paths, points, groups, step) if self._flow.subsurface else None
+        if below is None:
+            return self._shade(paths, points, offset, groups, step)
+        self.rays += below.rays
+        self._clock.lap(Stage.SUBSURFACE)
+        leaving = self._shade(below.paths, below.points, below.offset, below.exit_groups, step)
+        reflecting = paths.take(below.index)
+        reflecting.throughput /= below.share[below.index]
+        here = points.at(below.index), offset[below.index], below.groups
+        return Paths.joined(self._shade(reflecting, *here, step), leaving)
 
     def _shade(self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int) -> Paths:
         """Light sampling and BSDF sampling at all hits; the scattered paths."""
@@ -229,7 +245,7 @@ class Tracer:
         parts = passes is not None and passes.parts and bool(np.any(np.equal(paths.scatterings, 0)))
         shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms, parts))
         self._clock.lap(Stage.SHADE)
-        origins = _Origins(points, offset, kernel.one_sided)
+        origins = Origins(points, offset, kernel.one_sided)
         if light is not None:
             self._add_direct(paths, origins, light, shaded)
         if not goes_on:
@@ -254,7 +270,7 @@ class Tracer:
                 paths.throughput[:, index] *= color_weight(paths.wavelength[index])
                 paths.awaits_color[index] = False
 
-    def _add_direct(self, paths: Paths, origins: _Origins, light: LightChoice, shaded: Shaded) -> None:
+    def _add_direct(self, paths: Paths, origins: Origins, light: LightChoice, shaded: Shaded) -> None:
         """Ask for visibility where light would arrive, and add what does."""
         sample, direct = light.sample, shaded.direct
         direct *= paths.throughput
@@ -316,7 +332,7 @@ class Tracer:
             sums.emitters.add(paths.pixel[index], arriving, self._kernel.emitters.of_lights[number])
         self._clock.lap(Stage.FILM)
 
-    def _advance(self, paths: Paths, origins: _Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
+    def _advance(self, paths: Paths, origins: Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
         """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
         throughput = shaded.weight * paths.throughput
         going = throughput.any(axis=0)
@@ -370,22 +386,3 @@ def _survival(throughput: np.ndarray) -> np.ndarray:
     The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
     """
     return np.minimum(np.sqrt(throughput.max(axis=0)), 1.0)
-
-
-class _Origins:
-    """Origins (3, n) of rays that leave points: off the plane by what float32 can resolve."""
-
-    def __init__(self, points: SurfacePoints, offset: np.ndarray, one_sided: bool) -> None:
-        self.points, self._offset = points, offset
-        self._front = self._off(offset) if one_sided else None
-
-    def _off(self, height: np.ndarray) -> np.ndarray:
-        origin = self.points.ng * height
-        origin += self.points.position
-        return origin
-
-    def towards(self, direction: np.ndarray) -> np.ndarray:
-        """On the side of `direction`; where no light passes through, the side that is seen: the others carry none."""
-        if self._front is not None:
-            return self._front
-        return self._off(np.copysign(self._offset, dot(self.points.ng, direction)))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reader of the Principled BSDF: a stack of layers becomes a flat list of lobes, each weighed by what the layers above leave.
 
-From top to bottom: alpha, sheen, coat, emission, metal, transmission, specular, diffuse (Cycles, kernel/svm/closure.h).
+From top to bottom: alpha, sheen, coat, emission, metal, transmission, specular, subsurface and diffuse (Cycles, kernel/svm/closure.h).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ....lib.scene import materials as mt
 from ....lib.scene.converters import VectorMath
 from ....lib.textures.fold import is_constant
 from .shader_reader import ShaderReader
+from .subsurface import make_subsurface, read_method
 from .tree import Scope
 
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
@@ -111,7 +112,8 @@ class _Principled:
             add(self._glass(), rest.times(transmission))
         rest = rest.without(transmission)
         if fold(rest.value) != ex.ZERO:
-            rest = self._specular(rest, add)
+            rest, ior = self._specular(rest, add)
+            rest = self._subsurface(rest, ior, add)
             add(mt.Diffuse(self._socket("Base Color"), self._socket("Diffuse Roughness"), self._normal), rest)
         return found
 
@@ -221,15 +223,39 @@ class _Principled:
     def _base_in_range(self) -> ex.Expression:
         return ex.Mix(ex.ZERO, self._socket("Base Color"), ex.WHITE, clamp_result=True)
 
-    def _specular(self, rest: _Weight, add: _Add) -> _Weight:
-        """The dielectric's own layer: level 0.5 leaves the index as it is, others scale the reflectance at normal incidence."""
+    def _subsurface(self, rest: _Weight, ior: ex.Expression, add: _Add) -> _Weight:
+        """What scatters below the surface, where light enters by the index `ior` unless the method has one of its own; what is left."""
+        share = self._share("Subsurface Weight")
+        if self._reader.folder(rest.times(share).value) == ex.ZERO:
+            return rest
+        method = read_method(self._reader, self._node, self._scope, "subsurface_method")
+        if method is not None:
+            roughness = self._socket("Roughness")
+            closure = make_subsurface(
+                method,
+                self._base_in_range(),
+                self._socket("Subsurface Radius"),
+                self._socket("Subsurface Scale"),
+                self._socket("Subsurface Anisotropy"),
+                self._socket("Subsurface IOR") if method.is_skin else ior,
+                _product(_clamped(roughness), _clamped(roughness)),
+                self._normal,
+            )
+            add(closure, rest.times(share))
+        return rest.without(share)
+
+    def _specular(self, rest: _Weight, add: _Add) -> tuple[_Weight, ex.Constant]:
+        """The dielectric's own layer, what it leaves, and its index.
+
+        Level 0.5 leaves the index as it is, others scale the reflectance at normal incidence.
+        """
         ior, level = max(self._constant("IOR").value, 1e-5), max(self._constant("Specular IOR Level").value, 0.0)
         if level != 0.5:
             root = (ior - 1.0) / (ior + 1.0) * (2.0 * level) ** 0.5
             root = min(max(root, -_LARGEST_ROOT), _LARGEST_ROOT)
             ior = (1.0 + root) / (1.0 - root)
         if ior == 1.0 and not self._film:
-            return rest
+            return rest, ex.ONE
         if not all(map(is_constant, self._film.values())):
             what = ", sockets 'Thin Film' (textured) above a diffuse base,"
             self._reader.values.refuse(
@@ -241,4 +267,4 @@ class _Principled:
         add(closure, rest)
         roughness, distribution = self._socket("Roughness"), self._distribution
         below = ex.BeneathLayer(eta, tint, roughness, ex.ONE, distribution, self._normal, **self._film)
-        return rest.times(below)
+        return rest.times(below), eta

@@ -78,19 +78,19 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
             "Sheen Tint",
             "Emission Color",
             "Emission Strength",
-        ),
-        neutral={
-            "Subsurface Weight": 0.0,
-            "Thin Wall": 0.0,
-        },
-        idle=(
+            "Subsurface Weight",
             "Subsurface Radius",
             "Subsurface Scale",
             "Subsurface IOR",
             "Subsurface Anisotropy",
         ),
-        properties={"distribution": ("GGX", "MULTI_GGX")},
-        unused=("subsurface_method",),
+        neutral={
+            "Thin Wall": 0.0,
+        },
+        properties={
+            "distribution": ("GGX", "MULTI_GGX"),
+            "subsurface_method": ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY"),
+        },
     ),
     "ShaderNodeBsdfRefraction": Declaration(
         reads=("Color", "Roughness", "IOR", "Normal"), properties={"distribution": ("BECKMANN", "GGX")}
@@ -118,6 +118,13 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
     "ShaderNodeOutputWorld": Declaration(
         reads=("Surface", "Volume"), properties={"target": None, "is_active_output": None}
     ),
+    "ShaderNodeSubsurfaceScattering": Declaration(
+        reads=("Color", "Scale", "Radius", "IOR", "Roughness", "Anisotropy", "Normal"),
+        properties={"falloff": ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY")},
+    ),
+    "ShaderNodeTangent": Declaration(
+        properties={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("X", "Y", "Z"), "uv_map": None}
+    ),
     "ShaderNodeVolumeAbsorption": Declaration(reads=("Color", "Density")),
     "ShaderNodeVolumePrincipled": Declaration(
         reads=(
@@ -130,9 +137,6 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
             "Blackbody Intensity",
         ),
         idle=("Anisotropy", "Emission Color", "Blackbody Tint", "Temperature", "Temperature Attribute"),
-    ),
-    "ShaderNodeTangent": Declaration(
-        properties={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("X", "Y", "Z"), "uv_map": None}
     ),
 }
 """Node type by Blender's identifier -> what its reader knows of it."""

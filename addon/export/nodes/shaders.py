@@ -13,6 +13,7 @@ from ....lib.scene import materials as mt
 from ....lib.textures.fold import Folder, is_constant
 from .principled import read_principled
 from .shader_reader import ReadParts, ReadShader, ShaderReader
+from .subsurface import make_subsurface, read_method
 from .tree import Scope, TreeReader
 from .volumes import VOLUME_SHADERS
 
@@ -87,6 +88,17 @@ def _toon(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.E
     kind = mt.GlossyToon if node.component == "GLOSSY" else mt.Toon
     sockets = (reader.read(node, name, scope) for name in ("Color", "Size", "Smooth"))
     return [reader.lobe(kind(*sockets, reader.normal(node, scope)), weight)]
+
+
+def _subsurface(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
+    method = read_method(reader, node, scope, "falloff")
+    if method is None:
+        return []
+    sockets = (reader.read(node, name, scope) for name in ("Color", "Radius", "Scale", "Anisotropy", "IOR"))
+    alpha = ex.ONE if method.is_skin else reader.read(node, "Roughness", scope)  # it is not squared
+    return [reader.lobe(make_subsurface(method, *sockets, alpha, reader.normal(node, scope)), weight)]
 
 
 def _emission(
@@ -167,6 +179,7 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
     "ShaderNodeBsdfTranslucent": _translucent,
     "ShaderNodeBsdfSheen": _sheen,
     "ShaderNodeBsdfToon": _toon,
+    "ShaderNodeSubsurfaceScattering": _subsurface,
     "ShaderNodeBsdfGlass": _glass,
     "ShaderNodeBsdfRefraction": _refraction,
     "ShaderNodeBsdfMetallic": _metallic,

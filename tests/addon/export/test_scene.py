@@ -296,7 +296,7 @@ def test_a_particle_system_that_shows_objects_is_exported(studio, rays, hits):
 def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
     """Each says what of it is not simulated; objects, lights and settings are refused as ever."""
     soft, lost = glow(studio, "red"), glow(studio, "green")
-    for material, kind in ((soft, "ShaderNodeSubsurfaceScattering"), (lost, "ShaderNodeBsdfRayPortal")):
+    for material, kind in ((soft, "ShaderNodeBsdfHair"), (lost, "ShaderNodeBsdfRayPortal")):
         tree = material.node_tree
         node, out = tree.nodes.new(kind), next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
         tree.links.new(node.outputs[0], out.inputs["Surface"])
@@ -305,7 +305,7 @@ def test_materials_that_are_not_simulated_are_unknown_in_part(studio):
         studio.export()
     red, green, blue = studio.export(partial=True).materials
     assert red.lobes == green.lobes == ()
-    assert "Subsurface Scattering" in red.unknown
+    assert "Hair BSDF" in red.unknown
     assert "Ray Portal" in green.unknown
     assert blue.unknown == ""
     assert isinstance(blue.lobes[0].closure, Emission)

@@ -32,7 +32,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, WeightedClosure
+from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, Subsurface, WeightedClosure
 from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import Role, State
 from etalon.lib.verdict.outcome import Outcome
@@ -50,6 +50,7 @@ LONG = (
     ("texture interpolation",),
     ("thin film series",),
     ("Oren-Nayar colour", "narrow spread"),
+    ("short subsurface walks",),
 )
 
 
@@ -190,6 +191,12 @@ def rug():
     return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,))
 
 
+def wax():
+    """A thick bright body that light scatters inside of, in a white world."""
+    coat = scenes.material(Subsurface(scenes.color(0.95), scenes.color(0.05), Constant(0.5)))
+    return scenes.scene(scenes.cube(), coat, scenes.orthographic(1, 1, 0.5, (0.0, 0.0, 5.0)), world=1.0)
+
+
 class Cached:
     """A renderer that remembers its replicates, so that cases share what they have in common."""
 
@@ -230,6 +237,7 @@ SCENES = {
     curved: (5e-3, 64, set()),
     rug: (1e-2, 64, set()),
     decal: (1e-2, 64, set()),
+    wax: (1e-2, 256, set()),
 }
 
 

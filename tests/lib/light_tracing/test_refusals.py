@@ -11,7 +11,7 @@ from etalon.lib.light_tracing.scouting import scout_caustics
 from etalon.lib.rendering.replicates import render_film
 from etalon.lib.scene.expressions import Constant, Coordinates, VectorToValue
 from etalon.lib.scene.lights import SphereLight
-from etalon.lib.scene.materials import Glass, Glossy, Material, Sheen, Toon
+from etalon.lib.scene.materials import Glass, Glossy, Material, Sheen, Subsurface, Toon
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.reference import Options, RenderOptions
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -32,6 +32,7 @@ REFUSED = {
     ),
     "material 'Bumpy': .* smooth lobe under a normal map": ball_on_floor(tilted()),
     "material 'Paint': .* Toon BSDF": ball_on_floor(material(Toon(), name="Paint")),
+    "material 'Wax': subsurface scattering": ball_on_floor(material(Subsurface(), name="Wax")),
     "material 'Dust': .* sheen whose roughness may be below 0.15": ball_on_floor(
         material(Sheen(roughness=Constant(0.1)), name="Dust")
     ),

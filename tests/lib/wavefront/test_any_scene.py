@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from etalon.lib.errors import Refused, SceneError
+from etalon.lib.scattering.subsurface import MAPPINGS
 from etalon.lib.scene.camera import PANORAMAS, Aperture, Camera
 from etalon.lib.scene.checks import validate
 from etalon.lib.scene.expressions import Constant, Coordinates, EnvironmentTexture, ImageTexture
@@ -22,6 +23,7 @@ from etalon.lib.scene.materials import (
     Metallic,
     Refraction,
     Specular,
+    Subsurface,
     Translucent,
     Transparent,
     WeightedClosure,
@@ -45,6 +47,7 @@ KEPT = {
 shares = st.one_of(st.sampled_from([0.0, 1e-8, 1e-3, 0.5, 1.0]), st.floats(0.0, 1.0))
 values = shares.map(Constant)
 colors = st.tuples(shares, shares, shares).map(Constant)
+radii = st.tuples(*[st.sampled_from([0.0, 1.0, 1e3])] * 3).map(Constant)
 bright = st.tuples(*[st.one_of(st.sampled_from([0.0, 1.0, 1e6]), st.floats(0.0, 1e4))] * 3)
 coordinates = st.one_of(st.sampled_from([0.0, 1.0, -1.0, 1e-6, 1e3]), st.floats(-4.0, 4.0))
 points = st.tuples(coordinates, coordinates, coordinates)
@@ -70,6 +73,7 @@ closures = st.one_of(
     st.builds(Refraction, colors, indices, values, smooth_or_rough),
     st.builds(Transparent, colors),
     st.builds(Translucent, colors),
+    st.builds(Subsurface, colors, radii, values, indices, values, st.sampled_from(MAPPINGS), st.booleans()),
     st.builds(Emission, colors, st.sampled_from([0.0, 1.0, 1e5]).map(Constant)),
 )
 materials = st.lists(st.builds(WeightedClosure, closures, values), max_size=3).map(

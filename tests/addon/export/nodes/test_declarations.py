@@ -36,6 +36,7 @@ AWAKE = {
     "Transmission Dispersion Scale": 0.4,
     "Coat Weight": 0.5,
     "Sheen Weight": 0.4,
+    "Subsurface Weight": 0.4,
     **({"Thin Film Thickness": 300.0} if bpy.app.version >= (5, 0, 0) else {}),
     "Coat Tint": (0.5, 0.6, 0.7, 1.0),
     "Emission Strength": 1.0,

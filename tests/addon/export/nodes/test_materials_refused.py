@@ -91,9 +91,11 @@ REFUSED = {
     "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
         t, node(t, "Value")
     ),
-    "Subsurface Scattering": lambda t: node(t, "SubsurfaceScattering"),
+    "Subsurface Scattering), method Christensen-Burley": lambda t: node(t, "SubsurfaceScattering", falloff="BURLEY"),
     "group 'Group', node 'Ray Portal BSDF'": inside_group,
-    "Principled BSDF), socket 'Subsurface Weight'": principled(Subsurface_Weight=0.5),
+    "Principled BSDF), method Christensen-Burley": lambda t: node(
+        t, "BsdfPrincipled", {"Subsurface Weight": 0.5}, subsurface_method="BURLEY"
+    ),
     **FILMS,
     "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),

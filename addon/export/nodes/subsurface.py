@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the methods of subsurface scattering mean, on the node of that name and in the Principled BSDF."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from ....lib.blender_versions import Versions
+from ....lib.scene import expressions as ex
+from ....lib.scene import materials as mt
+from ....lib.scene.converters import VectorMath
+from .shader_reader import ShaderReader
+from .tree import Scope
+
+# Before, Random Walk was what is called Random Walk (Legacy) since, and no method scattered backwards.
+_NEW_WALK = Versions("5.2")
+_SKIN = "RANDOM_WALK_SKIN"
+
+
+@dataclass(frozen=True)
+class Method:
+    """One method: the `mapping` to a medium (lib/scattering/subsurface.py), and the bounds of the anisotropy."""
+
+    mapping: str
+    least: float
+    most: float
+
+    @property
+    def is_skin(self) -> bool:
+        """Whether half of the light enters by the cosine, and the node's own index of subsurface scattering counts."""
+        return self.mapping == "SKIN"
+
+
+def read_method(reader: ShaderReader, node: bpy.types.Node, scope: Scope, name: str) -> Method | None:
+    """The method in the node's property `name`, as Cycles of this Blender takes it; None, and a refusal, for Christensen-Burley."""
+    identifier = getattr(node, name)
+    if identifier == "BURLEY":
+        reader.values.refuse(node, scope, ", method Christensen-Burley,", "choose Random Walk")
+        return None
+    new = bpy.app.version[:2] in _NEW_WALK
+    least, most = (-0.99, 0.9) if new else (0.0, 0.9)
+    if identifier == _SKIN:
+        return Method("SKIN", least, most)
+    return Method("VAN_DE_HULST", -0.99, 0.99) if new and identifier == "RANDOM_WALK" else Method("FITTED", least, most)
+
+
+def make_subsurface(
+    method: Method,
+    color: ex.Expression,
+    radius: ex.Expression,
+    scale: ex.Expression,
+    anisotropy: ex.Expression,
+    ior: ex.Expression,
+    alpha: ex.Expression,
+    normal: ex.Expression | None,
+) -> mt.Subsurface:
+    """The closure of a method; the product of `radius` and `scale` is in metres."""
+    bounded = ex.Math("MAXIMUM", anisotropy, ex.Constant(method.least), ex.ZERO)
+    bounded = ex.Math("MINIMUM", bounded, ex.Constant(method.most), ex.ZERO)
+    metres = VectorMath("SCALE", radius, ex.BLACK, ex.BLACK, scale)
+    return mt.Subsurface(color, metres, bounded, ior, alpha, method.mapping, method.is_skin, normal)

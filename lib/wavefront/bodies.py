@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The objects that light scatters inside of: each alone in a ray caster of its own, and what its surface does where light leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..errors import Refusal, Refused
+from ..scene.expressions import Expression
+from ..scene.materials import Diffuse, Material, Subsurface, WeightedClosure
+from ..scene.mesh import Mesh
+from .raycaster import Raycaster
+
+
+class Body:
+    """Embree over one object, in a frame of its own: what is small in a large scene is resolved as finely as it would be alone."""
+
+    def __init__(self, mesh: Mesh, number: int) -> None:
+        self._index = np.flatnonzero(mesh.object_index == number).astype(np.int32)
+        corners, triangles = np.unique(np.take(mesh.triangles, self._index, axis=1), return_inverse=True)
+        count = self._index.size
+        alone = Mesh(
+            np.take(mesh.vertices, corners, axis=1),
+            triangles.reshape(3, count).astype(np.int32),
+            np.take(mesh.material_index, self._index),
+            np.zeros(count, np.int32),
+            np.zeros(count, bool),
+            np.zeros((3, 3, 0), np.float32),
+            (mesh.objects[number],),
+        )
+        self._caster = Raycaster(alone)
+        low, high = alone.vertices.min(axis=1, keepdims=True), alone.vertices.max(axis=1, keepdims=True)
+        diagonal = np.linalg.norm(high - low)
+        self._low, self._high = low - diagonal, high + diagonal
+
+    def below(self, triangle: np.ndarray, position: np.ndarray, ng: np.ndarray) -> np.ndarray:
+        """The points `position` (3, n) of the object's faces, moved against `ng` by what float32 can resolve there."""
+        local = np.searchsorted(self._index, triangle)
+        return position - ng * np.take(self._caster.planes[4], local)
+
+    def is_far(self, position: np.ndarray) -> np.ndarray:
+        """Whether points (3, n) are farther from the object's bounds than it is large, (n,): light got out by an opening."""
+        return ((position < self._low) | (position > self._high)).any(axis=0)
+
+    def closest(
+        self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The first face within `reach` (n,): its triangle in the whole mesh, -1 for none, distance, u, v."""
+        hits = self._caster.closest(origin, direction, reach)
+        met = hits.triangle >= 0
+        return np.where(met, np.take(self._index, hits.triangle), np.int32(-1)), hits.distance, hits.u, hits.v
+
+
+def find_bodies(mesh: Mesh, materials: Sequence[Material]) -> dict[int, Body]:
+    """The body of each object that has a face under which light scatters, by the object's number."""
+    enters = np.array([any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in materials], bool)
+    return {int(k): Body(mesh, int(k)) for k in np.unique(mesh.object_index[enters[mesh.material_index]])}
+
+
+def exit_materials(materials: Sequence[Material]) -> tuple[list[Material], np.ndarray]:
+    """What faces do to light that leaves there, and which of it the faces of each material do, (materials,).
+
+    They are diffuse and white, about the normal that the closures of the material share. Raises Refused where these differ.
+    """
+    exits, numbers = [_white("", None)], []
+    for material in materials:
+        closures = [lobe.closure for lobe in material.lobes if isinstance(lobe.closure, Subsurface)]
+        normals = {id(closure.normal): closure.normal for closure in closures}
+        if len(normals) > 1:
+            what = "subsurface scattering by several closures with different normals"
+            raise Refused([Refusal(f"material '{material.name}'", what, "link the same Normal to all of them")])
+        normal = next(iter(normals.values()), None)
+        if normal is not None:
+            exits.append(_white(material.name, normal))
+        numbers.append(0 if normal is None else len(exits) - 1)
+    return exits, np.array(numbers, np.intp)
+
+
+def _white(name: str, normal: Expression | None) -> Material:
+    return Material(name, (WeightedClosure(Diffuse(normal=normal)),))

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage: subsurface scattering; at each hit a path scatters on the surface, or walks below it to where it leaves the object.
+
+Where a walk leaves, light is sampled and scattered as by a white diffuse surface, whatever material the face has: Cycles' model.
+Walk and exit together are one scattering of the path.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..sampling.sobol import RandomTile, SobolTile
+from ..sampling.streams import ENTER, ENTRY, WALK_KEY, walk_dimension
+from ..scattering.walk import Exits, Walks, walk
+from ..surfaces.subsurface import Entry, sample_entry
+from ..surfaces.surface import SurfacePoints
+from ..vectors import orthonormal_basis, to_local
+from .kernel import Kernel
+from .pass_through import Groups
+from .paths import Paths
+
+SHORT_WALKS = "short subsurface walks"
+"""The departure that ends walks after MOST_PATHS free paths."""
+MOST_PATHS = 256
+
+
+@dataclass(frozen=True)
+class Below:
+    """What becomes of the paths of one step.
+
+    `index` (k,) of those that scatter on the surface, their `groups`, and `share` (n,) of all paths that do. `paths`, `points`, `offset`
+    and `exit_groups` of those that left again, already weighed. `rays` that the walks traced.
+    """
+
+    index: np.ndarray
+    groups: Groups
+    share: np.ndarray
+    paths: Paths
+    points: SurfacePoints
+    offset: np.ndarray
+    exit_groups: Groups
+    rays: int
+
+
+def walk_below(
+    kernel: Kernel,
+    uniforms: SobolTile | RandomTile,
+    paths: Paths,
+    points: SurfacePoints,
+    groups: Groups,
+    step: int,
+) -> Below | None:
+    """Choose by what comes out which paths enter, and follow these until they leave; None where none can enter."""
+    if not any(kernel.materials[material].enters for material, _, _ in groups):
+        return None
+
+    def pair(decision: int) -> tuple[np.ndarray, np.ndarray]:
+        return uniforms.pair(walk_dimension(step, decision), paths.pixel, paths.sample)
+
+    entered = np.zeros(paths.size, bool)
+    share, parts = np.ones(paths.size), []
+    pick, _ = pair(ENTER)
+    turn = pair(ENTRY)
+    for material, a, b in groups:
+        if kernel.materials[material].enters:
+            here = points.part(a, b)
+            uses = tuple(u[a:b] for u in (pick, *turn))
+            entered[a:b], share[a:b], started = _enter(kernel, material, here, paths.throughput[:, a:b], *uses)
+            parts += [_from(one, a) for one in started]
+    walks = _joined(parts, points)
+    first, second = pair(WALK_KEY)
+    keys = (first * 2.0**32).astype(np.uint64) | (second * 2.0**32).astype(np.uint64) << np.uint64(32)
+    exits, rays = _follow(kernel, points, walks, keys)
+    index = np.flatnonzero(~entered)
+    counts = [(material, int(np.count_nonzero(~entered[a:b]))) for material, a, b in groups]
+    stops = np.cumsum([n for _, n in counts])
+    kept = [(material, int(stop - n), int(stop)) for (material, n), stop in zip(counts, stops, strict=True) if n]
+    return Below(index, kept, share, *_leave(kernel, paths, exits), rays)
+
+
+_Started = tuple[np.ndarray, np.ndarray, np.ndarray, object]
+"""Index of the points, directions into the body, throughput, medium."""
+
+
+def _enter(
+    kernel: Kernel,
+    material: int,
+    points: SurfacePoints,
+    throughput: np.ndarray,
+    pick: np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, list[_Started]]:
+    """Which points of one material light enters, (n,) bool, the chance that it does not, (n,), and the walks that begin."""
+    prepared = kernel.materials[material]
+    t, s = orthonormal_basis(points.n)
+    entries, site = prepared.entries(points, to_local(points.wo, t, s, points.n), t, s)
+    guesses = [entry.guess for entry in entries]
+    reflected = prepared.reflected_share(points)
+    total = np.sum(guesses, axis=0) + reflected
+    total = np.where(total > 0.0, total, 1.0)
+    chances = [guess / total for guess in guesses]
+    begin, entered, started = np.zeros(points.size), np.zeros(points.size, bool), []
+    for entry, chance in zip(entries, chances, strict=True):
+        index = np.flatnonzero((pick >= begin) & (pick < begin + chance))
+        begin = begin + chance
+        entered[index] = True
+        direction = sample_entry(entry, index, site, u1[index], u2[index])
+        started.append(_start(entry, index, direction, np.take(throughput, index, axis=1) / chance[index]))
+    return entered, np.where(reflected > 0.0, reflected / total, 1.0), started
+
+
+def _start(entry: Entry, index: np.ndarray, direction: np.ndarray, throughput: np.ndarray) -> _Started:
+    """The walks of one closure that lead below the face and carry anything."""
+    medium = entry.medium.at(index)
+    throughput = throughput * np.take(entry.weight, index, axis=1) * medium.scale
+    going = np.flatnonzero(direction.any(axis=0) & throughput.any(axis=0))
+    return (
+        index[going],
+        np.take(direction, going, axis=1),
+        np.take(throughput, going, axis=1),
+        medium.at(going),
+    )
+
+
+def _from(started: _Started, first: int) -> _Started:
+    """The same with points counted from `first` on."""
+    return (started[0] + first, *started[1:])
+
+
+def _joined(parts: list[_Started], points: SurfacePoints) -> Walks:
+    index = np.concatenate([part[0] for part in parts])
+    direction, throughput = (np.concatenate([part[k] for part in parts], axis=1) for k in (1, 2))
+    media = [vars(part[3]) for part in parts]
+    medium = type(parts[0][3])(*(np.concatenate([one[name] for one in media], axis=-1) for name in media[0]))
+    return Walks(index, np.take(points.position, index, axis=1), direction, throughput, medium)
+
+
+def _follow(kernel: Kernel, points: SurfacePoints, walks: Walks, keys: np.ndarray) -> tuple[list[Exits], int]:
+    """The walks inside each object to their ends, and the number of rays."""
+    most = MOST_PATHS if SHORT_WALKS in kernel.options.departures else None
+    triangle = np.take(points.triangle, walks.index)
+    owner = np.take(kernel.scene.mesh.object_index, triangle)
+    found, rays = [], 0
+    for number in np.unique(owner).tolist():
+        body = kernel.bodies[number]
+        index = np.flatnonzero(owner == number)
+        part = walks.at(index)
+        ng = np.take(points.ng, part.index, axis=1)
+        inside = Walks(
+            part.index, body.below(triangle[index], part.origin, ng), part.direction, part.throughput, part.medium
+        )
+        exits, traced = walk(body.closest, body.is_far, inside, keys[part.index], most)
+        found.append(exits)
+        rays += traced
+    return found, rays
+
+
+def _leave(kernel: Kernel, paths: Paths, parts: list[Exits]) -> tuple[Paths, SurfacePoints, np.ndarray, Groups]:
+    """Paths at the faces where they leave, sorted by what these do to them."""
+    names = ("index", "triangle", "u", "v", "position", "direction", "throughput")
+    empty = (np.empty(0, np.intp), np.empty(0, np.int32), *(np.empty(0),) * 2, *(np.empty((3, 0)),) * 3)
+    index, triangle, u, v, position, direction, throughput = (
+        np.concatenate([nothing, *(getattr(part, name) for part in parts)], axis=-1)
+        for name, nothing in zip(names, empty, strict=True)
+    )
+    exit_of = np.take(kernel.exit_of, np.take(kernel.material_of, triangle))
+    order = np.argsort(exit_of, kind="stable")
+    leaving = paths.take(index[order])
+    leaving.throughput = np.take(throughput, order, axis=1)
+    direction = np.take(direction, order, axis=1)
+    placed, ng, offset = kernel.caster.on_plane(triangle[order], np.take(position, order, axis=1))
+    # The viewer is where the walk leads to, so that normals point out of the body.
+    points = SurfacePoints(
+        kernel.tables, triangle[order], u[order].astype(np.float64), v[order].astype(np.float64), placed, ng, direction
+    )
+    materials, starts, counts = np.unique(exit_of[order], return_index=True, return_counts=True)
+    groups = [(int(m), int(a), int(a + n)) for m, a, n in zip(materials, starts, counts, strict=True)]
+    return leaving, points, offset, groups
