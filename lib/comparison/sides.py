@@ -26,8 +26,15 @@ class Renderer(Protocol):
     pixels, whose numbers divide its own; `with_passes` one whose images come with light passes.
     """
 
-    name: str
-    settings: dict[str, Any]
+    @property
+    def name(self) -> str:
+        """What the report calls it."""
+        ...
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What the report prints."""
+        ...
 
     def render(
         self,
@@ -41,9 +48,11 @@ class Renderer(Protocol):
 
     def at_size(self, width: int, height: int) -> Renderer:
         """The same view on a smaller raster."""
+        ...
 
     def with_passes(self, passes: Sequence[Part]) -> Renderer:
         """The same, with light passes."""
+        ...
 
 
 @dataclass(eq=False)

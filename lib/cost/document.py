@@ -92,7 +92,7 @@ def _way(measurement: Measurement, m: Measured, extras: Extras) -> dict[str, Any
         "stages": [asdict(stage) for stage in stages(m, extras.plan)],
         "efficiency": {name: asdict(efficiency(m, name)) for name in MEASURES},
         "ratio_to_cycles": {name: asdict(ratio(m, baseline, name)) for name in MEASURES} if baseline else None,
-        "to_error": [_forecast(forecast(m, target)) for target in extras.targets],
+        "to_error": [_forecast(told) for target in extras.targets if (told := forecast(m, target)) is not None],
     }
 
 

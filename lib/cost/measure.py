@@ -138,7 +138,7 @@ def measure(
     stopped = Stop.SAMPLES
     measured = [Measured(way) for way in ways]
     try:
-        entries = _first_calls(run, measured, (best, *first))
+        entries = _first_calls(run, FIRST_SHARE * budget, measured, (best, *first))
         leader = next(e for e in entries if e.measured.way.key == best)
         truth, yardstick = _truth(run, leader, pairs, truth_share * budget)
         if _levels(run, entries, (best, *first), yardstick, pairs, most_samples):
@@ -153,11 +153,14 @@ def measure(
     )
 
 
-def _first_calls(run: TimedRun, measured: list[Measured], first: tuple[str, ...]) -> list[_Entry]:
-    """Build every renderer and call it once: what that takes longer than later calls belongs to the setup."""
+def _first_calls(run: TimedRun, limit: float, measured: list[Measured], first: tuple[str, ...]) -> list[_Entry]:
+    """Build every renderer and call it once: what that takes longer than later calls belongs to the setup.
+
+    The first is built in any case, the others within `limit` seconds from the start of the run.
+    """
     entries = []
     for m in sorted(measured, key=lambda m: (m.way.key != first[0], m.way.key not in first)):
-        if entries and run.elapsed > FIRST_SHARE * run.budget:
+        if entries and run.elapsed > limit:
             m.missing = "no time left to begin with it"
             continue
         start = time.monotonic()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 
@@ -33,8 +34,8 @@ class Moments:
 
     def part(self, rows: slice) -> Moments:
         """The moments of some of the entries along the first axis, as views."""
-        n, times = (one if np.ndim(one) == 0 else one[rows] for one in (self.n, self.times))
-        return Moments(n, self.mean[rows], self.m2[rows], times)
+        times = None if self.times is None else _rows(self.times, rows)
+        return Moments(_rows(self.n, rows), self.mean[rows], self.m2[rows], times)
 
     @property
     def most(self) -> int:
@@ -56,6 +57,12 @@ class Moments:
         """Degrees of freedom of `variance`, one less than there are observations, in a shape that broadcasts against the mean."""
         return self._spread_out(self.n if self.times is None else self.times) - 1
 
+    @overload
+    def _spread_out(self, counts: np.ndarray) -> np.ndarray: ...
+    @overload
+    def _spread_out(self, counts: int) -> int: ...
+    @overload
+    def _spread_out(self, counts: int | np.ndarray) -> int | np.ndarray: ...
     def _spread_out(self, counts: int | np.ndarray) -> int | np.ndarray:
         if not isinstance(counts, np.ndarray):
             return counts
@@ -84,16 +91,16 @@ class Moments:
         if weight != 1 and self.times is None:
             self.times = np.copy(self.n) if isinstance(self.n, np.ndarray) else self.n
         if where is not None:
-            self.n = _counted(self.n, where, weight)
+            self.n = counts = _counted(self.n, where, weight)
             self.times = None if self.times is None else _counted(self.times, where, 1)
-            self._update(where, values[where], self.count[where], weight)
+            self._update(where, values[where], self._spread_out(counts)[where], weight)
             return
         self.n = self.n + weight
         self.times = None if self.times is None else self.times + 1
         rows = max(_AT_A_TIME // max(values[:1].size, 1), 1)
         for start in range(0, len(values), rows):
             part = slice(start, start + rows)
-            self._update(part, values[part], self.count if np.ndim(self.n) == 0 else self.count[part], weight)
+            self._update(part, values[part], _rows(self.count, part), weight)
 
     def _update(self, part: slice | np.ndarray, values: np.ndarray, n: int | np.ndarray, weight: int) -> None:
         delta = values - self.mean[part]
@@ -103,9 +110,14 @@ class Moments:
         self.m2[part] += delta
 
 
+def _rows(counts: int | np.ndarray, rows: slice) -> int | np.ndarray:
+    """`counts` of some of the entries along the first axis."""
+    return counts[rows] if isinstance(counts, np.ndarray) else counts
+
+
 def _counted(counts: int | np.ndarray, where: np.ndarray, by: int) -> np.ndarray:
     """`counts` of each entry, raised `by` so much `where` it was observed."""
-    each = np.full(where.shape, counts, np.int32) if np.ndim(counts) == 0 else counts
+    each = counts if isinstance(counts, np.ndarray) else np.full(where.shape, counts, np.int32)
     each[where] += by
     return each
 

@@ -50,7 +50,9 @@ class Regions:
     @cached_property
     def inside(self) -> sparse.csr_array:
         """Which regions (columns) lie in each region (rows), (K, K) of 0 and 1: no pixel of theirs is without its weight there."""
-        shown, whole = (self.weights > 0).astype(float), np.asarray(self.weights.sum(axis=1)).ravel()
+        # SciPy's types take what comparing a sparse array gives for one bool.
+        shown = (self.weights > 0).astype(float)  # pyright: ignore[reportAttributeAccessIssue]
+        whole = np.asarray(self.weights.sum(axis=1)).ravel()
         common = sparse.coo_array(shown @ self.weights.T)
         row, column = common.coords
         kept = common.data >= whole[column] * (1.0 - 1e-9)
@@ -120,10 +122,10 @@ def image_regions(
 def _checked(name: str, weights: np.ndarray | sparse.sparray, height: int, width: int) -> sparse.coo_array:
     """The coverage of what is called `name`; raises EtalonError for another size, negative or non-finite weights."""
     weights = sparse.coo_array(weights, dtype=float)
-    if weights.shape != (height, width):
-        raise EtalonError(
-            f"{name}: its coverage is {weights.shape[1]} x {weights.shape[0]} pixels, the image {width} x {height}"
-        )
+    given = tuple(weights.shape or ())
+    if given != (height, width):
+        pixels = " x ".join(map(str, reversed(given)))
+        raise EtalonError(f"{name}: its coverage is {pixels} pixels, the image {width} x {height}")
     if not np.isfinite(weights.data).all() or (weights.data < 0).any():
         raise EtalonError(f"{name}: its coverage has negative or non-finite weights")
     return weights

@@ -36,7 +36,7 @@ def directional_albedo(cos_o: np.ndarray, alpha: float | np.ndarray) -> np.ndarr
 
 def average_albedo(alpha: float | np.ndarray) -> np.ndarray:
     """Integral of 2 mu E(mu, alpha) over mu in [0, 1], shaped as `alpha`, to 1e-5: what is left of diffuse light."""
-    return np.interp(alpha, np.linspace(0.0, 1.0, _CELLS + 1), _average())
+    return np.asarray(np.interp(alpha, np.linspace(0.0, 1.0, _CELLS + 1), _average()))
 
 
 def directional_albedo_cycles(cos_o: np.ndarray, alpha: float | np.ndarray, power: int = 1) -> np.ndarray:

@@ -65,7 +65,7 @@ def tabulate_albedo(reflectance: Callable[[np.ndarray], np.ndarray]) -> np.ndarr
     return _tabulated(lambda mu, alpha: integrate_albedo(mu, alpha, reflectance=reflectance))
 
 
-def read_albedo(table: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+def read_albedo(table: np.ndarray, cos_o: np.ndarray, alpha: float | np.ndarray) -> np.ndarray:
     """A table over roughness sqrt(alpha) and the root of the cosine, bilinear, (n,); `cos_o` (n,), `alpha` () or (n,), in [0, 1]."""
     column = np.sqrt(np.clip(cos_o, 0.0, 1.0)) * _CELLS
     row = np.broadcast_to(np.sqrt(alpha), column.shape) * _CELLS

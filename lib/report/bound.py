@@ -20,8 +20,11 @@ _PLURALS = {"facing": "facing bands"}
 
 def both_names(comparison: Comparison) -> tuple[str, str]:
     """The candidate and the reference, as sentences call them."""
-    sides = comparison.candidate, comparison.reference
-    return tuple(f"the {s.name}" if s.name == "reference" else s.name for s in sides)
+    candidate, reference = (
+        f"the {side.name}" if side.name == "reference" else side.name
+        for side in (comparison.candidate, comparison.reference)
+    )
+    return candidate, reference
 
 
 def bound_title(comparison: Comparison) -> str:

@@ -28,15 +28,13 @@ def is_shown(explanation: Explanation, departure: int) -> bool:
     return explanation.roles[departure] in (Role.CAUSE, Role.PARTIAL, Role.SMALL)
 
 
-def strongest(comparison: Comparison, departure: int) -> int:
-    """The region for which the share of a departure, by its number, is given.
+def strongest(comparison: Comparison, shares: Shares | None) -> int:
+    """The region for which the shares of a departure, or of what is named, are given.
 
-    That is where it is known best, among the regions that differ; where it was not rendered, or nothing differs, the first.
+    That is where they are known best, among the regions that differ, those without an explanation if there are any; the first, where
+    nothing was rendered or nothing differs.
     """
-    why = comparison.explanation
-    if why.shares[departure] is None:
-        return 0
-    return clearest(why.shares[departure], _differs(comparison))
+    return 0 if shares is None else clearest(shares, _differs(comparison))
 
 
 def proof_seconds(comparison: Comparison) -> float:
@@ -63,11 +61,6 @@ def cause_sentences(comparison: Comparison) -> list[str]:
     return [*said, *(f"{name}: {number[name].statement}" for name in (*apart, *why.named))]
 
 
-def headline(comparison: Comparison) -> int:
-    """The region for which the share of what is named is given: the one where it is known best, of those that differ."""
-    return clearest(comparison.explanation.of_named, _differs(comparison))
-
-
 def _differs(comparison: Comparison) -> np.ndarray:
     """The regions (N,) that differ; those without an explanation, if there are any."""
     outcomes = comparison.verdict.outcomes
@@ -92,7 +85,9 @@ def _differ(count: int) -> str:
 
 
 def _of_named(comparison: Comparison, why: Explanation, shown: bool) -> str:
-    return share_text(comparison, why.of_named, headline(comparison), shown)
+    if why.of_named is None:
+        raise ValueError("no departure is named, so there is no share to tell")
+    return share_text(comparison, why.of_named, strongest(comparison, why.of_named), shown)
 
 
 def _rivals(why: Explanation) -> list[str]:
@@ -112,7 +107,7 @@ def _cause(comparison: Comparison, why: Explanation) -> list[str]:
 
 
 def _partial(comparison: Comparison, why: Explanation) -> list[str]:
-    left, k = len(unexplained(comparison)), headline(comparison)
+    left, k = len(unexplained(comparison)), strongest(comparison, why.of_named)
     one = len(why.named) == 1
     channel = int(worst_channel(why.rest[k]))
     over = f"{format_percent(why.rest[k, channel])} is left over there, in {'RGB'[channel]}"
@@ -180,8 +175,8 @@ def _ruled_out(comparison: Comparison, why: Explanation) -> list[str]:
 def _contradictions(comparison: Comparison, why: Explanation) -> list[str]:
     """Why a departure whose share is near 1 somewhere is not the whole cause: where its share is shown to be another."""
     said = []
-    for k, (departure, shares) in enumerate(zip(why.departures, why.shares, strict=True)):
-        if shares is None or not BAND[0] <= shares.value[fits := strongest(comparison, k)] <= BAND[1]:
+    for departure, shares in zip(why.departures, why.shares, strict=True):
+        if shares is None or not BAND[0] <= shares.value[fits := strongest(comparison, shares)] <= BAND[1]:
             continue
         off = shares.off & _differs(comparison)
         if off.any():
@@ -205,12 +200,12 @@ def _estimates(comparison: Comparison, why: Explanation) -> str:
 
     def size(k: int) -> float:
         shares = why.shares[k]
-        return -1.0 if shares is None else float(np.nan_to_num(abs(shares.value[strongest(comparison, k)])))
+        return -1.0 if shares is None else float(np.nan_to_num(abs(shares.value[strongest(comparison, shares)])))
 
     said = []
     for k in sorted(range(len(why.departures)), key=size, reverse=True):
         name, shares = why.departures[k].name, why.shares[k]
-        known = shares and share_text(comparison, shares, strongest(comparison, k), is_shown(why, k))
+        known = shares and share_text(comparison, shares, strongest(comparison, shares), is_shown(why, k))
         said.append(f"{name}: {known or 'not measured'}")
     return "; ".join(said) + "."
 

@@ -16,7 +16,7 @@ from ..relative import worst_channel
 from ..verdict.causes import Shares, State
 from ..verdict.outcome import Outcome
 from .bound import level_names
-from .causes import cause_sentences, headline, is_shown, proof_seconds, strongest, unexplained
+from .causes import cause_sentences, is_shown, proof_seconds, strongest, unexplained
 from .passes import pass_figures
 from .summary import summarize
 from .words import forecast_seconds, sentences
@@ -171,7 +171,7 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
 def _reason(comparison: Comparison, k: int) -> str | None:
     """What the difference of region k is put down to; None where it is not shown to differ."""
     outcome, why = comparison.verdict.outcomes[k], comparison.explanation
-    if outcome is Outcome.EXPLAINED:
+    if outcome is Outcome.EXPLAINED and why is not None:
         return "scene" if why.rounded[k] else "departures"
     return "unexplained" if outcome is Outcome.DIFFERENT else None
 
@@ -197,7 +197,7 @@ def _attribution(comparison: Comparison) -> dict[str, Any] | None:
         return None
     if why is None:
         return {**dict.fromkeys(_ATTRIBUTION), "state": "not searched", "named": [], "rivals": [], "sentences": said}
-    k = headline(comparison) if why.of_named is not None else None
+    k = None if why.of_named is None else strongest(comparison, why.of_named)
     proof = None
     if why.state is State.LIKELY:
         proof = {"factor": why.proof, "seconds": proof_seconds(comparison)}
@@ -227,7 +227,8 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
         return found
     for k, departure in enumerate(why.departures):
         explained = [i for i, causes in enumerate(why.causes) if departure.name in causes]
-        where, shares = strongest(comparison, k), why.shares[k]
+        shares = why.shares[k]
+        where = strongest(comparison, shares)
         channel = int(worst_channel(why.effect[k, where]))
         found.append(
             {
@@ -242,6 +243,7 @@ def _departures(comparison: Comparison) -> list[dict[str, Any]]:
                 "regions": [
                     {"region": i, "kind": regions.kinds[i], "name": regions.names[i], "share": shares.value[i]}
                     for i in explained
+                    if shares is not None
                 ],
             }
         )

@@ -46,20 +46,21 @@ def draw_passes(comparison: Comparison, least: int, most: int, limit: float) -> 
 
 
 def _draw(comparison: Comparison, name: Part, step: int, limit: float) -> PassPicture:
-    moments = tuple(side.pass_films[name] for side in (comparison.reference, comparison.candidate))
-    means = tuple(np.where(comparison.left_out[..., None], np.nan, one.mean) for one in moments)
-    images = [averaged(mean, step) for mean in means]
-    exposure = round(2 * middle_exposure(images[0])) / 2
-    difference = relative_difference(images[1] - images[0], images[0], comparison.verdict.floor)
-    drawn = [
-        *(srgb8(image, exposure) for image in images),
-        signed8(np.clip(difference, -limit, limit).mean(axis=2), limit),
-    ]
-    hatch = np.isnan(images[0]).any(axis=2) | np.isnan(images[1]).any(axis=2)
+    moments = comparison.reference.pass_films[name], comparison.candidate.pass_films[name]
+    left_out = comparison.left_out[..., None]
+    means = np.where(left_out, np.nan, moments[0].mean), np.where(left_out, np.nan, moments[1].mean)
+    reference, candidate = averaged(means[0], step), averaged(means[1], step)
+    exposure = round(2 * middle_exposure(reference)) / 2
+    difference = relative_difference(candidate - reference, reference, comparison.verdict.floor)
+    hatch = np.isnan(reference).any(axis=2) | np.isnan(candidate).any(axis=2)
     return PassPicture(
         str(name),
         exposure,
-        tuple(pack_floats(image) for image in images),
+        (pack_floats(reference), pack_floats(candidate)),
         pack(code_significances(pixel_significances(means, moments, step))),
-        tuple(write_shot(hatched(image, hatch)) for image in drawn),
+        (
+            write_shot(hatched(srgb8(reference, exposure), hatch)),
+            write_shot(hatched(srgb8(candidate, exposure), hatch)),
+            write_shot(hatched(signed8(np.clip(difference, -limit, limit).mean(axis=2), limit), hatch)),
+        ),
     )

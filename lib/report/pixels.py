@@ -30,8 +30,13 @@ def averaged(image: np.ndarray, step: int) -> np.ndarray:
 
 def _pixels(image: np.ndarray, step: int) -> np.ndarray:
     """How many pixels of an image each mean of `averaged` has, as (rows, columns, 1)."""
-    rows, columns = (np.diff(np.append(np.arange(0, size, step), size)) for size in image.shape[:2])
+    rows, columns = (_steps(size, step) for size in image.shape[:2])
     return (rows[:, None] * columns)[..., None]
+
+
+def _steps(size: int, step: int) -> np.ndarray:
+    """How many of `size` pixels each step has."""
+    return np.diff(np.append(np.arange(0, size, step), size))
 
 
 def pixel_significances(

@@ -88,9 +88,10 @@ def next_step(comparison: Comparison) -> str:
         return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
     if verdict.outcome is Outcome.EQUIVALENT:
         return "Next: nothing is left to do."
-    if verdict.outcome is Outcome.EXPLAINED:
-        names = comparison.explanation.chosen
-        if comparison.explanation.rounded.any():
+    why = comparison.explanation
+    if verdict.outcome is Outcome.EXPLAINED and why is not None:
+        names = why.chosen
+        if why.rounded.any():
             return (
                 f"Next: change the scene where the scene check says so; it explains the difference ({listed(names)})."
             )

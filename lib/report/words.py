@@ -37,8 +37,9 @@ def title(comparison: Comparison) -> str:
     if verdict.outcome is Outcome.DIFFERENT:
         most = f"; nowhere by more than {format_bound(verdict.bound)}" if np.isfinite(verdict.bound) else ""
         return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {plural(total, 'region')}{most}."
-    if verdict.outcome is Outcome.EXPLAINED:
-        causes = comparison.explanation.chosen
+    why = comparison.explanation
+    if verdict.outcome is Outcome.EXPLAINED and why is not None:
+        causes = why.chosen
         known = "a known departure is" if len(causes) == 1 else "known departures are"
         return f"{names[0]} differs from {names[1]}, and {known} sufficient to explain it: {listed(causes)}."
     return bound_title(comparison)

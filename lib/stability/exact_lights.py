@@ -57,7 +57,7 @@ def uniform_disk(u1: mpf, u2: mpf) -> Values:
 def uniform_sphere(u1: mpf, u2: mpf) -> Values:
     """Angle 2 pi u1, cosine 1 - 2 u2."""
     radius = 2 * mp.sqrt(u2 * (1 - u2))
-    return radius * mp.cospi(2 * u1), radius * mp.sinpi(2 * u1), 1 - 2 * u2
+    return radius * mp.cospi(2 * u1), radius * mp.sinpi(2 * u1), mpf(1) - 2 * u2
 
 
 def point_light(x: mpf, y: mpf, z: mpf) -> Values:

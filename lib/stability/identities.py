@@ -148,7 +148,8 @@ def _weights(
     u1, u2 = _square(160)
     for alpha_x, alpha_y in (*_AXES[1:5], (1.0, 0.05)):
         for theta in _VIEWS:
-            lobe = MicrofacetReflection(_at(theta, u1.size), alpha_x, alpha_y, distribution, form, strategy)
+            alphas = np.asarray(alpha_x), np.asarray(alpha_y)
+            lobe = MicrofacetReflection(_at(theta, u1.size), *alphas, distribution, form, strategy)
             wi, weight, pdf = lobe.sample(u1, u2)
             yield alpha_x, alpha_y, theta, (wi, weight[0], pdf)
 
@@ -185,9 +186,9 @@ def _into_the_mirror(distribution: Distribution) -> Found:
     u1, u2 = _square(200)
     for theta in _VIEWS[:-1]:
         wo = _at(theta, u1.size)
-        wi, weight, _ = MicrofacetReflection(wo, _SPECULAR, _SPECULAR, distribution, "correlated", "visible").sample(
-            u1, u2
-        )
+        alpha = np.asarray(_SPECULAR)
+        lobe = MicrofacetReflection(wo, alpha, alpha, distribution, "correlated", "visible")
+        wi, weight, _ = lobe.sample(u1, u2)
         mirrored = wo[:, 0] * np.array([-1.0, -1.0, 1.0])
         yield float(np.abs((wi * weight).mean(axis=1) - mirrored).max()), f"{np.degrees(theta):g} degrees"
 
@@ -198,7 +199,8 @@ def _furnace() -> Found:
     u2, crowd = 1.0 - (1.0 - v) ** 3, 3.0 * (1.0 - v) ** 2
     for alpha in (0.05, 0.3, 1.0):
         for theta in np.radians([0.0, 45.0, 80.0, 89.0]):
-            lobe = MicrofacetReflection(_at(theta, u1.size), alpha, alpha, GGX(), "correlated", "visible")
+            alphas = np.asarray(alpha), np.asarray(alpha)
+            lobe = MicrofacetReflection(_at(theta, u1.size), *alphas, GGX(), "correlated", "visible")
             exact = integrate_albedo(np.array([np.cos(theta)]), np.array([alpha]), 60, 40)[0]
             error = abs(float((lobe.sample(u1, u2)[1][0] * crowd).mean()) - exact)
             yield error, f"alpha {alpha:g}, {np.degrees(theta):g} degrees"

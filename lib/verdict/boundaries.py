@@ -100,8 +100,8 @@ class _State:
 @lru_cache(maxsize=256)
 def _look(level: float, looks: tuple[tuple[float, float], ...]) -> _State:
     """The state after the last of `looks`."""
-    before, time = (_look(level, looks[:-1]), looks[-2][0]) if len(looks) > 1 else (_START, 0.0)
-    replicates, share = looks[-1]
+    *earlier, (replicates, share) = looks
+    before, time = (_look(level, tuple(earlier)), earlier[-1][0]) if earlier else (_START, 0.0)
     scale, step = np.sqrt(replicates), np.sqrt(replicates - time)
     z = _rejecting(before, scale, step, level * share)
     points = np.linspace(-_REACH, z, _POINTS) * scale

@@ -57,8 +57,8 @@ def combine(
     scale = np.where(noisy, total, 1.0)
     # Without noise each has an equal share.
     shares = [np.where(noisy, v / scale, 1.0 / len(parts)) for v in variances]
-    df = 1.0 / sum(share * share / part.df for share, part in zip(shares, parts, strict=True))
-    return Combination(value, np.sqrt(total), df)
+    inverses = [share * share / part.df for share, part in zip(shares, parts, strict=True)]
+    return Combination(value, np.sqrt(total), 1.0 / sum(inverses[1:], inverses[0]))
 
 
 def tolerance_ends(

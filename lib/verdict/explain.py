@@ -57,7 +57,10 @@ def explain(
         named=_ordered(search, named),
         chosen=_ordered(search, chosen),
         complete=search.complete
-        or (rounded.any() and all(bool(names) for names, open_ in zip(causes, search.wanted, strict=True) if open_)),
+        or (
+            bool(rounded.any())
+            and all(bool(names) for names, open_ in zip(causes, search.wanted, strict=True) if open_)
+        ),
         causes=tuple(_ordered(search, names) for names in causes),
         rounded=rounded,
         roles=tuple(roles[name] for name in search.names),

@@ -85,7 +85,7 @@ def standardize(series: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return (series - middle) * np.sqrt(weights)
 
 
-def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray, level: float) -> np.ndarray:
+def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray | float, level: float) -> np.ndarray:
     """The relative difference (K,) that samples worth `worth` means or fewer may hide from regions of so many `samples` (K,) in all.
 
     `level` is the probability of missing more. Infinite where there is no sample.
