@@ -84,7 +84,8 @@ def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:
     channels = []
     for value in scouted.value[:, seen]:
         each = sparse.csr_array((value, (pixel, batch)), shape=(pixels, scouted.batches))
-        means = (regions.weights @ each).toarray() / sizes
+        # SciPy's types take the product of two sparse arrays for a dense one.
+        means = (regions.weights @ each).toarray() / sizes  # pyright: ignore[reportAttributeAccessIssue]
         error = means.std(axis=1, ddof=1) / np.sqrt(scouted.batches)
         unmet = UNMET * (value.mean() if value.size else 0.0) / (sizes[:, 0] * scouted.batches)
         channels.append(means.mean(axis=1) + STANDARD_ERRORS * error + unmet)

@@ -142,7 +142,7 @@ def compare(
             loop.test_regions()
             loop.begin_main_run()
             loop.narrow()
-    return loop.conclude(divisor)
+    return loop.conclude(loop.stopped, divisor)
 
 
 class _Loop:
@@ -204,7 +204,8 @@ class _Loop:
         # The regions (K,) that are sampled on; None: all.
         self._wanted: np.ndarray | None = None
         self._is_last = False
-        self._regions = image_regions(*self._left_out.shape, self._coverage, layout.blocks, self._compared)
+        height, width = self._left_out.shape
+        self._regions = image_regions(height, width, self._coverage, layout.blocks, self._compared)
         self._caustics = caustics_in(self._scouted, self._regions) if self._scouted is not None else None
         reference, candidate = (
             Side.empty(renderer, self._regions, samples, self._asked)
@@ -274,8 +275,8 @@ class _Loop:
         self._test.fix_floor(of_reference)
         self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light())
         if self._pass_test is not None:
-            sides = tuple(side.passes for side in self._sides)
-            self._pass_test.look(*sides, self._layout.samples, self._test.floor, self._is_last)
+            passes = self._sides[0].passes, self._sides[1].passes
+            self._pass_test.look(*passes, self._layout.samples, self._test.floor, self._is_last)
         bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)
         self._meter.progress.tell(_describe(bound))
@@ -294,7 +295,7 @@ class _Loop:
     def _room_for_rare_light(self) -> np.ndarray:
         """The relative difference (K,) that light may make which no sample has met."""
         cells = self._regions.families == self._regions.families.max()
-        worth, least = 0.0, np.inf
+        worth, least = 0.0, np.full(len(self._regions), np.inf)
         for side in self._sides:
             samples = side.regions.sizes * side.film.samples
             tails = describe_tails(side.regions.series[:, cells], samples[cells], side.regions.weights)
@@ -309,10 +310,10 @@ class _Loop:
 
     def begin_main_run(self) -> None:
         """After the first look: begin anew with larger replicates and finer grids, or go on with the first look as it is."""
-        if not self._is_first or self.stopped is not None:
+        if self._timings is None or not self._is_first or self.stopped is not None:
             return
         self._is_first = False
-        sides = tuple(side.regions for side in self._sides)
+        sides = self._sides[0].regions, self._sides[1].regions
         left = self._meter.left - (self._meter.seconds_aside or 0.0)
         options = self._options
         layout = main_layout(
@@ -348,7 +349,7 @@ class _Loop:
         self._wanted, self._windows = wanted, windows
         self._meter.mark(self._sides[1].replicates)
 
-    def conclude(self, divisor: int) -> Comparison:
+    def conclude(self, stopped: Stop, divisor: int) -> Comparison:
         """The verdict, and all that it rests on."""
         nonfinite = {side.name: int((side.film.nonfinite > 0).sum()) for side in self._sides}
         explanation = conclude_causes(self._search, self._test, self._sides) if self._seeks_causes else None
@@ -363,7 +364,7 @@ class _Loop:
             excluded=self._excluded,
             verdict=verdict,
             explanation=explanation,
-            stopped=self.stopped,
+            stopped=stopped,
             started=self._started,
             seconds=self._meter.elapsed,
             pilot_seconds=self._pilot_seconds,

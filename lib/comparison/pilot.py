@@ -74,7 +74,7 @@ def time_calls(renderers: tuple[Renderer, Renderer], run: TimedRun) -> tuple[Tim
             number += 1
             _, spent = run.render(renderer, FIRST_CALLS.number(number), samples)
             timings.add(samples, spent)
-            if STEP * spent > CALL_SHARE * run.budget or samples >= PILOT_SAMPLES:
+            if STEP * spent > run.share(CALL_SHARE) or samples >= PILOT_SAMPLES:
                 break
             samples *= STEP
         number += 1
@@ -89,7 +89,7 @@ def coarse_grid(height: int, width: int) -> int:
 
 def first_layout(shape: tuple[int, int], timings: tuple[Timings, Timings], run: TimedRun) -> Layout:
     """The first look: as many samples, a power of two, as FIRST_LOOK replicates can have in its time; 1 at least."""
-    seconds = min(FIRST_SHARE * run.budget, FIRST_SECONDS) / FIRST_LOOK
+    seconds = min(run.share(FIRST_SHARE), FIRST_SECONDS) / FIRST_LOOK
     costs = [one.cost for one in timings]
     samples = 1
     while 2 * samples <= MOST_SAMPLES and sum(cost.seconds(2 * samples) for cost in costs) <= seconds:
@@ -111,17 +111,17 @@ def main_layout(
     `limits` are the seconds that are left, and the most replicates if there is such a limit; `level` is the error of one region's test.
     """
     left, most = limits
-    costs = tuple(one.cost for one in timings)
+    costs = timings[0].cost, timings[1].cost
     noises = [relative_variances(side, samples) for side, samples in zip(sides, first.samples, strict=True)]
-    means = [float(np.nanmean(noise)) if np.isfinite(noise).any() else 0.0 for noise in noises]
-    samples = allocate(left, costs, tuple(means), most)
+    of_reference, of_candidate = (float(np.nanmean(n)) if np.isfinite(n).any() else 0.0 for n in noises)
+    samples = allocate(left, costs, (of_reference, of_candidate), most)
     replicates = left / max(sum(cost.seconds(n) for cost, n in zip(costs, samples, strict=True)), 1e-9)
     replicates = min(replicates, most or np.inf)
     if replicates < min(FIRST_LOOK, most or np.inf) or replicates * sum(samples) < WORTHWHILE * FIRST_LOOK * sum(
         first.samples
     ):
         return None
-    variance = sum(noise / (replicates * n) for noise, n in zip(noises, samples, strict=True))
+    variance = noises[0] / (replicates * samples[0]) + noises[1] / (replicates * samples[1])
     blocks = choose_grids(first.blocks[0], variance, tolerance / float(-ndtri(level)))
     return Layout(samples, blocks, count_looks(int(FOCUS_GAIN * replicates)))
 

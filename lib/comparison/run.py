@@ -46,6 +46,10 @@ class TimedRun:
         """The share of the budget that is spent, at most 1; 0 without a budget."""
         return min(self.elapsed / self.budget, 1.0) if self.budget else 0.0
 
+    def share(self, part: float) -> float:
+        """Seconds of that `part` of the budget, infinite without one."""
+        return float("inf") if self.budget is None else part * self.budget
+
     def render(
         self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None = None
     ) -> tuple[Rendering, float]:

@@ -43,7 +43,7 @@ def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: Ti
 
     seconds(FEW, 0)  # sets things up
     few = seconds(FEW, 1)
-    if pixels <= SMALL and FIRST_LOOK * sum(few) * small**2 <= FIRST_SHARE * run.budget:
+    if pixels <= SMALL and FIRST_LOOK * sum(few) * small**2 <= run.share(FIRST_SHARE):
         return 1  # even if all of a call's time went by pixels
     costs = [fit_cost([FEW, MORE], list(pair)) for pair in zip(few, seconds(MORE, 2), strict=True)]
     fixed, per_sample = sum(cost.fixed for cost in costs), sum(cost.per_sample for cost in costs) * small**2
@@ -52,7 +52,7 @@ def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: Ti
         of_pixels = per_sample / divisor**2
         # Where a call's fixed part is more than its pixels', fewer pixels gain little.
         small_enough = pixels / divisor**2 <= least or (least == TINY and of_pixels <= fixed)
-        return small_enough or replicates * (fixed + of_pixels) <= share * run.budget
+        return small_enough or replicates * (fixed + of_pixels) <= run.share(share)
 
     enough = next((d for d in divisors if fits(d, REPLICATES, SHARE, SMALL)), divisors[-1])
     return next((d for d in divisors if d >= enough and fits(d, FIRST_LOOK, FIRST_SHARE, TINY)), divisors[-1])
