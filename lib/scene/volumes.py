@@ -39,12 +39,14 @@ class Volume:
     @property
     def scattering(self) -> Color:
         """What all phases scatter, 1/m."""
-        return tuple(sum((phase.scattering[k] for phase in self.phases), 0.0) for k in range(3))
+        red, green, blue = (sum((phase.scattering[k] for phase in self.phases), 0.0) for k in range(3))
+        return red, green, blue
 
     @property
     def extinction(self) -> Color:
         """What is absorbed or scattered, 1/m."""
-        return tuple(a + s for a, s in zip(self.absorption, self.scattering, strict=True))
+        red, green, blue = (a + s for a, s in zip(self.absorption, self.scattering, strict=True))
+        return red, green, blue
 
     @property
     def is_empty(self) -> bool:

@@ -163,8 +163,8 @@ def _probe(asked: str, program: str, script: Path, modules: dict[str, str], tell
     if answer["missing"]:
         packages = install_packages(asked, answer["python"], tell)
         answer = _answer(command, {"probe": list(modules.values()), "packages": packages})
-        missing = answer if isinstance(answer, str) else ", ".join(answer["missing"])
-        if missing:
+        if isinstance(answer, str) or answer["missing"]:
+            missing = answer if isinstance(answer, str) else ", ".join(answer["missing"])
             raise EtalonError(f"--blender {asked}: cannot load what Étalon needs ({missing}); install Étalon there")
     return _blender(asked, command, answer, packages)
 
@@ -177,8 +177,14 @@ def _blender(asked: str, command: tuple[str, ...], answer: dict[str, Any], packa
 
 def _answer(command: Sequence[str], request: dict[str, Any]) -> dict[str, Any] | str:
     """What the script answers, or the last words of a process that did not."""
-    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = start([*command, json.dumps(request)], encoding="utf-8", errors="replace", **pipes)
+    process = start(
+        [*command, json.dumps(request)],
+        encoding="utf-8",
+        errors="replace",
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     try:
         out, err = process.communicate(timeout=PATIENCE)
     except subprocess.TimeoutExpired:

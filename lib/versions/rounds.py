@@ -106,13 +106,14 @@ def render_rounds(
     rounds = _Rounds(contestants, tuple(passes), options, run)
     try:
         rounds.prepare(coverage)
-        while rounds.stopped is None:
-            rounds.render_round()
+        stopped = None
+        while stopped is None:
+            stopped = rounds.render_round()
     except Cancelled:
-        rounds.stopped = Stop.CANCELLED
+        stopped = Stop.CANCELLED
     if not rounds.count:
         raise EtalonError(f"{scene}: cancelled before the first round was done; there is nothing to tell")
-    return rounds.conclude()
+    return rounds.conclude(stopped)
 
 
 class _Rounds:
@@ -132,7 +133,6 @@ class _Rounds:
         self._pairs = pairs_of(len(contestants))
         self._squares: list[list[Moments]] = [[] for _ in self._pairs]
         self.count, self._samples = 0, options.samples if isinstance(options.samples, int) else 0
-        self.stopped: Stop | None = None
 
     def prepare(self, coverage: Coverage) -> None:
         """Call every renderer, settle the samples, and lay out the regions."""
@@ -144,13 +144,13 @@ class _Rounds:
             cost = fit_cost([few, more], seconds)
             fixed, per_sample = fixed + cost.fixed, per_sample + cost.per_sample
         self._samples = self._samples or choose_samples(self._run.left, Cost(fixed, per_sample), MOST_SAMPLES)
-        shape = first.radiance.shape[:2]
-        self._regions = image_regions(*shape, coverage, (block_edge(*shape),))
-        self._bad = np.zeros(shape, bool)
-        self._images = [np.zeros((*shape, CHANNELS)) for _ in self._contestants]
+        height, width = first.radiance.shape[:2]
+        self._regions = image_regions(height, width, coverage, (block_edge(height, width),))
+        self._bad = np.zeros((height, width), bool)
+        self._images = [np.zeros((height, width, CHANNELS)) for _ in self._contestants]
 
-    def render_round(self) -> None:
-        """One image of every renderer, in turns, from the same random numbers."""
+    def render_round(self) -> Stop | None:
+        """One image of every renderer, in turns, from the same random numbers; returns the reason to stop, or None."""
         begin = self._run.elapsed
         got: dict[int, Rendering] = {}
         for index in take_turns(self.count, len(self._renderers)):
@@ -163,9 +163,8 @@ class _Rounds:
         self.count += 1
         self._take(got, used)
         if self._options.replicates is not None and self.count >= self._options.replicates:
-            self.stopped = Stop.REPLICATES
-        elif self._run.left < self._run.elapsed - begin:
-            self.stopped = Stop.TIME
+            return Stop.REPLICATES
+        return Stop.TIME if self._run.left < self._run.elapsed - begin else None
 
     def _take(self, got: dict[int, Rendering], used: np.ndarray) -> None:
         """Keep what a round says; pixels that are not `used` (height, width) count on no side."""
@@ -188,24 +187,24 @@ class _Rounds:
             before = self._squares[k]
             self._squares[k] = [merge(*pair) for pair in zip(before, seen, strict=True)] if before else seen
 
-    def conclude(self) -> Rounds:
+    def conclude(self, stopped: Stop) -> Rounds:
         """What the rounds leave."""
 
-        def series(renderer: Renderer | None) -> Series | None:
-            return None if renderer is None else self._series[id(renderer)]
+        def series(renderer: Renderer) -> Series:
+            return self._series[id(renderer)]
 
         return Rounds(
             regions=self._regions,
             pairs=self._pairs,
             cycles=tuple(series(one.cycles) for one in self._contestants),
             references=tuple(series(one.reference) for one in self._contestants),
-            models=tuple(series(one.model) for one in self._contestants),
+            models=tuple(None if one.model is None else series(one.model) for one in self._contestants),
             squares=tuple(self._squares),
             images=tuple(self._images),
             passes=self._passes,
             bad=self._bad,
             count=self.count,
             samples=self._samples,
-            stopped=self.stopped,
+            stopped=stopped,
             seconds=self._run.elapsed,
         )
