@@ -17,6 +17,7 @@ from ..film.parts import BounceLimit, EmitterLight, Part
 from ..pages.formats import format_bound, format_percent
 from ..relative import worst_channel
 from ..verdict.outcome import Outcome
+from ..verdict.passes import PassVerdict
 from .language import listed, place
 
 # Regions that are named where no pass differs in the image as a whole.
@@ -32,45 +33,45 @@ def pass_sentences(comparison: Comparison) -> list[str]:
     for kind, tell in ((LightPass, _light_passes), (BounceLimit, _bounces), (EmitterLight, _emitters)):
         numbers = np.flatnonzero([isinstance(part, kind) for part in found.passes])
         if numbers.size:
-            said += tell(comparison, numbers)
+            said += tell(comparison, found, numbers)
     return said
 
 
-def _light_passes(comparison: Comparison, numbers: np.ndarray) -> list[str]:
+def _light_passes(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) -> list[str]:
     """What is said of the light passes among the parts, by their numbers."""
     differing = [
-        f"The {comparison.passes.passes[k]} pass differs{_where(comparison, at)} by {_difference(comparison, k, at)}."
-        for k, at in _differing(comparison, numbers)
+        f"The {found.passes[k]} pass differs{_where(comparison, at)} by {_difference(found, k, at)}."
+        for k, at in _differing(found, numbers)
     ]
-    return [*differing, *_others(comparison, numbers, "light passes", "all other passes")]
+    return [*differing, *_others(found, numbers, "light passes", "all other passes")]
 
 
-def _emitters(comparison: Comparison, numbers: np.ndarray) -> list[str]:
+def _emitters(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) -> list[str]:
     """What is said of the light of each emitter."""
     differing = [
-        f"The {comparison.passes.passes[k]} differs{_where(comparison, at)} by {_difference(comparison, k, at)}."
-        for k, at in _differing(comparison, numbers)
+        f"The {found.passes[k]} differs{_where(comparison, at)} by {_difference(found, k, at)}."
+        for k, at in _differing(found, numbers)
     ]
-    return [*differing, *_others(comparison, numbers, "lights", "all other lights")]
+    return [*differing, *_others(found, numbers, "lights", "all other lights")]
 
 
-def _bounces(comparison: Comparison, numbers: np.ndarray) -> list[str]:
+def _bounces(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) -> list[str]:
     """At which bounce the two part."""
-    found = comparison.passes
-    numbers = sorted(numbers.tolist(), key=lambda k: found.passes[k].bounces)
+    limits = {k: part.bounces for k, part in enumerate(found.passes) if isinstance(part, BounceLimit)}
+    ordered = sorted(numbers.tolist(), key=limits.__getitem__)
     differ = found.outcomes == Outcome.DIFFERENT
-    first = next((k for k in numbers if differ[k, 0]), next((k for k in numbers if differ[k].any()), None))
+    first = next((k for k in ordered if differ[k, 0]), next((k for k in ordered if differ[k].any()), None))
     if first is None:
-        bound = _largest(found.bounds[numbers, 0])
+        bound = _largest(found.bounds[ordered, 0])
         if not math.isfinite(bound):
             return ["Too few samples to judge images with fewer bounces."]
         return [
-            f"With {found.passes[numbers[-1]]} and with fewer the images agree to within {format_bound(bound)} as a whole."
+            f"With {found.passes[ordered[-1]]} and with fewer the images agree to within {format_bound(bound)} as a whole."
         ]
     at = int(np.argmax(differ[first]))
-    bounces, off = found.passes[first].bounces, _difference(comparison, first, at)
+    bounces, off = limits[first], _difference(found, first, at)
     where = _where(comparison, at)
-    before = [k for k in numbers if found.passes[k].bounces < bounces]
+    before = [k for k in ordered if limits[k] < bounces]
     if not before:
         return [f"The images differ{where} with {found.passes[first]}, the fewest that were compared, by {off}."]
     bound = _largest(found.bounds[before, at])
@@ -80,20 +81,18 @@ def _bounces(comparison: Comparison, numbers: np.ndarray) -> list[str]:
     ]
 
 
-def _differing(comparison: Comparison, numbers: np.ndarray) -> list[tuple[int, int]]:
+def _differing(found: PassVerdict, numbers: np.ndarray) -> list[tuple[int, int]]:
     """Parts that differ in the image, the one that takes or adds most light first; else the parts and regions furthest off."""
-    found = comparison.passes
     differ = found.outcomes == Outcome.DIFFERENT
-    whole = [(k, 0) for k in _by_size(comparison, numbers[differ[numbers, 0]], 0)]
+    whole = [(k, 0) for k in _by_size(found, numbers[differ[numbers, 0]], 0)]
     if whole:
         return whole
     pairs = [(k, at) for k, at in np.argwhere(differ).tolist() if k in numbers]
     return sorted(pairs, key=lambda one: -np.nanmax(np.abs(found.difference[one])))[:NAMED]
 
 
-def _others(comparison: Comparison, numbers: np.ndarray, every: str, rest: str) -> list[str]:
+def _others(found: PassVerdict, numbers: np.ndarray, every: str, rest: str) -> list[str]:
     """Up to what the parts that do not differ agree; `every` is what they are called where none differs."""
-    found = comparison.passes
     differ = found.outcomes == Outcome.DIFFERENT
     others = numbers[~differ[numbers].any(axis=1)]
     if not others.size:
@@ -116,9 +115,8 @@ def _largest(bounds: np.ndarray) -> float:
     return float(known.max()) if known.size else math.inf
 
 
-def _by_size(comparison: Comparison, numbers: np.ndarray, region: int) -> list[int]:
+def _by_size(found: PassVerdict, numbers: np.ndarray, region: int) -> list[int]:
     """Passes by their numbers, the one that takes or adds most light first."""
-    found = comparison.passes
     gap = np.abs(found.candidate[:, region] - found.reference[:, region]).sum(axis=1)
     return sorted(numbers.tolist(), key=lambda k: -gap[k])
 
@@ -127,9 +125,8 @@ def _where(comparison: Comparison, region: int) -> str:
     return "" if region == 0 else f" in {place(comparison, region)}"
 
 
-def _difference(comparison: Comparison, k: int, region: int) -> str:
+def _difference(found: PassVerdict, k: int, region: int) -> str:
     """The difference of part k in a region with its interval, in the channel furthest off."""
-    found = comparison.passes
     channel = worst_channel(found.difference[k, region])
     low, high = found.low[k, region, channel], found.high[k, region, channel]
     return f"{format_percent(found.difference[k, region, channel])} in {'RGB'[channel]} ({format_percent(low)} to {format_percent(high)})"

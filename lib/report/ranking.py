@@ -61,7 +61,7 @@ def rank_regions(comparison: Comparison) -> list[RankedRegion]:
             regions.kinds[k],
             regions.names[k],
             _label(comparison, k),
-            verdict.outcomes[k],
+            verdict.outcomes.item(k),
             float(difference[k]),
             float(low[k]),
             float(high[k]),

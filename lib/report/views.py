@@ -65,7 +65,7 @@ def verdict_map(comparison: Comparison) -> np.ndarray:
     out = np.full((regions.shape[0] * regions.shape[1], 3), NOTHING, np.uint8)
     for k in regions.indices("block"):
         start, end = regions.weights.indptr[k : k + 2]
-        out[regions.weights.indices[start:end]] = OUTCOME_COLOURS[comparison.verdict.outcomes[k]]
+        out[regions.weights.indices[start:end]] = OUTCOME_COLOURS[comparison.verdict.outcomes.item(k)]
     return out.reshape(*regions.shape, 3)
 
 
