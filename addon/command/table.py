@@ -12,6 +12,7 @@ from ...lib.settings.common import PageTerminal, Target, Terminal
 from ...lib.settings.comparison import Settings
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.declaration import Declared
+from ...lib.settings.probe import ProbeOptions
 from ...lib.settings.reference import RenderOutput
 from ...lib.settings.versions import VersionsSettings, VersionsTarget
 
@@ -99,6 +100,14 @@ COMMANDS = (
         (Target, CostOptions, PageTerminal),
         "measure the time that accuracy takes, or forecast it",
         "Error against time for every sampling strategy, for Cycles, and for Cycles' denoiser.",
+    ),
+    Command(
+        "probe",
+        (Target, ProbeOptions, Terminal),
+        "take the light of one pixel apart, in the reference and in Cycles",
+        "The light of a pixel by light pass, by bounce and by light, with standard errors on both sides; and every lamp in watts,\n"
+        "W/sr, W/m2, candela and lumens.",
+        blender=True,
     ),
     Command(
         "audit",

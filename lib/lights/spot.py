@@ -97,7 +97,7 @@ class Falloff:
     def __init__(self, cone: Cone) -> None:
         self._axis, self._x, self._y = column(cone.axis), column(cone.x_axis), column(cone.y_axis)
         # An orthonormal frame measures every unit vector as 1 long, so that one product is enough.
-        self._stretched = not np.allclose(
+        self.is_stretched = not np.allclose(
             [dot(self._x, self._x), dot(self._y, self._y), dot(self._x, self._y)],
             [[1.0], [1.0], [0.0]],
             rtol=0.0,
@@ -109,7 +109,7 @@ class Falloff:
     def __call__(self, wi: np.ndarray) -> np.ndarray:
         """Factor in [0, 1], (n,), for unit directions `wi` (3, n) towards the light."""
         c = -dot(self._axis, wi)
-        if self._stretched:
+        if self.is_stretched:
             x, y = dot(self._x, wi), dot(self._y, wi)
             length2 = c * c + x * x + y * y
             c /= np.sqrt(np.where(length2 > 0.0, length2, np.inf))
@@ -122,7 +122,7 @@ class Falloff:
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, float]:
         """Directions (3, n) away from the light that hold all that it sends out, and the solid angle in which they are uniform."""
-        if self._stretched:
+        if self.is_stretched:
             return uniform_sphere(u1, u2), 4.0 * np.pi
         direction, _ = uniform_cone(self._axis, 1.0 - self._cos_edge, u1, u2)
         return direction, 2.0 * np.pi * (1.0 - self._cos_edge)

@@ -369,3 +369,19 @@ class Pair(Unit):
     def plain(self, value: tuple[str, str]) -> list[str]:
         """The texts as a list."""
         return list(value)
+
+
+@dataclass(frozen=True)
+class Pixel(Pair):
+    """A column and a row, each a whole number of at least 0."""
+
+    def check(self, value: Any) -> tuple[int, int]:
+        """Two whole numbers, given as such or as texts."""
+        if not isinstance(value, (tuple, list)) or len(value) != 2:
+            raise ValueError(f"{value!r} is not a pixel; give {self.metavar}")
+        whole = Whole(least=0)
+        return whole.check(value[0]), whole.check(value[1])
+
+    def plain(self, value: tuple[int, int]) -> list[int]:
+        """The two numbers as a list."""
+        return list(value)

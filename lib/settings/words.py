@@ -20,7 +20,7 @@ def write_words(declared: Option, value: Any) -> list[str]:
     if isinstance(unit, Flag):
         return [flag] if value else [f"--no-{declared.flag}"] if declared.default else []
     if isinstance(unit, Pair):
-        return [flag, *value]
+        return [flag, *map(str, value)]
     if unit.repeats:
         return [f"{flag}={one}" for one in unit.plain(value)]
     return [f"{flag}={unit.write(value)}"]

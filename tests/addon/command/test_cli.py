@@ -51,6 +51,7 @@ def run(capfd, *words):
         ["batch"],
         ["audit"],
         ["cost"],
+        ["probe"],
         ["stability"],
         ["doctor"],
         ["completion"],
