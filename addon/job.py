@@ -199,7 +199,8 @@ class BackgroundJob:
     was anything to compare.
     """
 
-    def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path) -> None:
+    def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path, program: str | None = None) -> None:
+        """Compare `scene`, and leave the report in `folder`; `program` is another Blender than this one."""
         self.folder = folder
         self.fraction = 0.0
         self.stage = "reading the scene"
@@ -219,7 +220,7 @@ class BackgroundJob:
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
         copy = self._temporary.enter_context(temporary_folder()) / "scene.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
-        self._blender = SecondBlender(copy, scene.name, settings)
+        self._blender = SecondBlender(copy, scene.name, settings, program)
         self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
         self._thread.start()
 

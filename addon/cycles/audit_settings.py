@@ -269,6 +269,13 @@ CATALOGUE = (
 )
 
 
+def neutral_assignments(entry: Entry, scene: bpy.types.Scene) -> list[Assignment]:
+    """What sets the properties of `entry` that are not neutral to their neutral values."""
+    values = {path.rpartition(".")[2]: value for path, value in entry.neutral.items()}
+    there = [(owner, name, values[name]) for owner, name, _ in entry.of_file(scene) if name in values]
+    return [(owner, name, value) for owner, name, value in there if getattr(owner, name) != value]
+
+
 def kept(scene: bpy.types.Scene) -> list[Assignment]:
     """What stays as the user has it on both sides."""
     return [

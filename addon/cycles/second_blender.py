@@ -145,8 +145,9 @@ class AnotherBlender:
 class SecondBlender(AnotherBlender):
     """A second process of the Blender program that runs here, on a saved `copy` of the file."""
 
-    def __init__(self, copy: Path, scene: str, settings: Settings) -> None:
-        program = find_blender()
+    def __init__(self, copy: Path, scene: str, settings: Settings, program: str | None = None) -> None:
+        """Start on `copy`; `program` is another Blender than this one."""
+        program = program or find_blender()
         if program is None:
             raise EtalonError("this is Python with Blender as a module; run the panel's comparison in Blender itself")
         # Factory settings: no add-on and no script of the user's runs, and none that is in the file.

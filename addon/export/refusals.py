@@ -12,7 +12,7 @@ from ...lib.scene.rays import CAMERA, RAY_NAMES
 from .properties.declared import refuse_undeclared
 
 # Object types that Cycles renders and the reference does not.
-_TYPES = {
+UNSUPPORTED_TYPES = {
     "CURVES": "hair curves",
     "POINTCLOUD": "a point cloud",
     "VOLUME": "a volume",
@@ -150,8 +150,8 @@ def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 
 def unsupported_kind(thing: bpy.types.Object) -> str | None:
     """What kind of thing it is, when Cycles or Blender would show it and the reference would not."""
-    if thing.type in _TYPES:
-        return _TYPES[thing.type]
+    if thing.type in UNSUPPORTED_TYPES:
+        return UNSUPPORTED_TYPES[thing.type]
     return "smoke" if _is_smoke(thing) else None
 
 

@@ -14,6 +14,7 @@ from gpu_extras.batch import batch_for_shader
 from ...lib.report.ranking import RankedRegion
 from ...lib.report.views import View
 from ...lib.verdict.outcome import Outcome
+from ..job import BackgroundJob
 from .image_writing import LABELS, Writer, image_of, load_view, reload_views, view_of
 from .session import Result, session
 from .text import translate
@@ -52,7 +53,7 @@ def writer_of(uid: int, folder: Path) -> Writer:
 def have_images_written(uid: int) -> None:
     """Have the images of a scene's result written, and those of a comparison under way at each look."""
     running, result = session.running, session.results.get(uid)
-    if running is not None and running.uid == uid and running.result is None and hasattr(running.job, "on_look"):
+    if running is not None and running.uid == uid and running.result is None and isinstance(running.job, BackgroundJob):
         running.job.on_look = writer_of(uid, running.job.folder).write_interim
     elif result is not None and _written.get(uid) is not result:
         writer = writer_of(uid, result.folder)

@@ -9,15 +9,17 @@ import bpy
 
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_files
+from ...lib.settings.presets import PRESETS
 from .. import job
 from .places import objects_with, select_only
-from .properties import output_folder, read_settings
+from .preferences import preferred_blender
+from .properties import apply_preset, output_folder, read_settings
 from .session import session
-from .text import phrase_text, translate
-from .watching import TICK, watch_job
+from .text import translate
+from .waiting import Watched
 
 
-class CompareWithCycles(bpy.types.Operator):
+class CompareWithCycles(Watched, bpy.types.Operator):
     """Render this scene with the reference and with Cycles, and say where the two agree. Esc cancels"""
 
     bl_idname = "etalon.compare"
@@ -37,37 +39,25 @@ class CompareWithCycles(bpy.types.Operator):
             folder = output_folder(scene)
             with replace_files(folder):  # says at once when the folder cannot be written
                 pass
-            session.begin(scene, job.BackgroundJob(scene, read_settings(scene), folder))
+            session.begin(scene, job.BackgroundJob(scene, read_settings(scene), folder, preferred_blender()))
         except EtalonError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._watched = session.running
-        watch_job()
-        self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.wait_for_end(context)
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Esc ends the job; once it has ended, say what came of it."""
-        is_running = session.running is self._watched
-        if is_running and event.type == "ESC" and event.value == "PRESS":
-            session.running.job.cancel()
-            return {"RUNNING_MODAL"}
-        if is_running:
-            return {"PASS_THROUGH"}
-        context.window_manager.event_timer_remove(self._timer)
-        ended = self._watched
-        for error in ended.job.errors:
-            self.report({"ERROR"}, error)
-        if ended.result is not None:
-            self.report({"INFO"}, f"Étalon: {phrase_text(ended.result.headline)}")
-        elif not ended.job.errors:
-            self.report({"INFO"}, translate("Étalon: cancelled before there was anything to compare"))
+
+class ApplyPreset(bpy.types.Operator):
+    """Set tolerance, time and image size to those of this target"""
+
+    bl_idname = "etalon.apply_preset"
+    bl_label = "Apply Target"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+    __annotations__ = {"name": bpy.props.EnumProperty(name="Target", items=[(name, name, "") for name in PRESETS])}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set them."""
+        apply_preset(context.scene, self.name)
         return {"FINISHED"}
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """The window goes away, or the file: the job goes on in the other windows, and handlers end it with the file."""
-        context.window_manager.event_timer_remove(self._timer)
 
 
 class CompareTheRest(bpy.types.Operator):

@@ -3,17 +3,24 @@
 
 from __future__ import annotations
 
+from typing import Any, ClassVar
+
 import bpy
 
+from ...lib.audit.document import WORDS
 from ...lib.blender_versions import describe_unchecked
+from ...lib.cost.summary import summarize as summarize_cost
+from ...lib.pages.formats import format_percent
+from ...lib.settings.presets import PRESETS
 from ...lib.verdict.outcome import Outcome
 from . import preflight
 from .images import ShowImage
-from .operators import CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
+from .operators import ApplyPreset, CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
 from .properties import SHOWN
-from .regions import ClearBorder, draw_regions
+from .regions import ICONS, ClearBorder, draw_regions
 from .session import Result, session
 from .text import draw_text, phrase_text, translate
+from .tools import ApplySetting, AuditSettings, MeasureCost, OpenPage, ShowPlan
 from .watching import describe_bound, describe_stage, describe_time
 
 # The colour of the headline, by names of icons before and since Blender 4.4.
@@ -98,20 +105,127 @@ def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context, result: 
     row.operator(ClearBorder.bl_idname, icon="FULLSCREEN_EXIT")
 
 
-class _Target:
-    """What is asked of the comparison."""
+class _Part:
+    """A sub-panel; those in which nothing needs to be changed are closed at first."""
 
-    bl_label = "Target"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the settings."""
-        layout, settings = self.layout, context.scene.etalon
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        column = layout.column()
+        """Draw what it holds, greyed while a job runs."""
+        column = self.layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
         column.enabled = session.running is None
-        for declared in SHOWN:
-            column.prop(settings, declared.name)
+        self.draw_part(column, context)
+
+
+def draw_options(layout: bpy.types.UILayout, context: bpy.types.Context, group: str) -> None:
+    """The declared options of one sub-panel."""
+    for declared in SHOWN:
+        if declared.panel.group == group:
+            layout.prop(context.scene.etalon, declared.name)
+
+
+class _Target(_Part):
+    """How closely and for how long."""
+
+    bl_label = "Target"
+    bl_options: ClassVar = set()
+
+    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw presets and settings."""
+        row = layout.row(align=True)
+        row.use_property_split = False
+        for name in PRESETS:
+            row.operator(ApplyPreset.bl_idname, text=name).name = name
+        draw_options(layout, context, "target")
+
+
+class _Model(_Part):
+    """How the reference renders."""
+
+    bl_label = "Model"
+
+    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw the options of the reference."""
+        draw_options(layout, context, "model")
+
+
+class _Frame(_Part):
+    """What of the scene is compared."""
+
+    bl_label = "Region"
+
+    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw the scene's own settings."""
+        scene, render = context.scene, context.scene.render
+        layout.prop(scene, "camera")
+        layout.prop(scene, "frame_current", text="Frame")
+        layout.prop(render, "resolution_percentage", text="Resolution")
+        layout.prop(render, "use_border")
+        if render.use_border:
+            column = layout.column(align=True)
+            for name in ("border_min_x", "border_max_x", "border_min_y", "border_max_y"):
+                column.prop(render, name, slider=True)
+        layout.operator(ClearBorder.bl_idname, icon="FULLSCREEN_EXIT")
+
+
+class _Passes(_Part):
+    """In which light the images differ."""
+
+    bl_label = "Passes"
+
+    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw the choice of light passes."""
+        draw_options(layout, context, "passes")
+
+
+class _Tools(_Part):
+    """The other questions, and what came of them."""
+
+    bl_label = "Settings, Cost and Plan"
+
+    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw a button for each, and below what it found."""
+        layout.use_property_split = False
+        found = session.figures.get(context.scene.session_uid, {})
+        layout.operator(AuditSettings.bl_idname)
+        if "audit" in found:
+            draw_audit(layout.box(), context, found["audit"])
+        layout.operator(MeasureCost.bl_idname)
+        if "cost" in found:
+            box = layout.box()
+            draw_text(box, context, summarize_cost(found["cost"]))
+            box.operator(OpenPage.bl_idname, icon="URL").command = "cost"
+        layout.operator(ShowPlan.bl_idname)
+        if "plan" in found:
+            draw_plan(layout.box(), context, found["plan"])
+
+
+def draw_audit(layout: bpy.types.UILayout, context: bpy.types.Context, figures: dict[str, Any]) -> None:
+    """What each setting costs, the worst first, with a button that makes it neutral where it is biased."""
+    for entry in figures["settings"]:
+        if entry["together"]:
+            continue
+        row, outcome = layout.row(), Outcome(entry["outcome"])
+        said = f"{entry['label']}, {entry['value']}: {translate(WORDS[outcome])}"
+        if outcome is Outcome.DIFFERENT:
+            said += f" {format_percent(entry['worst']['difference'])}"
+        draw_text(row, context, said, icon=ICONS[outcome])
+        if outcome is Outcome.DIFFERENT:
+            row.operator(ApplySetting.bl_idname, text="", icon="LOOP_BACK").key = entry["key"].removesuffix("-factory")
+    if not figures["settings"]:
+        draw_text(layout, context, translate("Every setting is at its neutral value"), icon="CHECKMARK")
+    layout.operator(OpenPage.bl_idname, icon="URL").command = "audit"
+
+
+def draw_plan(layout: bpy.types.UILayout, context: bpy.types.Context, figures: dict[str, Any]) -> None:
+    """The effects that the scene needs, each with its reason; what is not simulated stands above the button."""
+    if "refusals" in figures:
+        draw_text(layout, context, translate("Not everything is simulated; see above"), icon="ERROR")
+    for decision in figures.get("decisions", ()):
+        if decision["needed"]:
+            draw_text(layout, context, f"{decision['effect']}: {decision['fact']}", icon="DOT")
 
 
 def _in_render_properties(base: type, name: str, **more: object) -> type:
@@ -138,7 +252,8 @@ def _make_panels() -> tuple[type, ...]:
     for place in (_in_render_properties, _in_sidebar, _in_image_editor):
         main = place(_Main, "main")
         made.append(main)
-        made.append(place(_Target, "target", bl_parent_id=main.__name__))
+        parts = {"target": _Target, "model": _Model, "region": _Frame, "passes": _Passes, "tools": _Tools}
+        made += [place(base, name, bl_parent_id=main.__name__) for name, base in parts.items()]
     return tuple(made)
 
 

@@ -12,7 +12,10 @@ import bpy
 
 from ...lib.settings.comparison import Settings
 from ...lib.settings.declaration import Option
+from ...lib.settings.models import ModelName
+from ...lib.settings.presets import PRESETS
 from ...lib.settings.units import Choice, FilePath, Flag, Seconds, Share, Unit, Whole
+from .preferences import preferred_folder, preferred_threads
 
 SHOWN = tuple(declared for declared in Settings.options() if declared.panel is not None)
 
@@ -38,6 +41,10 @@ def _path(declared: Option, common: dict[str, Any]) -> Any:
     return bpy.props.StringProperty(**common, subtype="DIR_PATH")
 
 
+def _name(declared: Option, common: dict[str, Any]) -> Any:
+    return bpy.props.StringProperty(**common)
+
+
 def _whole(declared: Option, common: dict[str, Any]) -> Any:
     return bpy.props.IntProperty(**common, **_limits(declared))
 
@@ -47,7 +54,15 @@ def _choice(declared: Option, common: dict[str, Any]) -> Any:
     return bpy.props.EnumProperty(**common, items=[(name, name.replace("_", " ").capitalize(), "") for name in names])
 
 
-_MAKERS = {Share: _share, Seconds: _seconds, Flag: _flag, FilePath: _path, Whole: _whole, Choice: _choice}
+_MAKERS = {
+    Share: _share,
+    Seconds: _seconds,
+    Flag: _flag,
+    FilePath: _path,
+    Whole: _whole,
+    Choice: _choice,
+    ModelName: _name,
+}
 
 
 def _limits(declared: Option) -> dict[str, float]:
@@ -73,6 +88,8 @@ def _value(unit: Unit, shown: Any) -> Any:
     """A property's value in the option's unit; Blender keeps single precision, of which six digits are what was typed."""
     if isinstance(shown, float):
         shown = float(f"{shown:.6g}")
+    if isinstance(unit, ModelName) and not shown:
+        return None
     return shown / _PERCENT if isinstance(unit, Share) else shown
 
 
@@ -82,15 +99,25 @@ class EtalonSettings(bpy.types.PropertyGroup):
     __annotations__ = {declared.name: make_property(declared) for declared in SHOWN}
 
 
+def apply_preset(scene: bpy.types.Scene, name: str) -> None:
+    """Set the options of `scene` that the preset of that name has."""
+    for declared in SHOWN:
+        if declared.name in PRESETS[name]:
+            value = PRESETS[name][declared.name]
+            setattr(scene.etalon, declared.name, _PERCENT * value if isinstance(declared.unit, Share) else value)
+
+
 def read_settings(scene: bpy.types.Scene) -> Settings:
-    """The panel's settings of `scene`; one processor is left to the window. Where results go is up to the caller."""
+    """The panel's settings of `scene`; without a preference, one processor is left to the window. Where results go is up to the caller."""
     chosen = {d.name: _value(d.unit, getattr(scene.etalon, d.name)) for d in SHOWN if not isinstance(d.unit, FilePath)}
-    return Settings(**chosen, threads=max(1, (os.cpu_count() or 2) - 1))
+    return Settings(**chosen, threads=preferred_threads() or max(1, (os.cpu_count() or 2) - 1))
 
 
 def output_folder(scene: bpy.types.Scene) -> Path:
     """The folder chosen in the panel; for a file that was never saved, one among the system's temporary files."""
     chosen = scene.etalon.out
+    if not scene.etalon.is_property_set("out"):
+        chosen = preferred_folder() or chosen
     if chosen.startswith("//") and not bpy.data.filepath:
         return Path(tempfile.gettempdir()) / chosen.lstrip("/")
     return Path(bpy.path.abspath(chosen))

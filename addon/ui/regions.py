@@ -9,6 +9,7 @@ from typing import ClassVar
 import bpy
 
 from ...lib.pages.formats import format_bound, format_percent
+from ...lib.report.page import GRIDS
 from ...lib.report.ranking import RankedRegion
 from ...lib.verdict.outcome import Outcome
 from .images import zoom_to_region
@@ -35,6 +36,14 @@ CHANNELS = {"R": "red", "G": "green", "B": "blue"}
 ROW, ICON, GAP = 14, 28, 12
 
 
+def label_text(region: RankedRegion) -> str:
+    """A region's label in the language of the interface."""
+    if region.kind not in GRIDS:
+        return translate(region.label) if region.kind == "image" else region.label
+    place, first, second = region.label.rsplit(" ", 2)
+    return f"{translate(place)} {first} {second}"
+
+
 def figures(region: RankedRegion) -> str:
     """A region's figures for a row: the difference with its margin, or the bound where none is shown."""
     if region.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
@@ -44,7 +53,9 @@ def figures(region: RankedRegion) -> str:
 
 def describe_region(region: RankedRegion) -> list[str]:
     """All that is known of a region, line by line."""
-    lines = [f"{translate(KINDS.get(region.kind, region.kind)).capitalize()}: {translate(region.name)}"]
+    lines = [translate(KINDS[region.kind]).capitalize()]
+    if region.kind != "image":
+        lines = [f"{lines[0]}: {region.name}"]
     if region.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         ends = format_percent(region.low), format_percent(region.high)
         channel = translate(CHANNELS[region.channel])
@@ -91,7 +102,7 @@ def fill_tables(window_manager: bpy.types.WindowManager) -> None:
         table = tables.add()
         table.name = str(uid)
         for region in result.regions:
-            table.rows.add().name = region.label
+            table.rows.add().name = label_text(region)
 
 
 class RegionList(bpy.types.UIList):
@@ -121,7 +132,7 @@ class RegionList(bpy.types.UIList):
         split = layout.split(factor=share, align=True)
         name = split.row(align=True)
         name.alignment = "LEFT"
-        label = shorten(translate(region.label), int(share * width - ICON * scale), points)
+        label = shorten(label_text(region), int(share * width - ICON * scale), points)
         shown = name.operator(
             ShowRegion.bl_idname, text=label, icon=ICONS[region.outcome], emboss=False, translate=False
         )

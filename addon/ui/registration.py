@@ -7,10 +7,11 @@ import bpy
 
 from ..command import cli
 from ..host.blender_at_hand import require_supported_blender
-from . import handlers, images, operators, panels, preflight, properties, regions
+from . import handlers, images, operators, panels, preferences, preflight, properties, regions, tools, translations
 from .session import session
 
 _CLASSES = (
+    preferences.EtalonPreferences,
     properties.EtalonSettings,
     regions.RegionRow,
     regions.RegionTable,
@@ -21,10 +22,18 @@ _CLASSES = (
     images.SwitchImage,
     images.ImageMenu,
     operators.CompareWithCycles,
+    operators.ApplyPreset,
     operators.CompareTheRest,
     operators.SelectOwner,
     operators.CancelComparison,
     operators.OpenReport,
+    tools.AuditSettings,
+    tools.MeasureCost,
+    tools.ShowPlan,
+    tools.ApplySetting,
+    tools.OpenPage,
+    tools.AddReferenceScene,
+    tools.ReferenceScenesMenu,
     *panels.PANELS,
 )
 
@@ -38,7 +47,9 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Scene.etalon = bpy.props.PointerProperty(type=properties.EtalonSettings)
     bpy.types.WindowManager.etalon_regions = bpy.props.CollectionProperty(type=regions.RegionTable)
+    translations.add_translations()
     images.add_to_image_editor()
+    bpy.types.VIEW3D_MT_add.append(tools.draw_scenes_menu)
     handlers.add_handlers()
     _commands.append(bpy.utils.register_cli_command("etalon", cli.main))
 
@@ -50,6 +61,8 @@ def unregister() -> None:
     bpy.utils.unregister_cli_command(_commands.pop())
     handlers.remove_handlers()
     images.remove_from_image_editor()
+    translations.remove_translations()
+    bpy.types.VIEW3D_MT_add.remove(tools.draw_scenes_menu)
     del bpy.types.WindowManager.etalon_regions
     del bpy.types.Scene.etalon
     for cls in reversed(_CLASSES):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -13,6 +14,7 @@ from ...lib.errors import Refusal
 from ...lib.report.headline import Phrase, details, headline
 from ...lib.report.ranking import RankedRegion, rank_regions
 from .. import job
+from ..background_command import BackgroundCommand
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class Result:
 class Running:
     """A comparison under way: the scene's identifier in this session of Blender, and what it was when the comparison began."""
 
-    job: job.BackgroundJob
+    job: job.BackgroundJob | BackgroundCommand
     uid: int
     setup: Setup
     border: tuple[float, float, float, float]
@@ -76,14 +78,15 @@ class Running:
 
 @dataclass
 class Session:
-    """The one comparison that runs, and by a scene's identifier its last result, and the errors or refusals of its last comparison."""
+    """The one job that runs; by a scene's identifier its last result, the errors or refusals of its last job, and what commands found."""
 
     running: Running | None = None
     results: dict[int, Result] = field(default_factory=dict)
     errors: dict[int, tuple[str, ...]] = field(default_factory=dict)
     refusals: dict[int, tuple[Refusal, ...]] = field(default_factory=dict)
+    figures: dict[int, dict[str, Any]] = field(default_factory=dict)
 
-    def begin(self, scene: bpy.types.Scene, started: job.BackgroundJob) -> None:
+    def begin(self, scene: bpy.types.Scene, started: job.BackgroundJob | BackgroundCommand) -> None:
         """`started` is the comparison that counts from now on; the last result stays until there is a new one."""
         self.errors.pop(scene.session_uid, None)
         self.refusals.pop(scene.session_uid, None)
@@ -103,6 +106,10 @@ class Session:
     def end(self) -> Running:
         """The job has ended: keep its errors. One without a comparison leaves the last result as it is."""
         ended, self.running = self.running, None
+        if isinstance(ended.job, BackgroundCommand) and ended.job.figures is not None:
+            self.figures.setdefault(ended.uid, {})[ended.job.command] = ended.job.figures
+            refusals = ended.job.figures.get("refusals", ())
+            ended.job.refusals = tuple(Refusal(**one) for one in refusals)
         if ended.job.refusals:
             self.refusals[ended.uid] = ended.job.refusals
         elif ended.job.errors:
@@ -133,6 +140,7 @@ class Session:
         self.results.clear()
         self.errors.clear()
         self.refusals.clear()
+        self.figures.clear()
 
 
 session = Session()

@@ -13,6 +13,11 @@ from ...lib.report.headline import Phrase
 # What a panel takes of its region's width besides text, in pixels of an interface scale of 1; and the tabs of a sidebar.
 MARGIN, TABS = 78, 22
 
+# The values of phrases that are words; all others are numbers and the user's own names, which are nobody's to translate.
+_WORDS = ("light", "place")
+# What no line may end before or after.
+_TIED = {" %": "\u00a0%", "« ": "«\u00a0", " »": "\u00a0»", " :": "\u00a0:", " ;": "\u00a0;"}
+
 
 def translate(text: str, **values: object) -> str:
     """`text` in the language of the interface, with `values` put into it."""
@@ -22,7 +27,8 @@ def translate(text: str, **values: object) -> str:
 
 def phrase_text(phrase: Phrase) -> str:
     """A phrase in the language of the interface."""
-    return translate(phrase.template, **{name: translate(value) for name, value in phrase.values.items()})
+    values = phrase.values | {name: translate(phrase.values[name]) for name in _WORDS if name in phrase.values}
+    return translate(phrase.template, **values)
 
 
 def text_width(context: bpy.types.Context) -> int:
@@ -51,8 +57,10 @@ def draw_text(
 def wrap(text: str, width: int, points: float) -> tuple[str, ...]:
     """`text` in lines of at most `width` pixels in a font of `points`; words that are longer are broken."""
     blf.size(0, points)
+    for loose, tied in _TIED.items():
+        text = text.replace(loose, tied)
     lines, line = [], ""
-    for word in text.split():
+    for word in text.split(" "):
         joined = f"{line} {word}" if line else word
         if blf.dimensions(0, joined)[0] <= width:
             line = joined

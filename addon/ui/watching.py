@@ -24,6 +24,8 @@ STAGES = (
     "rendering what is open",
     "writing the report",
     "looking for the smallest scene that shows it",
+    "rendering each setting",
+    "measuring",
 )
 
 

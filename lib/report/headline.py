@@ -24,7 +24,7 @@ DIFFERS = "Differs by {difference} on '{name}'"
 PASS_DIFFERS = "{light} differs by {difference} on '{name}'"
 WHOLE_DIFFERS = "Differs by {difference} in the whole image"
 PASS_WHOLE_DIFFERS = "{light} differs by {difference} in the whole image"
-CELL_DIFFERS = "Differs by {difference} at {name}"
+CELL_DIFFERS = "Differs by {difference} {place}, from pixel {pixel} on"
 KNOWN = "For a known reason: {causes}"
 COUNT_DIFFERS = "{count} of {total} regions differ"
 COUNT_NOISY = "{count} of {total} regions are too noisy to judge"
@@ -101,7 +101,10 @@ def _difference(ranked: list[RankedRegion]) -> Phrase:
     values = {"difference": format_percent(worst.difference), "name": worst.label}
     if worst.kind == "image":
         return Phrase(WHOLE_DIFFERS, values)
-    return Phrase(CELL_DIFFERS if worst.kind in GRIDS else DIFFERS, values)
+    if worst.kind in GRIDS:
+        place, x, y = worst.label.rsplit(" ", 2)
+        return Phrase(CELL_DIFFERS, {"difference": values["difference"], "place": place, "pixel": f"{x} {y}"})
+    return Phrase(DIFFERS, values)
 
 
 def _light(comparison: Comparison) -> Phrase | None:

@@ -100,7 +100,7 @@ class Settings(CompareOptions, Options):
         PASSES[0],
         Choice("PASSES", "light passes", PASSES),
         f"light passes to compare beside the image, which say in which light it differs: {', '.join(PASSES)}",
-        panel=Panel("Light passes"),
+        panel=Panel("Light passes", group="passes"),
     )
     bounces: tuple[int, int] | None = option(
         None,
@@ -113,7 +113,7 @@ class Settings(CompareOptions, Options):
         False,
         Flag(),
         "compare the light of each lamp, each emitting object and the world, which says whose light differs",
-        panel=Panel("Lights"),
+        panel=Panel("Lights", group="passes"),
     )
     partial: bool = option(
         False,

@@ -26,7 +26,8 @@ D = TypeVar("D", bound="Declared")
 class Panel:
     """How an option shows in Blender's panel: its label, and limits and a default where they are not the option's own.
 
-    `low` and `high` limit what can be typed, `soft_high` what can be dragged to. All are in the option's own unit.
+    `low` and `high` limit what can be typed, `soft_high` what can be dragged to. All are in the option's own unit. `group` is the sub-panel
+    that it stands in: 'target', 'model' or 'passes'.
     """
 
     label: str
@@ -35,6 +36,7 @@ class Panel:
     soft_high: float | None = None
     default: Any = None
     help: str = ""
+    group: str = "target"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from ..errors import EtalonError
 from .common import Run
-from .declaration import again, option, required
+from .declaration import Panel, again, option, required
 from .models import EMPIRICAL_MODELS, FRESNELS, MODELS, ModelName, describe_models, split_model
 from .units import Choice, FilePath, Flag, Names, Whole
 
@@ -54,12 +54,21 @@ class Options(Run):
         Choice("NAME", "strategy", STRATEGIES),
         f"sampling of glossy lobes: {', '.join(STRATEGIES)}",
         advanced=True,
+        panel=Panel("Strategy", group="model"),
     )
     direct: str = option(
-        DIRECT[0], Choice("NAME", "direct", DIRECT), f"sampling of direct light: {', '.join(DIRECT)}", advanced=True
+        DIRECT[0],
+        Choice("NAME", "direct", DIRECT),
+        f"sampling of direct light: {', '.join(DIRECT)}",
+        advanced=True,
+        panel=Panel("Direct light", group="model"),
     )
     masking: str = option(
-        MASKING[0], Choice("NAME", "masking", MASKING), f"masking-shadowing: {', '.join(MASKING)}", advanced=True
+        MASKING[0],
+        Choice("NAME", "masking", MASKING),
+        f"masking-shadowing: {', '.join(MASKING)}",
+        advanced=True,
+        panel=Panel("Masking", group="model"),
     )
     model: str | None = option(
         None,
@@ -67,15 +76,21 @@ class Options(Run):
         f"model in place of the lobes of Glossy nodes: {describe_models(MODELS)}",
         absent="each node's own",
         advanced=True,
+        panel=Panel("Lobes", default="", help="empty: each node's own", group="model"),
     )
     fresnel: str = option(
         "none",
         ModelName("FRESNEL", "Fresnel term", FRESNELS),
         f"Fresnel term of the lobes of Glossy nodes: {describe_models(FRESNELS)}",
         advanced=True,
+        panel=Panel("Fresnel", group="model"),
     )
     sampler: str = option(
-        SAMPLERS[0], Choice("NAME", "sampler", SAMPLERS), f"random numbers: {', '.join(SAMPLERS)}", advanced=True
+        SAMPLERS[0],
+        Choice("NAME", "sampler", SAMPLERS),
+        f"random numbers: {', '.join(SAMPLERS)}",
+        advanced=True,
+        panel=Panel("Random numbers", group="model"),
     )
     departures: frozenset[str] = option(
         frozenset(),

@@ -10,10 +10,14 @@ from etalon.lib.report.ranking import RankedRegion
 from etalon.lib.verdict.outcome import Outcome
 from etalon.reference_scenes import building
 
+UNKNOWN = "ShaderNodeBsdfSheen"
+
 
 @pytest.fixture
-def scene():
-    """A floor with a material of the user's."""
+def scene(monkeypatch):
+    """A floor with a material of the user's, where one kind of node is not known."""
+    known = {kind: declaration for kind, declaration in preflight.DECLARATIONS.items() if kind != UNKNOWN}
+    monkeypatch.setattr(preflight, "DECLARATIONS", known)
     scene = building.start("floor", 64, 32, 0)
     building.rectangle("floor", building.diffuse("grey", (0.5, 0.5, 0.5)), (0, 0, 0), (1, 0, 0), (0, 1, 0))
     return scene
@@ -33,23 +37,23 @@ def test_a_scene_that_can_be_compared_has_no_notice(scene):
 
 
 def test_a_material_with_an_unsupported_node_is_named(scene):
-    put_before_output("ShaderNodeSubsurfaceScattering")
+    put_before_output(UNKNOWN)
     (notice,) = preflight.survey(scene)
     assert (notice.kind, notice.name, notice.stops) == ("material", "grey", True)
-    assert "Subsurface Scattering" in notice.text
+    assert "Sheen BSDF" in notice.text
 
 
 def test_a_node_that_feeds_nothing_and_a_muted_one_do_not_count(scene):
-    bpy.data.materials["grey"].node_tree.nodes.new("ShaderNodeSubsurfaceScattering")
+    bpy.data.materials["grey"].node_tree.nodes.new(UNKNOWN)
     assert preflight.survey(scene) == []
-    put_before_output("ShaderNodeSubsurfaceScattering", muted=True)
+    put_before_output(UNKNOWN, muted=True)
     assert preflight.survey(scene) == []
 
 
 def test_a_node_in_a_group_counts(scene):
     inner = bpy.data.node_groups.new("inner", "ShaderNodeTree")
     inner.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
-    end, skin = inner.nodes.new("NodeGroupOutput"), inner.nodes.new("ShaderNodeSubsurfaceScattering")
+    end, skin = inner.nodes.new("NodeGroupOutput"), inner.nodes.new(UNKNOWN)
     inner.links.new(skin.outputs[0], end.inputs[0])
     tree = bpy.data.materials["grey"].node_tree
     group = tree.nodes.new("ShaderNodeGroup")

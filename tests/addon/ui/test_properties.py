@@ -9,6 +9,7 @@ import pytest
 from etalon.addon.ui import properties
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.declaration import Declared, Panel, option
+from etalon.lib.settings.presets import PRESETS
 from etalon.lib.settings.units import Choice, FilePath, Seconds, Share, Whole
 
 
@@ -21,6 +22,15 @@ def scene():
     bpy.data.scenes.remove(bpy.data.scenes["panel"])
     del bpy.types.Scene.etalon
     bpy.utils.unregister_class(properties.EtalonSettings)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_sets_what_it_names_and_nothing_else(scene, name):
+    scene.etalon.confidence = 95.0
+    properties.apply_preset(scene, name)
+    read = properties.read_settings(scene)
+    assert {key: getattr(read, key) for key in PRESETS[name]} == PRESETS[name]
+    assert read.changed().keys() <= {*PRESETS[name], "confidence", "threads"}
 
 
 def test_defaults_of_the_panel_are_those_of_the_settings(scene):
@@ -50,7 +60,10 @@ def test_labels_units_and_limits_come_from_the_declaration(scene):
 
 def test_the_panel_shows_what_is_declared_for_it():
     names = [declared.name for declared in properties.SHOWN]
-    assert names == ["tolerance", "confidence", "time", "size", "passes", "partial", "out"]
+    assert names == [
+        *("strategy", "direct", "masking", "model", "fresnel", "sampler", "tolerance", "confidence", "time"),
+        *("size", "passes", "lights", "partial", "out"),
+    ]
     assert all(name in properties.EtalonSettings.__annotations__ for name in names)
 
 

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The interface in French: each text that is shown, and what it is called. Messages of errors and reports are English."""
+
+from __future__ import annotations
+
+from ...lib.settings.models import FRESNELS, MODELS, describe_models
+
+FRENCH: dict[str, str] = {
+    # The verdict.
+    "Agrees with Cycles' render within {bound} everywhere": "Concorde avec le rendu de Cycles à {bound} près partout",
+    "Agrees within {bound} so far; {tolerance} is not decided yet": "Concorde à {bound} près pour l'instant ; {tolerance} reste à décider",
+    "Too few samples to say anything yet": "Trop peu d'échantillons pour conclure",
+    "Differs by {difference} on '{name}'": "Diffère de {difference} sur « {name} »",
+    "{light} differs by {difference} on '{name}'": "{light} diffère de {difference} sur « {name} »",
+    "Differs by {difference} in the whole image": "Diffère de {difference} dans toute l'image",
+    "{light} differs by {difference} in the whole image": "{light} diffère de {difference} dans toute l'image",
+    "Differs by {difference} {place}, from pixel {pixel} on": "Diffère de {difference} {place}, à partir du pixel {pixel}",
+    "For a known reason: {causes}": "Pour une raison connue : {causes}",
+    "{count} of {total} regions differ": "{count} régions sur {total} diffèrent",
+    "{count} of {total} regions are too noisy to judge": "{count} régions sur {total} sont trop bruitées",
+    "{total} regions tested, {confidence} confidence": "{total} régions testées, confiance de {confidence}",
+    "About {time} should decide them": "{time} environ devraient suffire",
+    "Cancelled; this is what was gathered": "Annulé ; voici ce qui a été obtenu",
+    "{count} pixels are left out": "{count} pixels sont laissés de côté",
+    "The scene has changed since; compare again": "La scène a changé depuis ; comparez à nouveau",
+    # Regions.
+    "whole image": "image entière",
+    "material": "matériau",
+    "angles of a material": "angles d'un matériau",
+    "object": "objet",
+    "cell": "cellule",
+    "block": "bloc",
+    "top left": "en haut à gauche",
+    "top": "en haut",
+    "top right": "en haut à droite",
+    "left": "à gauche",
+    "centre": "au centre",
+    "right": "à droite",
+    "bottom left": "en bas à gauche",
+    "bottom": "en bas",
+    "bottom right": "en bas à droite",
+    "red": "rouge",
+    "green": "vert",
+    "blue": "bleu",
+    "unbounded": "sans borne",
+    "{difference} in {channel}": "{difference} dans le {channel}",
+    "{low} to {high}": "de {low} à {high}",
+    "The difference is at most {bound}": "La différence est d'au plus {bound}",
+    "'{name}' is no longer in the scene": "« {name} » n'est plus dans la scène",
+    "Show Region": "Montrer la région",
+    "Select the objects of this region, set the render region to it, and zoom the Image editors to it": (
+        "Sélectionner les objets de cette région, y placer la région de rendu et y agrandir les éditeurs d'images"
+    ),
+    "Whole Frame": "Cadre entier",
+    "Render the whole frame again": "Rendre à nouveau le cadre entier",
+    # While it runs.
+    "reading the scene": "lecture de la scène",
+    "timing the renderers": "chronométrage des moteurs",
+    "looking for caustics": "recherche de caustiques",
+    "first look": "premier examen",
+    "rendering": "rendu",
+    "rendering what is open": "rendu de ce qui reste ouvert",
+    "writing the report": "écriture du rapport",
+    "looking for the smallest scene that shows it": "recherche de la plus petite scène qui le montre",
+    "rendering each setting": "rendu de chaque réglage",
+    "measuring": "mesure",
+    "Ending": "Arrêt en cours",
+    "No bound yet": "Pas encore de borne",
+    "Within {bound}": "À {bound} près",
+    "Within {bound}, falling": "À {bound} près, en baisse",
+    "{time} left": "encore {time}",
+    "Esc cancels": "Échap annule",
+    "Another scene is being compared": "Une autre scène est en cours de comparaison",
+    "Étalon: cancelled before there was a result": "Étalon : annulé avant tout résultat",
+    "Étalon: done": "Étalon : terminé",
+    # Before the button is pressed.
+    "There is no camera: add one and make it active": "Il n'y a pas de caméra : ajoutez-en une et rendez-la active",
+    "Another engine is chosen; Cycles' render is compared": "Un autre moteur est choisi ; c'est le rendu de Cycles qui est comparé",
+    "Cycles is set to GPU; it is compared on the CPU": "Cycles est réglé sur GPU ; il est comparé sur CPU",
+    "The file is not saved; results go to {folder}": "Le fichier n'est pas enregistré ; les résultats iront dans {folder}",
+    "'{name}': {what} is not simulated": "« {name} » : {what} n'est pas simulé",
+    "and {count} more": "et {count} autres",
+    "{width} × {height} pixels, at most {time}": "{width} × {height} pixels, {time} au plus",
+    "hair curves": "courbes de cheveux",
+    "a point cloud": "un nuage de points",
+    "a volume": "un volume",
+    "grease pencil": "crayon gras",
+    # Buttons.
+    "Compare with Cycles": "Comparer à Cycles",
+    "Render this scene with the reference and with Cycles, and say where the two agree. Esc cancels": (
+        "Rendre cette scène avec la référence et avec Cycles, et dire où les deux concordent. Échap annule"
+    ),
+    "Compare the Rest": "Comparer le reste",
+    "Compare, and leave out the pixels that unsupported materials could affect; they are counted": (
+        "Comparer en laissant de côté les pixels que des matériaux non pris en charge peuvent modifier ; ils sont comptés"
+    ),
+    "Select What Is Not Supported": "Sélectionner ce qui n'est pas pris en charge",
+    "Select what is not supported: the object, or the objects with the material": (
+        "Sélectionner ce qui n'est pas pris en charge : l'objet, ou les objets qui ont le matériau"
+    ),
+    "Cancel (Esc)": "Annuler (Échap)",
+    "End the comparison; what both renderers finished is judged and kept": (
+        "Terminer la comparaison ; ce que les deux moteurs ont fini est jugé et gardé"
+    ),
+    "Open Report": "Ouvrir le rapport",
+    "Open the report in the web browser": "Ouvrir le rapport dans le navigateur",
+    "Open the page with all figures in the web browser": "Ouvrir la page de tous les chiffres dans le navigateur",
+    "{path} is not there any more": "{path} n'existe plus",
+    # Target, model, region, passes.
+    "Target": "Objectif",
+    "Apply Target": "Appliquer l'objectif",
+    "Set tolerance, time and image size to those of this target": "Prendre la tolérance, la durée et la taille de cet objectif",
+    "Quick look": "Coup d'œil",
+    "Review": "Examen",
+    "Proof": "Preuve",
+    "Tolerance": "Tolérance",
+    "Largest relative difference that counts as agreement": "Plus grande différence relative qui compte comme un accord",
+    "Confidence": "Confiance",
+    "Confidence of the whole verdict, all regions together": "Confiance du verdict entier, toutes régions ensemble",
+    "Time": "Durée",
+    "Time budget; a comparison ends sooner if every region is decided sooner": (
+        "Durée allouée ; une comparaison finit plus tôt si chaque région est décidée plus tôt"
+    ),
+    "Image size": "Taille de l'image",
+    "Auto: compare a smaller image of the same view where the whole one gives no useful answer in time; full: never": (
+        "Auto : comparer une image plus petite de la même vue si l'image entière ne donne rien d'utile à temps ; entière : jamais"
+    ),
+    "Auto": "Auto",
+    "Full": "Entière",
+    "Partial": "Partiel",
+    "Compare what can be compared: pixels that unsupported materials could affect are left out and counted": (
+        "Comparer ce qui peut l'être : les pixels que des matériaux non pris en charge peuvent modifier sont laissés de côté et comptés"
+    ),
+    "Output": "Sortie",
+    "Folder for the report, verdict.json and images; // is the folder of this file": (
+        "Dossier pour le rapport, verdict.json et les images ; // est le dossier de ce fichier"
+    ),
+    "Model": "Modèle",
+    "Strategy": "Stratégie",
+    "Sampling of glossy lobes: visible, bounded, d_cos, cosine, uniform": (
+        "Échantillonnage des lobes brillants : visible, borné, D cos, cosinus, uniforme"
+    ),
+    "Visible": "Visible",
+    "Bounded": "Borné",
+    "D cos": "D cos",
+    "Cosine": "Cosinus",
+    "Uniform": "Uniforme",
+    "Lobes": "Lobes",
+    f"Model in place of the lobes of Glossy nodes: {describe_models(MODELS)}; empty: each node's own": (
+        f"Modèle à la place des lobes des nœuds Glossy : {describe_models(MODELS)} ; vide : celui de chaque nœud"
+    ),
+    "Fresnel": "Fresnel",
+    f"Fresnel term of the lobes of Glossy nodes: {describe_models(FRESNELS)}": (
+        f"Terme de Fresnel des lobes des nœuds Glossy : {describe_models(FRESNELS)}"
+    ),
+    "Direct light": "Lumière directe",
+    "Sampling of direct light: mis, lights, bsdf": "Échantillonnage de la lumière directe : multiple, lampes, BSDF",
+    "Mis": "Multiple",
+    "Lights": "Lampes",
+    "Bsdf": "BSDF",
+    "Masking": "Masquage",
+    "Masking-shadowing: correlated, separable, torrance_sparrow": "Masquage-ombrage : corrélé, séparable, Torrance-Sparrow",
+    "Correlated": "Corrélé",
+    "Separable": "Séparable",
+    "Torrance sparrow": "Torrance-Sparrow",
+    "Random numbers": "Nombres aléatoires",
+    "Random numbers: sobol, random": "Nombres aléatoires : Sobol, aléatoires",
+    "Random": "Aléatoires",
+    "Region": "Région",
+    "Frame": "Image",
+    "Resolution": "Résolution",
+    "Passes": "Passes",
+    "Light passes": "Passes de lumière",
+    "Light passes to compare beside the image, which say in which light it differs: "
+    "none, all, diffuse, glossy, transmission, emission, environment": (
+        "Passes de lumière à comparer avec l'image, qui disent dans quelle lumière elle diffère : "
+        "aucune, toutes, diffuse, brillante, transmission, émission, environnement"
+    ),
+    "None": "Aucune",
+    "All": "Toutes",
+    "Diffuse": "Diffuse",
+    "Glossy": "Brillante",
+    "Transmission": "Transmission",
+    "Emission": "Émission",
+    "Environment": "Environnement",
+    "Diffuse direct": "Diffus direct",
+    "Diffuse indirect": "Diffus indirect",
+    "Glossy direct": "Brillant direct",
+    "Glossy indirect": "Brillant indirect",
+    "Transmission direct": "Transmission directe",
+    "Transmission indirect": "Transmission indirecte",
+    "Compare the light of each lamp, each emitting object and the world, which says whose light differs": (
+        "Comparer la lumière de chaque lampe, de chaque objet émetteur et du monde, ce qui dit laquelle diffère"
+    ),
+    # Settings, cost and plan.
+    "Settings, Cost and Plan": "Réglages, coût et plan",
+    "Audit My Settings": "Auditer mes réglages",
+    "Measure what each Cycles setting of this scene costs in bias, noise and time": (
+        "Mesurer ce que chaque réglage de Cycles coûte dans cette scène en biais, en bruit et en temps"
+    ),
+    "biased": "biaisé",
+    "no bias": "sans biais",
+    "undecided": "indécis",
+    "Every setting is at its neutral value": "Chaque réglage a sa valeur neutre",
+    "Apply": "Appliquer",
+    "Set this setting of the scene to its neutral value": "Donner à ce réglage de la scène sa valeur neutre",
+    "{setting} is set to {value}": "{setting} vaut maintenant {value}",
+    "What Does Accuracy Cost?": "Que coûte la précision ?",
+    "Measure the error of every way to render this scene against the time it takes": (
+        "Mesurer l'erreur de chaque façon de rendre cette scène en fonction du temps"
+    ),
+    "Plan": "Plan",
+    "List the effects that this scene needs, each with the reason, and everything that is not simulated": (
+        "Énumérer les effets dont cette scène a besoin, chacun avec sa raison, et tout ce qui n'est pas simulé"
+    ),
+    "Not everything is simulated; see above": "Tout n'est pas simulé ; voir plus haut",
+    # Images.
+    "Show Image": "Montrer une image",
+    "Show an image of the last comparison in an Image editor": "Montrer une image de la dernière comparaison dans un éditeur d'images",
+    "Switch Image": "Changer d'image",
+    "Show another image of the comparison": "Montrer une autre image de la comparaison",
+    "The images of the last comparison": "Les images de la dernière comparaison",
+    "Image": "Image",
+    "Reference": "Référence",
+    "Cycles": "Cycles",
+    "Difference": "Différence",
+    "Significance": "Significativité",
+    "Verdict": "Verdict",
+    "The reference's image": "L'image de la référence",
+    "Cycles' image": "L'image de Cycles",
+    "Red where Cycles is brighter, blue where it is darker; full colour at five times the tolerance": (
+        "Rouge où Cycles est plus clair, bleu où il est plus sombre ; pleine couleur à cinq fois la tolérance"
+    ),
+    "The difference in standard errors; full colour at five": "La différence en erreurs types ; pleine couleur à cinq",
+    "Green agrees, red differs, yellow is undecided, blue differs for a known reason": (
+        "Vert : concorde, rouge : diffère, jaune : indécis, bleu : diffère pour une raison connue"
+    ),
+    # Reference scenes and preferences.
+    "Reference Scene": "Scène de référence",
+    "Open a scene whose image is known; it takes the place of this file, which can be saved first": (
+        "Ouvrir une scène dont l'image est connue ; elle remplace ce fichier, qui peut être enregistré d'abord"
+    ),
+    "Scenes whose images are known": "Scènes dont l'image est connue",
+    "Scene": "Scène",
+    "Glossy spheres": "Sphères brillantes",
+    "Sigma sweep": "Balayage de sigma",
+    "Furnace": "Four",
+    "Grazing plane": "Plan rasant",
+    "Veach plates": "Plaques de Veach",
+    "Cornell glossy": "Cornell brillant",
+    "Lambert analytic": "Lambert analytique",
+    "Far from origin": "Loin de l'origine",
+    "Threads": "Fils d'exécution",
+    "Threads of both renderers; 0: all processors but one": "Fils d'exécution des deux moteurs ; 0 : tous les processeurs sauf un",
+    "Results": "Résultats",
+    "Folder for results where a scene does not name one; empty: beside the file": (
+        "Dossier pour les résultats si une scène n'en nomme pas ; vide : à côté du fichier"
+    ),
+    "Blender to use": "Blender à utiliser",
+    "Another Blender program that renders Cycles' side; empty: this one": (
+        "Un autre programme Blender qui rend le côté de Cycles ; vide : celui-ci"
+    ),
+}
