@@ -84,3 +84,37 @@ class Spline:
             value *= at
             value += piece.take(cell)
         return value
+
+
+class MaskingTable:
+    """Smith's Lambda at even steps of 1 - (b / (b + a))^(1/4), a = cot(theta) / alpha, in which the heaviest tail still ends smoothly.
+
+    It holds Lambda a / (a + b), which is bounded at both ends. `b` is about where Lambda changes most.
+    """
+
+    def __init__(self, scale: float, cells: int, masked: Callable[[np.ndarray], np.ndarray]) -> None:
+        """`masked(a)` gives a Lambda(a), (cells,), at a >= 0; `scale` is b."""
+        self.scale = scale
+        a = self.slope(np.linspace(0.0, 1.0, cells + 1)[:-1])
+        self._values = Spline(np.append(masked(a) / (a + scale), 0.0))
+
+    def slope(self, kappa: np.ndarray) -> np.ndarray:
+        """The a of a coordinate in [0, 1)."""
+        return self.scale / np.square(np.square(1.0 - kappa)) - self.scale
+
+    def coordinate(self, sine: np.ndarray, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The coordinate in [0, 1] of the view, and a + b times `sine`, (n,) each."""
+        part = self.scale * sine
+        end = part + cosine
+        part /= end
+        np.sqrt(part, out=part)
+        np.sqrt(part, out=part)
+        return np.subtract(1.0, part, out=part), end
+
+    def __call__(self, sine: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+        """Smith's Lambda, (n,), where `sine` >= 0 and `cosine` > 0, (n,), are the view's to the stretched surface, up to a factor."""
+        kappa, end = self.coordinate(sine, cosine)
+        value = self._values(kappa)
+        value *= end
+        value /= cosine
+        return np.maximum(value, 0.0, out=value)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..sampling.tables import LARGEST_UNIFORM
-from .inverse_tables import LARGEST_LEVEL, LEAST_UNIFORM, Spline, ViewTable, level
+from .inverse_tables import LARGEST_LEVEL, LEAST_UNIFORM, MaskingTable, Spline, ViewTable, level
 
 _CELLS = 2048
 _LEVELS = 1024
@@ -70,35 +70,19 @@ def _first_moment(x: np.ndarray, g: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class SlopeTables:
-    """The tables of one g: `tail` is T, `masking` is Lambda a / (a + b), `start` and `across` give the kappa of a slope."""
+    """The tables of one g: `tail` is T, `masking` is Lambda to 1e-11 of 1 + Lambda, `start` and `across` give the kappa of a slope."""
 
     g: float
     tail: Spline
-    masking: Spline
+    masking: MaskingTable
     start: ViewTable
     across: Spline
-
-    def smith_lambda(self, sine: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-        """Smith's Lambda, (n,), to 1e-11 of 1 + Lambda.
-
-        `sine` >= 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor.
-        """
-        end = _B * sine
-        end += cosine
-        kappa = _B * sine
-        kappa /= end
-        np.sqrt(kappa, out=kappa)
-        np.sqrt(kappa, out=kappa)
-        np.subtract(1.0, kappa, out=kappa)
-        value = self.masking(kappa)
-        value *= end
-        value /= cosine
-        return np.maximum(value, 0.0, out=value)
 
     def visible_tangent(self, sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
         """The x above which lies 1 - u of the visible normals, (n,); `u` in [0, 1], `lambda_o` Lambda of the view.
 
-        `sine` > 0 and `cosine` > 0 as for `smith_lambda`. One step by the parabola through value, slope and curvature, as for Beckmann.
+        `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor. One step by the parabola
+        through value, slope and curvature, as for Beckmann.
         """
         g = self.g
         u = np.clip(u, LEAST_UNIFORM, LARGEST_UNIFORM)
@@ -135,15 +119,14 @@ def slope_tables(g: float) -> SlopeTables:
 
     kappa = np.linspace(0.0, 1.0, _CELLS + 1)
     x = _slope(kappa)
-    tail_at, moment_at = tail_by_beta(x, g), _first_moment(x, g)
+    tail_at = tail_by_beta(x, g)
     tail_at[-1] = 0.0
-    masking = (moment_at - x * tail_at) / (x + _B)
-    masking[-1] = 0.0
     tail = Spline(tail_at)
+    masking = MaskingTable(_B, _CELLS, lambda a: _first_moment(a, g) - a * tail_by_beta(a, g))
     above = ViewTable.share_above(np.linspace(0.0, LARGEST_LEVEL, _LEVELS + 1))
     across = Spline(_kappa(-stdtrit(2.0 * g - 1.0, above)))
     start = ViewTable(functools.partial(_invert, g=g, tail=tail))
-    return SlopeTables(g, tail, Spline(masking), start, across)
+    return SlopeTables(g, tail, masking, start, across)
 
 
 def _invert(s: np.ndarray, above: np.ndarray, g: float, tail: Spline) -> np.ndarray:

@@ -62,7 +62,7 @@ class StudentT(Distribution):
         `smith_lambda_by_beta` is what the table is made from.
         """
         sine = np.sqrt(stretched_sine_squared(w, alpha_x, alpha_y))
-        return above_horizon(w, slope_tables(self.g).smith_lambda(sine, np.clip(w[2], FLOOR, 1.0)), HIDDEN)
+        return above_horizon(w, slope_tables(self.g).masking(sine, np.clip(w[2], FLOOR, 1.0)), HIDDEN)
 
     def smith_lambda_by_beta(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
         """Smith's exact Lambda(w) by the incomplete beta function, (n,), a hundred times as slow. Arguments as for `smith_lambda`."""

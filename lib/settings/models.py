@@ -41,6 +41,8 @@ MICROFACET_MODELS: Known = {
     "ggx": {},
     "beckmann": {},
     "student-t": {"g": Parameter(1.5, 1e4, closed=False)},
+    "shifted-gamma": {"p": Parameter(0.0, 2.0), "shift": Parameter(1e-4, 10.0)},
+    "exponential-power": {"b": Parameter(0.3, 0.8)},
 }
 """Distributions of microfacets, which have a masking and several strategies."""
 EMPIRICAL_MODELS: Known = {

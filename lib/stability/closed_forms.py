@@ -18,11 +18,12 @@ from ..microfacets import densities, fresnel, masking
 from ..microfacets.beckmann import Beckmann, smith_lambda_rational
 from ..microfacets.distribution import Distribution
 from ..microfacets.ggx import GGX
+from ..microfacets.scale_mixture import ExponentialPower, ShiftedGamma
 from ..microfacets.student_t import StudentT
 from ..sampling.mis import power_heuristic
 from ..scene.lights import SphereLight, SunLight
 from . import cycles_single, domain, exact, single
-from .measure import Function, Single
+from .measure import Function, Single, Truth
 
 BOUND = 8.0
 FAMILY = "closed form"
@@ -199,6 +200,11 @@ def _distribution(title: str, distribution: Distribution, name: str) -> list[Fun
     return entries
 
 
+def _shaped(title: str, distribution: Distribution, truth: Truth) -> Function:
+    """D of a distribution of one shape."""
+    return Function(FAMILY, title, (*_VECTOR, *_ALPHAS), _normals, _of_direction(distribution.density), truth, BOUND)
+
+
 def _entry(
     title: str,
     names: tuple[str, ...],
@@ -233,18 +239,9 @@ def _microfacets() -> list[Function]:
     return [
         *_distribution("GGX", GGX(), "ggx"),
         *_distribution("Beckmann", Beckmann(), "beckmann"),
-        *(
-            Function(
-                FAMILY,
-                f"Student-t D, g = {g:g}",
-                (*_VECTOR, *_ALPHAS),
-                _normals,
-                _of_direction(StudentT(g).density),
-                exact.student_density(g),
-                BOUND,
-            )
-            for g in STUDENT_SHAPES
-        ),
+        *(_shaped(f"Student-t D, g = {g:g}", StudentT(g), exact.student_density(g)) for g in STUDENT_SHAPES),
+        _shaped("shifted gamma D", ShiftedGamma(0.8, 0.01), exact.gamma_density(0.8, 0.01)),
+        _shaped("exponential power D", ExponentialPower(0.5), exact.exponential_density(0.5)),
         Function(
             FAMILY,
             "Beckmann Lambda, rational",

@@ -45,6 +45,26 @@ def student_density(g: float) -> Callable[..., Values]:
     return density
 
 
+def gamma_density(p: float, shift: float) -> Callable[..., Values]:
+    """Bagher, Soler and Holzschuch 2012, both axes: exp(-q) q^-p of q = shift + s, normalised by an incomplete gamma function."""
+
+    def density(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
+        q = mpf(shift) + _stretched(x, y, 1 / ax, 1 / ay) / z**2
+        return (mp.exp(-q) * q ** -mpf(p) / (mp.pi * mp.gammainc(1 - mpf(p), shift) * ax * ay * z**4),)
+
+    return density
+
+
+def exponential_density(b: float) -> Callable[..., Values]:
+    """exp(-s^b) / (pi Gamma(1 + 1 / b)), both axes."""
+
+    def density(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
+        s = _stretched(x, y, 1 / ax, 1 / ay) / z**2
+        return (mp.exp(-(s ** mpf(b))) / (mp.pi * mp.gamma(1 + 1 / mpf(b)) * ax * ay * z**4),)
+
+    return density
+
+
 def beckmann_lambda(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
     """Heitz 2014, eq. 66; 0 where the surface shows no slope."""
     stretched = _stretched(x, y, ax, ay)

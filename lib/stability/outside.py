@@ -19,7 +19,7 @@ _FACTORS = "puts together factors that the atlas holds: chi-square and white fur
 _LIGHT = "puts together densities and directions that the atlas holds: chi-square and irradiance in tests/lib/lights"
 _SPECTRUM = "a fit or a table of the spectrum: tests/lib/microfacets and tests/lib/sampling compare it with lines and quadrature"
 _ADJOINT = "what tracing light asks of a light or a lobe: tests/lib/light_tracing compare its images with closed forms and with path tracing"
-_SLOPES = "an incomplete beta function, or a table made from it: tests/lib/microfacets/test_student_t.py compares with quadrature"
+_SLOPES = "a special function, or a table of one: test_student_t.py and test_scale_mixture.py compare with quadrature"
 _NOTHING = "no equation: it chooses, copies or describes"
 
 OUTSIDE: dict[str, str] = {
@@ -77,7 +77,12 @@ OUTSIDE: dict[str, str] = {
     ),
     **dict.fromkeys(
         (
+            "microfacets.inverse_tables.MaskingTable",
             "microfacets.inverse_tables.Spline",
+            "microfacets.scale_mixture.Components",
+            "microfacets.scale_mixture.ScaleMixture.sample_d_cos",
+            "microfacets.scale_mixture.ScaleMixture.sample_visible",
+            "microfacets.scale_mixture.ScaleMixture.smith_lambda",
             "microfacets.student_slopes.SlopeTables",
             "microfacets.student_slopes.lambda_by_beta",
             "microfacets.student_slopes.slope_tables",
@@ -174,6 +179,8 @@ OUTSIDE: dict[str, str] = {
             "microfacets.distribution.BoundedDistribution",
             "microfacets.distribution.Distribution",
             "microfacets.distributions.distribution_by_name",
+            "microfacets.scale_mixture.ScaleMixture.components",
+            "microfacets.scale_mixture.ScaleMixture.slopes",
             "lights.build.area_sampler",
             "lights.build.light_sampler",
             "lights.light.LightSample",

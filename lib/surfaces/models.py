@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..bsdfs.fresnels import Conductor, CookTorrance, Fresnel, Schlick
 from ..empirical.models import EMPIRICAL, LobeForm
 from ..microfacets.distribution import Distribution
 from ..microfacets.distributions import DISTRIBUTIONS, distribution_by_name
+from ..microfacets.scale_mixture import ExponentialPower, ShiftedGamma
 from ..microfacets.student_t import StudentT
 from ..scene.materials import Glossy, Material, WeightedClosure
 from ..scene.scene import Scene
@@ -19,6 +21,11 @@ from ..settings.reference import Options
 
 _OF_BLENDER = {"ggx": "GGX", "beckmann": "BECKMANN", "ashikhmin-shirley": "ASHIKHMIN_SHIRLEY"}
 """Models that a Glossy node has itself: departures of Cycles act on them as on the node's."""
+_SHAPED: dict[str, Callable[..., Distribution]] = {
+    "student-t": StudentT,
+    "shifted-gamma": ShiftedGamma,
+    "exponential-power": ExponentialPower,
+}
 
 
 def with_other_model(scene: Scene, options: Options) -> Scene:
@@ -51,7 +58,7 @@ def distribution_of(name: str) -> Distribution:
     if name in DISTRIBUTIONS:
         return distribution_by_name(name)
     model, values = split_model(name, MODELS, "model")
-    return {"student-t": StudentT}[model](**values)
+    return _SHAPED[model](**values)
 
 
 def fresnel_curve(name: str, color: np.ndarray) -> tuple[Fresnel | None, np.ndarray]:

@@ -21,6 +21,7 @@ from etalon.lib.lights.environment import EnvironmentSampler
 from etalon.lib.microfacets import densities
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
+from etalon.lib.microfacets.scale_mixture import ExponentialPower, ShiftedGamma
 from etalon.lib.microfacets.student_t import StudentT
 from etalon.lib.scene.lights import AreaLight, SphereLight, SpotLight, SunLight
 from etalon.lib.scene.lights import Cone as SpotCone
@@ -28,7 +29,8 @@ from etalon.tests.charts import Cone, Flat, Refractions, Sky
 from etalon.tests.chi2 import Reflections, Sphere, Tangents, chi_square, sidak
 
 STUDENT = {f"student-t {g:g}": StudentT(g) for g in (1.8, 2.5, 12.0)}
-DISTRIBUTIONS = {"ggx": GGX(), "beckmann": Beckmann(), **STUDENT}
+MIXTURES = {"shifted gamma": ShiftedGamma(0.8, 0.01), "exponential power": ExponentialPower(0.5)}
+DISTRIBUTIONS = {"ggx": GGX(), "beckmann": Beckmann(), **STUDENT, **MIXTURES}
 ISOTROPIC = [(a, a) for a in (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.3, 0.6, 1.0)]
 ANISOTROPIC = [(1e-4, 1e-3), (1e-2, 1e-4), (0.01, 0.3), (0.3, 0.05), (1.0, 0.1), (0.1, 1.0), (0.5, 0.4), (1.0, 1e-3)]
 ANGLES = (0.0, 20.0, 45.0, 70.0, 85.0, 89.0, 89.9)
@@ -249,10 +251,11 @@ class World:
 def grid():
     """Name -> configuration."""
     cases = []
-    for name in STUDENT:
+    for name in (*STUDENT, *MIXTURES):
         for alpha in ((0.01, 0.01), (0.3, 0.3), (0.7, 0.7), (0.3, 0.05), (0.1, 1.0)):
-            cases += [Normals(name, alpha, degrees) for degrees in ANGLES]
-            cases += [Lobe(name, strategy, alpha, degrees) for strategy in ("visible", "d_cos") for degrees in ANGLES]
+            for degrees in ANGLES[::2]:
+                cases.append(Normals(name, alpha, degrees))
+                cases += [Lobe(name, strategy, alpha, degrees) for strategy in ("visible", "d_cos")]
     for name in ("ggx", "beckmann"):
         strategies = ("visible", "bounded", "d_cos") if name == "ggx" else ("visible", "d_cos")
         for alpha in (*ISOTROPIC, *ANISOTROPIC):

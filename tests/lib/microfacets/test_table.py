@@ -8,10 +8,12 @@ from etalon.lib.microfacets import densities
 from etalon.lib.microfacets.distribution import BoundedDistribution
 from etalon.lib.microfacets.distributions import DISTRIBUTIONS, distribution_by_name
 from etalon.lib.microfacets.masking import HIDDEN
+from etalon.lib.microfacets.scale_mixture import ExponentialPower, ShiftedGamma
 from etalon.lib.microfacets.student_t import StudentT
 from etalon.tests.chi2 import Tangents, chi_square, integrals, sidak
 
-WITH_SHAPES = DISTRIBUTIONS | {f"student-t {g:g}": StudentT(g) for g in (1.8, 2.5, 30.0)}
+MIXTURES = {"shifted gamma": ShiftedGamma(0.8, 0.01), "exponential power": ExponentialPower(0.5)}
+WITH_SHAPES = DISTRIBUTIONS | {f"student-t {g:g}": StudentT(g) for g in (1.8, 2.5, 30.0)} | MIXTURES
 EVERY = pytest.mark.parametrize("distribution", WITH_SHAPES.values(), ids=WITH_SHAPES)
 ALPHAS = pytest.mark.parametrize("alphas", [(0.1, 0.1), (0.7, 0.2)])
 ANGLES = pytest.mark.parametrize("degrees", [20.0, 75.0])

@@ -10,12 +10,16 @@ from etalon.lib.scene.expressions import Constant
 from etalon.lib.scene.materials import Glossy, Metallic
 from etalon.lib.settings.models import MODELS
 from etalon.lib.settings.reference import Options
-from etalon.lib.surfaces.models import distribution_of, with_other_model
+from etalon.lib.surfaces.models import _SHAPED, distribution_of, with_other_model
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.scenes import color, floor, material, orthographic, scene
 
 ROUGH = Constant(0.6)
-TEXTS = [name if name != "student-t" else "student-t:g=2.5" for name in MODELS]
+NEEDED = {"g": 2.5, "p": 0.8, "shift": 0.01, "b": 0.5}
+TEXTS = [
+    f"{name}:{','.join(f'{key}={NEEDED[key]}' for key in parameters if key in NEEDED)}".rstrip(":")
+    for name, parameters in MODELS.items()
+]
 
 
 def plane(closure):
@@ -107,8 +111,23 @@ def test_what_is_no_model_is_refused_in_one_line(options, message):
         Options(**options)
 
 
-@pytest.mark.parametrize("g", [1.5, 1e4 + 1.0])
-def test_the_option_and_the_distribution_agree_on_the_range_of_the_shape(g):
-    assert not MODELS["student-t"]["g"].contains(g)
-    with pytest.raises(EtalonError, match="out of range"):
-        StudentT(g)
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [("student-t", "g"), ("shifted-gamma", "p"), ("shifted-gamma", "shift"), ("exponential-power", "b")],
+)
+def test_the_option_and_the_distribution_agree_on_the_range_of_a_shape(text, key):
+    usual = {name: NEEDED[name] for name in MODELS[text]}
+    limits = MODELS[text][key]
+    for value in (
+        limits.low,
+        np.nextafter(limits.low, -1.0),
+        limits.high,
+        np.nextafter(limits.high, 1e9),
+        float("nan"),
+    ):
+        words = ",".join(f"{name}={one!r}" for name, one in {**usual, key: float(value)}.items())
+        if limits.contains(float(value)):
+            distribution_of(f"{text}:{words}")
+        else:
+            with pytest.raises(EtalonError, match="out of range"):
+                _SHAPED[text](**{**usual, key: float(value)})
