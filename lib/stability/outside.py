@@ -164,6 +164,10 @@ OUTSIDE: dict[str, str] = {
         ),
         _LIGHT,
     ),
+    **dict.fromkeys(
+        ("lights.units.LightUnits", "lights.units.light_units"),
+        "products of an area or a solid angle and a radiance, for a reader: tests/lib/lights/test_units.py",
+    ),
     **dict.fromkeys(("bsdfs.specular.refracted_widening", "lights.light.emit_distant"), _ADJOINT),
     **dict.fromkeys(
         (
