@@ -46,7 +46,7 @@ from etalon.lib.scene.materials import (
     WeightedClosure,
 )
 from etalon.lib.scene.scene import Transport
-from etalon.lib.scene.volumes import Volume
+from etalon.lib.scene.volumes import Phase, Volume
 from etalon.lib.scene.world import World
 from etalon.tests.scenes import (
     color,
@@ -121,6 +121,7 @@ NEAR_ONLY = replace(AREA, max_bounces=0)
 UNREFLECTED = replace(AREA, rays=rays.DIFFUSE)
 OPAQUE_SHADOW = replace(material(Transparent(color(0.8))), transparent_shadows=False)
 TINTED = replace(glass(1.5), volume=Volume((0.2, 0.5, 0.9)))
+SMOKE = Material("smoke", (), volume=Volume((0.2, 0.1, 0.0), (Phase((0.5, 0.7, 0.9), 0.4),)), only_bounds=True)
 BOUNDS = Material("bounds", (), volume=Volume((0.2, 0.5, 0.9)), only_bounds=True)
 COATED = [material(Diffuse(color(0.5)), Glossy("GGX", color(0.3), HALF)), diffuse(0.8)]
 LAMP = of(Emission(color(1.0)))
@@ -249,6 +250,13 @@ CASES = {
             scene([cube(), floor(2.0, -1.5, 1)], [BOUNDS, diffuse(0.5)], CAMERA),
         ],
         [PLAIN, scene(cube(), glass(1.5), CAMERA), scene(cube(), replace(TINTED, volume=Volume()), CAMERA)],
+    ),
+    "volume scattering": (
+        [
+            scene([cube(material=1), floor(2.0, -1.5)], [diffuse(0.5), SMOKE], CAMERA, (POINT,), bounces=1),
+            replace(PLAIN, world=replace(SLOPED, volume=Volume(phases=(Phase((0.1, 0.2, 0.3)),)))),
+        ],
+        [PLAIN, scene([cube(), floor(2.0, -1.5, 1)], [BOUNDS, diffuse(0.5)], CAMERA)],
     ),
     "emission": (
         [of(Emission(color(1.0))), CROWDED_LAMP],

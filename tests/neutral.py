@@ -39,7 +39,7 @@ from etalon.lib.scene.materials import (
     WeightedClosure,
 )
 from etalon.lib.scene.scene import Scene
-from etalon.lib.scene.volumes import Volume
+from etalon.lib.scene.volumes import Phase, Volume
 from etalon.tests.scenes import color
 
 HALF = Constant(0.5)
@@ -163,6 +163,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "toon": _lobe(Toon()),
     "transparent surfaces": _lobe(Transparent(color(0.0))),
     "volumes": lambda scene: replace(scene, world=replace(scene.world, volume=Volume())),
+    "volume scattering": lambda scene: replace(scene, world=replace(scene.world, volume=Volume(phases=(Phase(DARK),)))),
     "emission": _lobe(Emission(strength=ZERO)),
     "image textures": _sockets("color", _unused(ImageTexture(Coordinates("UV"), 0))),
     "procedural textures": _sockets("color", _unused(Checker(Coordinates("UV"), color(0.2), color(0.8), ONE))),

@@ -10,6 +10,7 @@ pass. A difference to the reference's pass shows it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 
 import bpy
 import numpy as np
@@ -26,6 +27,8 @@ _PROPERTIES = {
     LightPass.GLOSSY_INDIRECT: ("use_pass_glossy_indirect", "GlossInd", "Glossy Indirect"),
     LightPass.TRANSMISSION_DIRECT: ("use_pass_transmission_direct", "TransDir", "Transmission Direct"),
     LightPass.TRANSMISSION_INDIRECT: ("use_pass_transmission_indirect", "TransInd", "Transmission Indirect"),
+    LightPass.VOLUME_DIRECT: ("cycles.use_pass_volume_direct", "VolumeDir", "Volume Direct"),
+    LightPass.VOLUME_INDIRECT: ("cycles.use_pass_volume_indirect", "VolumeInd", "Volume Indirect"),
     LightPass.EMISSION: ("use_pass_emit", "Emit", "Emission"),
     LightPass.ENVIRONMENT: ("use_pass_environment", "Env", "Environment"),
 }
@@ -47,7 +50,8 @@ def ask_for_passes(changes: Changes, scene: bpy.types.Scene, layer: str, passes:
     """Have the view layer called `layer` write `passes`, those alone of its light passes, into a file of several layers."""
     wanted = {*passes, *filter(None, map(_family, passes))}
     for one, (name, *_) in (_PROPERTIES | _COLORS).items():
-        changes.set(scene.view_layers[layer], name, one in wanted)
+        *inner, own = name.split(".")
+        changes.set(reduce(getattr, inner, scene.view_layers[layer]), own, one in wanted)
     settings = scene.render.image_settings
     changes.remember(settings, reversed(_MULTILAYER))
     for name, value in _MULTILAYER.items():
@@ -67,7 +71,8 @@ def read_pass(channels: dict[str, np.ndarray], name: LightPass) -> np.ndarray:
 
 
 def _family(name: LightPass) -> Family | None:
-    return next((family for family in Family if name.startswith(family)), None)
+    """The family whose colour Cycles divides a pass by; volumes have none."""
+    return next((family for family in _COLORS if name.startswith(family)), None)
 
 
 def read_layer(channels: dict[str, np.ndarray], *names: str) -> np.ndarray:

@@ -107,6 +107,23 @@ def is_invisible(instance: bpy.types.DepsgraphObjectInstance) -> bool:
     return not any(all(getattr(one, f"visible_{ray}") for one in both) for ray in RAY_NAMES)
 
 
+def refuse_unscattered(depsgraph: bpy.types.Depsgraph) -> None:
+    """Raise Refused where rays that volumes scatter would not meet all objects and lights, or not see the world."""
+    remedy = "switch it on"
+    refusals = []
+    for instance in depsgraph.object_instances:
+        both = (instance.object, instance.parent or instance.object)
+        if instance.show_self and not all(one.visible_volume_scatter for one in both) and not is_invisible(instance):
+            what = "ray visibility Volume Scatter off, beside a volume that scatters,"
+            refusals.append(Refusal(f"object '{instance.object.name}'", what, remedy))
+    world = depsgraph.scene_eval.world
+    if world is not None and not world.cycles_visibility.scatter:
+        what = "ray visibility Volume Scatter off, beside a volume that scatters,"
+        refusals.append(Refusal(f"world '{world.name}'", what, remedy))
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
+
+
 def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
     """Append what of a light's switches and kinds of light is not simulated."""
     data = light.data

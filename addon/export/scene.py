@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ...lib.effects.facts import Facts
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.scene.checks import validate
 from ...lib.scene.lights import Light
@@ -25,7 +26,7 @@ from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
-from .refusals import is_invisible, read_rays, refuse_object, refuse_settings
+from .refusals import is_invisible, read_rays, refuse_object, refuse_settings, refuse_unscattered
 from .set_aside import find_missing_images, find_set_aside
 
 
@@ -73,7 +74,11 @@ def export_scene(
         lights=lights,
         world=world,
         camera=view,
-        transport=Transport(bounces, max(Transport().transparent_max_bounces, scene.cycles.transparent_max_bounces)),
+        transport=Transport(
+            bounces,
+            max(Transport().transparent_max_bounces, scene.cycles.transparent_max_bounces),
+            scene.cycles.volume_bounces,
+        ),
         images=images.images,
         blender=bpy.app.version[:2],
         findings=(*find_missing_images(tuple(images.missing)), *find_set_aside(depsgraph, mesh)),
@@ -81,6 +86,8 @@ def export_scene(
     validate(result)
     refuse_linked_faces(result)
     refuse_volumes(result)
+    if Facts(result).turbid:
+        refuse_unscattered(depsgraph)
     return result
 
 

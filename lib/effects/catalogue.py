@@ -75,6 +75,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.TOON, Stage.SHADE, closure(Toon)),
     Entry(Effect.TRANSPARENT_SURFACES, Stage.PASS_THROUGH, transport.transparency),
     Entry(Effect.VOLUMES, Stage.VOLUMES, volumes.volumes),
+    Entry(Effect.VOLUME_SCATTERING, Stage.VOLUMES, volumes.scattering),
     Entry(Effect.EMISSION, Stage.EMISSION, transport.emission),
     # Nodes that sockets read.
     Entry(Effect.IMAGE_TEXTURES, Stage.SHADE, socket((ImageTexture, EnvironmentTexture), "no socket reads an image")),

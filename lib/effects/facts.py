@@ -25,6 +25,7 @@ from ..scene.materials import (
 )
 from ..scene.mesh import Object
 from ..scene.scene import Scene
+from ..scene.volumes import Volume
 from ..textures.fold import fold_scene
 from .geometry import Answer, meets_again
 
@@ -129,16 +130,31 @@ class Facts:
     @cached_property
     def volumes(self) -> list[str]:
         """Names of the materials whose volumes do something to light, and 'world' for the world's."""
+        return [name for name, _ in self._volumes]
+
+    @cached_property
+    def _volumes(self) -> list[tuple[str, Volume]]:
         owners = [(material.name, material.volume) for material in self.materials]
         owners.append(("world", self.scene.world.volume))
-        return [name for name, volume in owners if volume is not None and not volume.is_empty]
+        return [(name, volume) for name, volume in owners if volume is not None and not volume.is_empty]
+
+    @property
+    def turbid(self) -> list[str]:
+        """Names of those of them whose volumes scatter light."""
+        return [name for name, volume in self._volumes if any(volume.scattering)]
+
+    @property
+    def glowing(self) -> list[str]:
+        """Names of those of them whose volumes emit light."""
+        return [name for name, volume in self._volumes if any(volume.emission)]
 
     @cached_property
     def rough(self) -> list[str]:
-        """Names of the materials that scatter into more than one or two directions."""
-        return [
+        """Names of the materials that scatter into more than one or two directions, by a lobe or in their volume."""
+        rough = [
             m.name for m in self.materials if any(scatters(x.closure) and not is_smooth(x.closure) for x in m.lobes)
         ]
+        return rough + self.turbid
 
     @cached_property
     def smooth(self) -> list[str]:
@@ -147,8 +163,8 @@ class Facts:
 
     @cached_property
     def scattering(self) -> list[str]:
-        """Names of the materials that scatter."""
-        return [m.name for m in self.materials if any(scatters(lobe.closure) for lobe in m.lobes)]
+        """Names of the materials that scatter, by a lobe or in their volume."""
+        return [m.name for m in self.materials if any(scatters(lobe.closure) for lobe in m.lobes)] + self.turbid
 
     @cached_property
     def meets_again(self) -> Answer:

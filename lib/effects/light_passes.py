@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..film.light_passes import LightPass, direct, indirect
+from ..film.light_passes import Family, LightPass, direct, indirect
 from ..scene.rays import CAMERA, has_bits
 from ..scene.scene import Scene
 from .facts import Facts
@@ -17,12 +17,18 @@ def light_passes(scene: Scene, plan: Plan) -> tuple[LightPass, ...]:
     facts = Facts(scene)
     closures = [type(lobe.closure) for material in facts.materials for lobe in material.lobes]
     families = {family for closure in closures for family in FAMILIES.get(closure, ())}
+    if facts.turbid:
+        families.add(Family.VOLUME)
     found = set()
     for family in families:
         found.add(direct(family))
         if plan.needs(Effect.INDIRECT_LIGHT):
             found.add(indirect(family))
-    if plan.needs(Effect.EMISSION) or any(has_bits(light.rays, CAMERA) for light in facts.broad_lights):
+    if (
+        plan.needs(Effect.EMISSION)
+        or facts.glowing
+        or any(has_bits(light.rays, CAMERA) for light in facts.broad_lights)
+    ):
         found.add(LightPass.EMISSION)
     if plan.needs(Effect.CONSTANT_WORLD) or plan.needs(Effect.ENVIRONMENT_WORLD):
         found.add(LightPass.ENVIRONMENT)

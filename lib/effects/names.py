@@ -41,6 +41,7 @@ class Effect(StrEnum):
     TOON = "toon"
     TRANSPARENT_SURFACES = "transparent surfaces"
     VOLUMES = "volumes"
+    VOLUME_SCATTERING = "volume scattering"
     EMISSION = "emission"
 
     IMAGE_TEXTURES = "image textures"

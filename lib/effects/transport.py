@@ -143,7 +143,7 @@ def shadow_rays(facts: Facts) -> Answer:
 
 def _met_by_rays(facts: Facts) -> list[str]:
     """The sources that a scattered ray can run into."""
-    met = [x.name for x in facts.broad_lights] + ["world"] * facts.world_shines
+    met = [x.name for x in facts.broad_lights] + ["world"] * facts.world_shines + facts.glowing
     if facts.meets_again[0]:
         met += ["emitting faces"] * emission(facts)[0] + facts.unknown
     return met

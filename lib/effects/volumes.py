@@ -9,5 +9,10 @@ from .surface import named
 
 
 def volumes(facts: Facts) -> Answer:
-    """Whether light is absorbed on its way between faces."""
+    """Whether light is absorbed or emitted on its way between faces."""
     return named(facts.volumes, "light passes the volume of", "light passes from face to face as through a vacuum")
+
+
+def scattering(facts: Facts) -> Answer:
+    """Whether light is scattered between faces."""
+    return named(facts.turbid, "light is scattered in the volume of", "no volume scatters light")

@@ -7,11 +7,15 @@ from enum import StrEnum
 
 
 class Family(StrEnum):
-    """What kind of lobe scatters light, by Cycles' count: translucent lobes are diffuse, glass is glossy on the viewer's side."""
+    """What scatters light, a kind of lobe or a volume, by Cycles' count: translucent lobes are diffuse, glass is glossy on the viewer's side.
+
+    Volumes come last: they have what the lobes leave.
+    """
 
     DIFFUSE = "diffuse"
     GLOSSY = "glossy"
     TRANSMISSION = "transmission"
+    VOLUME = "volume"
 
 
 class LightPass(StrEnum):
@@ -27,6 +31,8 @@ class LightPass(StrEnum):
     GLOSSY_INDIRECT = "glossy indirect"
     TRANSMISSION_DIRECT = "transmission direct"
     TRANSMISSION_INDIRECT = "transmission indirect"
+    VOLUME_DIRECT = "volume direct"
+    VOLUME_INDIRECT = "volume indirect"
     EMISSION = "emission"
     ENVIRONMENT = "environment"
 

@@ -67,6 +67,11 @@ ADJOINT_CHOICES, ADJOINT_BSDF, ADJOINT_LENS, ADJOINT_FATE = 0, 1, 2, 3
 WALK = 1 << 28
 ENTER, ENTRY, WALK_KEY = 0, 1, 2
 
+# Dimensions of a camera path in volumes that scatter, apart from the others: for each step where light is sampled, the light's direction, which
+# light and which phase function, where the path scatters, whereto, and roulette.
+FIRST_VOLUME_STEP = 1 << 27
+VOLUME_PLACE, VOLUME_LIGHT, VOLUME_CHOICES, VOLUME_FLIGHT, VOLUME_PHASE, VOLUME_FATE = range(6)
+
 # Keys beside the dimensions: how pixels pick and shift point sets, and the generator of plain random numbers.
 PIXEL_KEYS, RANDOM_NUMBERS = -2, -1
 
@@ -84,3 +89,8 @@ def light_step_dimension(step: int, decision: int) -> int:
 def walk_dimension(step: int, decision: int) -> int:
     """The dimension of a `decision` (ENTER, ENTRY or WALK_KEY) about a walk below a surface at a step of the path, counted from 0."""
     return WALK + 3 * step + decision
+
+
+def volume_step_dimension(step: int, decision: int) -> int:
+    """The dimension of a `decision` (VOLUME_PLACE, ...) at a step of a path through volumes, counted from 0."""
+    return FIRST_VOLUME_STEP + 6 * step + decision

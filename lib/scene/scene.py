@@ -21,10 +21,12 @@ class Transport:
 
     With `max_bounces` n a path has up to n + 1 scatterings, and emission after the last is included. `transparent_max_bounces`
     t: a ray passes max(t, 1) transparent surfaces; the next contributes its emission only; shadow rays pass t.
+    With `volume_bounces` v a path has up to v + 1 scatterings in volumes, and the last of them is its last.
     """
 
     max_bounces: int = 12
     transparent_max_bounces: int = 64
+    volume_bounces: int = 1024
 
 
 @dataclass(frozen=True)

@@ -48,9 +48,9 @@ class CoplanarFaces:
         self._mesh = mesh
 
     def met_by(self, triangle: np.ndarray, point: np.ndarray) -> Met:
-        """What rays meet that leave `point` (3, n) on `triangle` (n,), in any direction."""
+        """What rays meet that leave `point` (3, n) on `triangle` (n,), in any direction; those that leave none, -1, meet nothing."""
         start = self._start[triangle]
-        count = self._start[triangle + 1] - start
+        count = np.where(triangle < 0, 0, self._start[triangle + 1] - start)
         ray = np.repeat(np.arange(triangle.size), count)
         if ray.size == 0:
             return Met(ray, np.empty(0, np.int32), np.empty(0), np.empty(0))

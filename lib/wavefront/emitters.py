@@ -9,10 +9,12 @@ from ..effects.names import Effect
 from ..film.light_passes import LightPass
 from ..lights.light import LightSampler
 from ..sampling.mis import cutoff_power_heuristic
+from ..scattering.free_path import attenuated_length
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .kernel import Kernel
 from .light_choice import LightSampling
+from .media import AIR
 from .pass_sums import Index
 from .paths import Paths
 from .raycaster import Hits
@@ -117,6 +119,19 @@ class Emitters:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
             throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
         self._add(paths, escaped, throughput, LightPass.ENVIRONMENT, emitter)
+
+    def volumes(self, paths: Paths, hits: Hits) -> None:
+        """Light that volumes emit on the way to the nearest face."""
+        media = self._kernel.media
+        if not media.emission.any():
+            return
+        medium = np.where(hits.triangle < 0, AIR, paths.medium)
+        glow = np.take(media.emission, medium, axis=1)
+        index = np.flatnonzero(glow.any(axis=0))
+        extinction, glow = np.take(media.extinction, medium[index], axis=1), glow[:, index]
+        length = attenuated_length(extinction, hits.distance[index])
+        arriving = np.take(paths.throughput, index, axis=1) * glow * np.where(glow > 0.0, length, 0.0)
+        self._add(paths, index, arriving, LightPass.EMISSION, -1)  # kernel.emitters refuses to tell emitters apart
 
     def faces(
         self, paths: Paths, points: SurfacePoints, distance: np.ndarray, start: int, stop: int, material: int

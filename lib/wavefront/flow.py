@@ -19,7 +19,7 @@ class Flow:
     emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
     the first one. disperses: an index depends on the wavelength. subsurface: light scatters inside
-    objects. roulette: weak paths end at random.
+    objects. roulette: weak paths end at random. volumes_scatter: paths scatter between faces, too.
     """
 
     has_lens: bool
@@ -37,6 +37,7 @@ class Flow:
     disperses: bool
     subsurface: bool
     roulette: bool
+    volumes_scatter: bool
 
     @staticmethod
     def of(kernel: Kernel) -> Flow:
@@ -46,7 +47,7 @@ class Flow:
             has_lens=needs(Effect.DEPTH_OF_FIELD),
             hides=needs(Effect.HIDDEN_OBJECTS) and kernel.sight.class_of is None,
             several_materials=needs(Effect.SEVERAL_MATERIALS),
-            transparent=needs(Effect.TRANSPARENT_SURFACES) or needs(Effect.VOLUMES),
+            transparent=needs(Effect.TRANSPARENT_SURFACES) or kernel.media is not None,
             second_hits=needs(Effect.SECOND_HITS) or kernel.coplanar is not None,
             last_hits=needs(Effect.LAST_HITS),
             emission=needs(Effect.EMISSION),
@@ -60,4 +61,5 @@ class Flow:
             disperses=needs(Effect.DISPERSION),
             subsurface=needs(Effect.SUBSURFACE),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
+            volumes_scatter=needs(Effect.VOLUME_SCATTERING),
         )

@@ -12,6 +12,7 @@ from ..departures.catalogue import refuse_absent
 from ..departures.scene import departed
 from ..effects.names import Effect
 from ..effects.plan import Plan
+from ..errors import EtalonError
 from ..film.light_passes import Family
 from ..lights.build import light_sampler
 from ..lights.environment import EnvironmentSampler
@@ -71,7 +72,11 @@ class Kernel:
         same = like if like is not None and like.scene.mesh is scene.mesh else None
         self._casters = Casters(scene.mesh, scene.camera.world_from_camera[:, 3]) if same is None else same._casters
         self.caster = self._casters.whole
-        self.media = Media(self.scene, self._casters) if plan.needs(Effect.VOLUMES) else None
+        self.media = (
+            Media(self.scene, self._casters)
+            if plan.needs(Effect.VOLUMES) or plan.needs(Effect.VOLUME_SCATTERING)
+            else None
+        )
         self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
         self.images = ImageSet(
             scene.images,
@@ -146,7 +151,9 @@ class Kernel:
 
     @cached_property
     def emitters(self) -> EmitterNames:
-        """The names of the emitters, of a kernel that has them `apart`."""
+        """The names of the emitters, of a kernel that has them `apart`; raises EtalonError where volumes emit light, or there are too many."""
+        if self.media is not None and self.media.emits:
+            raise EtalonError("light that volumes emit is no lamp's and no object's; compare without --lights")
         objects = [light for light, _ in self._light_objects()]
         faces = [sampler.triangles for sampler in self.emissive]
         return name_emitters(objects, self.scene.mesh, self._emits, faces, self.plan)
@@ -161,8 +168,10 @@ class Kernel:
 
     @cached_property
     def families(self) -> tuple[Family, ...]:
-        """The families that the lobes of the materials belong to."""
+        """The families that the lobes of the materials belong to, and the volumes that scatter."""
         found = {family for material in self.materials for families in material.families for family in families}
+        if self.plan.needs(Effect.VOLUME_SCATTERING):
+            found.add(Family.VOLUME)
         return tuple(family for family in Family if family in found)
 
     def split(self, material: int, size: int) -> Split:

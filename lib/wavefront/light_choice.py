@@ -9,6 +9,7 @@ import numpy as np
 
 from ..effects.names import Effect
 from ..lights.light import LightSample
+from ..sampling.mis import cutoff_power_heuristic
 from .kernel import LIGHT_BELOW, Kernel
 
 
@@ -57,6 +58,11 @@ class LightChoice:
         facts = self.number, self.probability, self.alone
         return LightChoice(piece, *(a if np.ndim(a) == 0 else a[start:stop] for a in facts))
 
+    def within_bounces(self, kernel: Kernel, scatterings: np.ndarray | int) -> LightChoice:
+        """The samples with no light where their light reaches no paths that have scattered so often, () or (n,)."""
+        limits = kernel.sight.max_bounces
+        return self if limits is None else self.where(limits[self.number] >= scatterings)
+
     def where(self, lit: np.ndarray) -> LightChoice:
         """The samples with no light where it is not `lit`, () or (n,) bool."""
         return replace(self, sample=self.sample._replace(radiance=self.sample.radiance * lit))
@@ -73,3 +79,15 @@ def choose_light(
     index, probability = kernel.selection.choose(choice)
     alone = np.take(kernel.sight.alone, index) if kernel.sight.alone.any() else np.bool_(False)
     return LightChoice(kernel.selection.sample(index, position, u1, u2), index, probability, alone)
+
+
+def weigh_light(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:
+    """The weight of light samples over their density, where sampling of lobes or phase functions has density `pdf` (n,)."""
+    density = light.sample.pdf * light.probability
+    if sampling.weighs:
+        factor = cutoff_power_heuristic(density, np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf)
+        factor /= density
+        return factor
+    if sampling.by_lobes:
+        return np.where(light.alone, 1.0 / density, 0.0)
+    return 1.0 / density

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..scattering.transmittance import transmittance
+from ..scattering.free_path import transmittance
 from ..scene.scene import Scene
 from ..scene.volumes import Volume
 from ..surfaces.surface import SurfacePoints
@@ -30,7 +30,8 @@ _PROBE = normalize(np.array([[0.31], [0.17], [0.94]]))
 class Media:
     """The volumes of one scene, and the media that rays have met so far.
 
-    `extinction` (3, media), 1/m, has one column for each; it grows, and what is there stays.
+    `extinction` (3, media), 1/m, and `emission` (3, media), W m^-3 sr^-1, have one column for each; they grow, and what is there stays. So
+    does `scattering` (G, 3, media), 1/m, apart for each of the G `anisotropies` that phase functions of the scene have.
     """
 
     def __init__(self, scene: Scene, casters: Casters) -> None:
@@ -50,8 +51,16 @@ class Media:
         self._members: list[frozenset[int]] = []
         self._index: dict[frozenset[int], int] = {}
         self._lock = threading.Lock()
-        self.extinction = np.empty((3, 0))
+        phases = [phase for volume in (self._air, *self._volumes) for phase in volume.phases]
+        self.anisotropies = sorted({phase.anisotropy for phase in phases})
+        self.extinction, self.emission = np.empty((3, 0)), np.empty((3, 0))
+        self.scattering = np.empty((len(self.anisotropies), 3, 0))
         self._find(frozenset())
+
+    @property
+    def emits(self) -> bool:
+        """Whether any of the volumes emits light."""
+        return any(any(volume.emission) for volume in (self._air, *self._volumes))
 
     def _bounds_of(self, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         places = self._mesh.vertices[:, self._mesh.triangles[:, faces].ravel()]
@@ -62,11 +71,23 @@ class Media:
         with self._lock:
             if members not in self._index:
                 together = [self._air, *(self._volumes[k] for k in sorted(members))]
-                column = np.sum([volume.extinction for volume in together], axis=0)[:, None]
-                self.extinction = np.concatenate([self.extinction, column], axis=1)
+                extinction, emission = (
+                    np.sum([getattr(volume, name) for volume in together], axis=0)[:, None]
+                    for name in ("extinction", "emission")
+                )
+                self.extinction = np.concatenate([self.extinction, extinction], axis=1)
+                self.emission = np.concatenate([self.emission, emission], axis=1)
+                self.scattering = np.concatenate([self.scattering, self._scattering_of(together)], axis=2)
                 self._members.append(members)
                 self._index[members] = len(self._members) - 1
             return self._index[members]
+
+    def _scattering_of(self, volumes: list[Volume]) -> np.ndarray:
+        """What volumes together scatter by each anisotropy, (G, 3, 1)."""
+        total = np.zeros((len(self.anisotropies), 3, 1))
+        for phase in (phase for volume in volumes for phase in volume.phases):
+            total[self.anisotropies.index(phase.anisotropy), :, 0] += phase.scattering
+        return total
 
     def around(self, origin: np.ndarray) -> np.ndarray:
         """The media (n,) in which rays from the camera begin, at `origin` (3, n)."""

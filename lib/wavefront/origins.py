@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where rays that leave points begin."""
+"""Where rays set out that leave a vertex of a path, and what they are in then: off faces, or in the middle of a volume."""
 
 from __future__ import annotations
 
@@ -7,14 +7,21 @@ import numpy as np
 
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
+from .kernel import Kernel
+from .visibility import coplanar_transmittance
 
 
-class Origins:
-    """Origins (3, n) of rays that leave points: off the plane by what float32 can resolve."""
+class SurfaceOrigins:
+    """Origins (3, n) of rays that leave points: off the plane by what float32 can resolve.
 
-    def __init__(self, points: SurfacePoints, offset: np.ndarray, one_sided: bool) -> None:
-        self.points, self._offset = points, offset
-        self._front = self._off(offset) if one_sided else None
+    `medium` (n,) is what the rays were in that came to the points, None where there are no volumes.
+    """
+
+    def __init__(
+        self, kernel: Kernel, points: SurfacePoints, offset: np.ndarray, medium: np.ndarray | None = None
+    ) -> None:
+        self.points, self._kernel, self._offset, self._medium = points, kernel, offset, medium
+        self._front = self._off(offset) if kernel.one_sided else None
 
     def _off(self, height: np.ndarray) -> np.ndarray:
         origin = self.points.ng * height
@@ -26,3 +33,32 @@ class Origins:
         if self._front is not None:
             return self._front
         return self._off(np.copysign(self._offset, dot(self.points.ng, direction)))
+
+    def medium(self, index: np.ndarray, direction: np.ndarray) -> np.ndarray | None:
+        """What rays are in that leave the points at `index` along `direction` (3, k), where there are volumes."""
+        if self._medium is None:
+            return None
+        return self._kernel.media.beyond(self._medium[index], self.points.at(index), direction)
+
+    def coplanar(self, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """What faces in the planes of the points at `index` let through along `direction` (3, k), (3, k): see coplanar.py."""
+        return coplanar_transmittance(self._kernel, self.points.at(index), direction)
+
+
+class VolumeOrigins:
+    """Points `position` (3, n) in the middle of a `medium` (n,), which rays leave as they are."""
+
+    def __init__(self, position: np.ndarray, medium: np.ndarray) -> None:
+        self._position, self._medium = position, medium
+
+    def towards(self, direction: np.ndarray) -> np.ndarray:
+        """The points themselves."""
+        return self._position
+
+    def medium(self, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """The medium of the points at `index`."""
+        return self._medium[index]
+
+    def coplanar(self, index: np.ndarray, direction: np.ndarray) -> float:
+        """1: there is no face."""
+        return 1.0

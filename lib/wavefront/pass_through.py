@@ -51,7 +51,7 @@ def split(
             chance[a:b] = np.divide(through, total, out=np.zeros(b - a), where=total > 0.0)
     alive = paths.passed < max(transport.transparent_max_bounces, 1)
     passes = alive & (uniform < chance)
-    scatters = alive & ~passes & (chance < 1.0) & (paths.scatterings <= most_bounces)
+    scatters = alive & ~passes & (chance < 1.0) & paths.may_scatter(most_bounces, transport.volume_bounces)
     index = np.flatnonzero(scatters)
     counts = [(material, int(np.count_nonzero(scatters[a:b]))) for material, a, b in groups]
     stops = np.cumsum([n for _, n in counts])

@@ -20,7 +20,7 @@ class Paths:
     its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different things. `left`, the
     triangle that the ray left, is kept only where rays meet others in its plane. `receiver` (n,), the set of linked objects that scattered
     the ray, -1 for camera rays, is kept only where lights are linked. `medium` (n,), the number of what the ray is in (media.py), is kept only
-    where there are volumes. `at_camera` says that
+    where there are volumes, and `in_volumes` (n,), how often each scattered in them, where they scatter. `at_camera` says that
     these are the camera rays themselves.
     """
 
@@ -40,12 +40,18 @@ class Paths:
     left: np.ndarray | None = None
     receiver: np.ndarray | None = None
     medium: np.ndarray | None = None
+    in_volumes: np.ndarray | None = None
     at_camera: bool = False
 
     @property
     def size(self) -> int:
         """Number of paths."""
         return self.pixel.shape[0]
+
+    def may_scatter(self, most_bounces: int, volume_bounces: int) -> np.ndarray:
+        """Which paths (n,) have not used up their bounces: `most_bounces` of all kinds, and `volume_bounces` in volumes."""
+        may = np.less_equal(self.scatterings, most_bounces)
+        return may if self.in_volumes is None else may & (self.in_volumes <= volume_bounces)
 
     def take(self, index: np.ndarray) -> Paths:
         """The paths at `index`, as copies."""

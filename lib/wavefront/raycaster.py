@@ -30,6 +30,10 @@ class Hits:
     u: np.ndarray
     v: np.ndarray
 
+    def at(self, index: np.ndarray) -> Hits:
+        """The hits at `index`, as copies."""
+        return Hits(*(np.take(array, index) for array in vars(self).values()))
+
     def replaced(self, index: np.ndarray, hits: Hits) -> Hits:
         """These hits with others in the places `index` (k,), as new arrays."""
         merged = astuple(self)  # copies

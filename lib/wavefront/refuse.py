@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..effects.facts import Facts
+from ..effects.masks import linked_lights, ray_kinds
 from ..errors import Refusal, Refused
 from ..scene.links import EVERY_SET
 from ..scene.materials import Subsurface
@@ -28,7 +29,8 @@ def refuse_linked_faces(scene: Scene) -> None:
 
 def refuse_volumes(scene: Scene) -> None:
     """Raise Refused where faces do not say what is in their volume, or where some rays would not know that they enter it."""
-    if not Facts(scene).volumes:
+    facts = Facts(scene)
+    if not facts.volumes:
         return
     refusals = list(_of_bounds(scene))
     emitters = (*scene.lights, *scene.mesh.objects)
@@ -36,8 +38,24 @@ def refuse_volumes(scene: Scene) -> None:
     remedy = "remove the blockers, or the volume"
     refusals += [Refusal(f"'{name}'", "shadow linking beside a volume", remedy) for name in linked]
     refusals += _of_bodies(scene)
+    if facts.turbid:
+        asked = {"ray visibility": ray_kinds(facts)[0], "light linking": linked_lights(facts)[0]}
+        what = f"beside the volume of '{facts.turbid[0]}', which scatters"
+        refusals += [
+            Refusal("the scene", f"{name} {what},", "remove one of the two") for name, on in asked.items() if on
+        ]
+    refusals += _of_world(scene)
     if refusals:
         raise Refused(refusals)
+
+
+def _of_world(scene: Scene) -> Iterator[Refusal]:
+    """A world that glows brighter and brighter with the distance."""
+    volume = scene.world.volume
+    if volume is not None and any(
+        e > 0.0 and not s > 0.0 for e, s in zip(volume.emission, volume.extinction, strict=True)
+    ):
+        yield Refusal("world", "a volume that emits light and absorbs none", "have it absorb, or emit nothing")
 
 
 def _of_bounds(scene: Scene) -> Iterator[Refusal]:

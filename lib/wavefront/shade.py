@@ -10,11 +10,10 @@ import numpy as np
 from ..bsdfs.classed import ClassedMixture
 from ..bsdfs.mixture import Mixture
 from ..bsdfs.split import Split
-from ..sampling.mis import cutoff_power_heuristic
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot, orthonormal_basis, to_local, to_world
 from .kernel import Kernel
-from .light_choice import LightChoice, LightSampling
+from .light_choice import LightChoice, LightSampling, weigh_light
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,7 @@ def _direct(
     if isinstance(mixture, ClassedMixture):
         value = np.zeros_like(toward)
         for ray_class, pdf, of_lobes in mixture.evaluate_classes(toward):
-            weight = _factor(sampling, light, pdf) * sight.sees[ray_class, light.number]
+            weight = weigh_light(sampling, light, pdf) * sight.sees[ray_class, light.number]
             for k, part in of_lobes:
                 value += part * weight
                 if split is not None:
@@ -138,22 +137,10 @@ def _direct(
     else:
         value, pdf = mixture.evaluate(toward, split)
         shares = None if split is None else split.shares(value)
-        value = value * _factor(sampling, light, pdf)
+        value = value * weigh_light(sampling, light, pdf)
         if sight.class_of is not None and not sight.sees[1].all():
             value *= sight.sees[1, light.number]
     if not kernel.tables.all_flat and not sampling.below_faces:
         value *= toward[2] * dot(points.ng, sample.wi) > 0.0
     value *= sample.radiance
     return value, shares
-
-
-def _factor(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:
-    """The weight of light samples over their density, where lobe sampling has density `pdf` (n,)."""
-    density = light.sample.pdf * light.probability
-    if sampling.weighs:
-        factor = cutoff_power_heuristic(density, np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf)
-        factor /= density
-        return factor
-    if sampling.by_lobes:
-        return np.where(light.alone, 1.0 / density, 0.0)
-    return 1.0 / density

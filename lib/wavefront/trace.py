@@ -14,18 +14,20 @@ from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENG
 from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
+from .direct_light import DirectLight
 from .emitters import Emitters
 from .flow import Flow
 from .kernel import Kernel
-from .light_choice import LightChoice, LightSampling, choose_light
-from .origins import Origins
+from .light_choice import LightSampling, choose_light
+from .origins import SurfaceOrigins
 from .pass_through import Groups, split
 from .paths import Paths
 from .raycaster import Hits
+from .roulette import survival
 from .shade import Shaded, shade_all
 from .subsurface import walk_below
 from .sums import PixelSums, StageClock
-from .visibility import coplanar_transmittance, transmittance, transmittance_to
+from .volume_stage import VolumeStage
 
 
 class Tracer:
@@ -35,7 +37,18 @@ class Tracer:
         self._kernel, self._uniforms, self._sums, self._clock = kernel, uniforms, sums, clock
         self._flow, self._sampling = Flow.of(kernel), LightSampling.of(kernel)
         self._emitters = Emitters(kernel, self._sampling, sums)
-        self.rays = 0
+        self._direct = DirectLight(kernel, self._flow, sums, clock)
+        self._volumes = None
+        if kernel.media is not None:
+            self._volumes = VolumeStage(
+                kernel, self._flow, self._sampling, uniforms, sums, self._emitters, self._direct
+            )
+        self._rays = 0
+
+    @property
+    def rays(self) -> int:
+        """How many rays were traced."""
+        return self._rays + self._direct.rays
 
     def trace(self, column: np.ndarray, row: np.ndarray, pixel: np.ndarray, sample: np.ndarray) -> None:
         """Follow one path for each (pixel, sample); column and row (p,) locate the tile's pixels in the image."""
@@ -46,10 +59,13 @@ class Tracer:
             self._emitters.lights_met(paths, hits)
             self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
             self._clock.lap(Stage.EMISSION)
-            if self._kernel.media is not None:
-                paths.throughput *= self._kernel.media.transmittance(paths.medium, hits.distance)
+            scattered = None
+            if self._volumes is not None:
+                paths, hits, scattered = self._volumes.pass_through(paths, hits, step)
                 self._clock.lap(Stage.VOLUMES)
             paths = self._scatter(paths, hits, step)
+            if scattered is not None:
+                paths = Paths.joined(paths, scattered)
             reach = None
             step += 1
 
@@ -76,7 +92,7 @@ class Tracer:
             hits = self._with_coplanar_hits(paths, hits)
         if kernel.other_faces is not None:
             hits = self._with_other_faces(paths, hits)
-        self.rays += paths.size
+        self._rays += paths.size
         self._clock.lap(Stage.INTERSECT)
         return hits
 
@@ -136,6 +152,7 @@ class Tracer:
             paths.receiver = np.full(count, -1, np.intp)
         if self._kernel.media is not None:
             paths.medium = self._kernel.media.around(rays.origin)
+            paths.in_volumes = np.zeros(count, np.int64) if self._flow.volumes_scatter else None
         if self._flow.disperses:
             paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
             paths.awaits_color = np.ones(count, bool)
@@ -206,7 +223,7 @@ class Tracer:
         below = walk_below(self._kernel, self._uniforms, paths, points, groups, step) if self._flow.subsurface else None
         if below is None:
             return self._shade(paths, points, offset, groups, step)
-        self.rays += below.rays
+        self._rays += below.rays
         self._clock.lap(Stage.SUBSURFACE)
         leaving = self._shade(below.paths, below.points, below.offset, below.exit_groups, step)
         reflecting = paths.take(below.index)
@@ -233,9 +250,7 @@ class Tracer:
             light = choose_light(
                 kernel, self._sampling.selects, points.position, choice, *self._pair(step_dimension(step, LIGHT), paths)
             )
-            if kernel.sight.max_bounces is not None:
-                scatterings = step if paths.scatterings is None else paths.scatterings
-                light = light.where(kernel.sight.max_bounces[light.number] >= scatterings)
+            light = light.within_bounces(kernel, paths.scatterings)
             if kernel.sight.receiver_of is not None:
                 receiver = np.take(kernel.sight.receiver_of, points.triangle)
                 light = light.where(kernel.sight.lights[receiver, light.number])
@@ -245,9 +260,9 @@ class Tracer:
         parts = passes is not None and passes.parts and bool(np.any(np.equal(paths.scatterings, 0)))
         shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms, parts))
         self._clock.lap(Stage.SHADE)
-        origins = Origins(points, offset, kernel.one_sided)
+        origins = SurfaceOrigins(kernel, points, offset, paths.medium)
         if light is not None:
-            self._add_direct(paths, origins, light, shaded)
+            self._direct.add(paths, origins, light, shaded.direct, shaded.direct_shares)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
         if passes is not None:
@@ -270,69 +285,7 @@ class Tracer:
                 paths.throughput[:, index] *= color_weight(paths.wavelength[index])
                 paths.awaits_color[index] = False
 
-    def _add_direct(self, paths: Paths, origins: Origins, light: LightChoice, shaded: Shaded) -> None:
-        """Ask for visibility where light would arrive, and add what does."""
-        sample, direct = light.sample, shaded.direct
-        direct *= paths.throughput
-        index = np.flatnonzero(direct.any(axis=0))
-        if self._kernel.sight.casts_shadow is not None:
-            casts = np.broadcast_to(self._kernel.sight.casts_shadow[light.number], paths.pixel.shape)[index]
-            free, index = index[~casts], index[casts]
-            self._add_arriving(paths, free, np.take(direct, free, axis=1), light.number, shaded.direct_shares)
-        if index.size == 0:
-            return
-        if not self._flow.asks_visibility:
-            self._add_arriving(paths, index, np.take(direct, index, axis=1), light.number, shaded.direct_shares)
-            return
-        direction = np.take(sample.wi, index, axis=1)
-        origin = np.take(origins.towards(sample.wi), index, axis=1)
-        rays = origin, direction, sample.distance[index]
-        medium = self._medium_beyond(paths, origins.points, index, direction)
-        if self._kernel.sight.shadow_of is None:
-            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays, medium=medium)
-        else:
-            number = np.broadcast_to(light.number, paths.pixel.shape)[index]
-            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays, medium)
-        if unknown.size:
-            self._sums.add_unknown(paths.pixel[index[unknown]])
-        if self._kernel.coplanar is not None:
-            through = through * coplanar_transmittance(self._kernel, origins.points.at(index), direction)
-        self.rays += index.size
-        self._clock.lap(Stage.SHADOW_RAYS)
-        lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
-        index = index[lit]
-        arriving = np.take(direct, index, axis=1)
-        if through.shape[0] == 3:
-            arriving *= np.take(through, lit, axis=1)
-        self._add_arriving(paths, index, arriving, light.number, shaded.direct_shares)
-
-    def _medium_beyond(
-        self, paths: Paths, points: SurfacePoints, index: np.ndarray, direction: np.ndarray
-    ) -> np.ndarray | None:
-        """What rays are in that leave the points at `index` along `direction` (3, k), where there are volumes."""
-        media = self._kernel.media
-        return None if media is None else media.beyond(paths.medium[index], points.at(index), direction)
-
-    def _add_arriving(
-        self, paths: Paths, index: np.ndarray, arriving: np.ndarray, light: np.ndarray, shares: np.ndarray | None
-    ) -> None:
-        """Add the light (3, n) of the paths at `index`.
-
-        `light` () or of all paths says from which light, `shares` of all paths what the families of lobes have of it.
-        """
-        sums = self._sums
-        sums.add(paths.pixel[index], arriving)
-        if sums.passes is not None:
-            here = None if shares is None else np.take(shares, index, axis=2)
-            sums.passes.add_direct(paths, index, arriving, here)
-        if sums.bounces is not None:
-            sums.bounces.add(paths, index, arriving, 1)
-        if sums.emitters is not None:
-            number = np.broadcast_to(light, paths.pixel.shape)[index]
-            sums.emitters.add(paths.pixel[index], arriving, self._kernel.emitters.of_lights[number])
-        self._clock.lap(Stage.FILM)
-
-    def _advance(self, paths: Paths, origins: Origins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
+    def _advance(self, paths: Paths, origins: SurfaceOrigins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
         """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
         throughput = shaded.weight * paths.throughput
         going = throughput.any(axis=0)
@@ -340,12 +293,12 @@ class Tracer:
             going &= paths.scatterings < self._flow.most_bounces
         if fate is not None:
             # Colours of the spectrum may be negative.
-            survival = _survival(np.abs(throughput) if self._flow.disperses else throughput)
-            going &= ~(fate >= survival)  # what is not finite goes on, to be counted
+            chance = survival(np.abs(throughput) if self._flow.disperses else throughput)
+            going &= ~(fate >= chance)  # what is not finite goes on, to be counted
         index = np.flatnonzero(going)
         throughput = np.take(throughput, index, axis=1)
         if fate is not None:
-            throughput /= survival[index]
+            throughput /= chance[index]
         following = Paths(
             paths.pixel[index],
             paths.sample[index],
@@ -361,7 +314,9 @@ class Tracer:
             following.ray_class = np.ones(index.size, np.intp) if one else np.take(shaded.ray_class, index)
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
-        following.medium = self._medium_beyond(paths, origins.points, index, following.direction)
+        following.medium = origins.medium(index, following.direction)
+        if paths.in_volumes is not None:
+            following.in_volumes = paths.in_volumes[index]
         if self._kernel.sight.receiver_of is not None:
             following.receiver = np.take(self._kernel.sight.receiver_of, origins.points.triangle[index])
         if self._flow.transparent:
@@ -378,11 +333,3 @@ def _no_hits(hidden: np.ndarray) -> Hits:
     """Hits of rays of which it is known only whether they leave the scene: those `hidden` (n,) do not."""
     nowhere = np.zeros(hidden.size, np.float32)
     return Hits(np.where(hidden, np.int32(0), np.int32(-1)), np.where(hidden, 0.0, np.inf), nowhere, nowhere)
-
-
-def _survival(throughput: np.ndarray) -> np.ndarray:
-    """Russian roulette's chance min(1, sqrt(largest throughput)), (n,); who survives carries its inverse, so that the mean stays.
-
-    The square root, as in Cycles, splits the loss between fewer paths and heavier ones (Veach 1997, section 10.4.1).
-    """
-    return np.minimum(np.sqrt(throughput.max(axis=0)), 1.0)

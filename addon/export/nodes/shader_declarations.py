@@ -7,6 +7,10 @@ from collections.abc import Mapping
 
 from .declared import Declaration
 
+# Inputs of phase functions that are refused.
+_PHASES = ("HENYEY_GREENSTEIN", "FOURNIER_FORAND", "DRAINE", "RAYLEIGH", "MIE")
+_OTHER_PHASES = ("IOR", "Backscatter", "Alpha", "Diameter")
+
 SHADER_DECLARATIONS: Mapping[str, Declaration] = {
     "ShaderNodeAddShader": Declaration(reads=("Shader", "Shader_001")),
     "ShaderNodeBackground": Declaration(reads=("Color", "Strength")),
@@ -126,17 +130,29 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
         properties={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("X", "Y", "Z"), "uv_map": None}
     ),
     "ShaderNodeVolumeAbsorption": Declaration(reads=("Color", "Density")),
+    "ShaderNodeVolumeCoefficients": Declaration(
+        reads=("Absorption Coefficients", "Scatter Coefficients", "Emission Coefficients", "Anisotropy"),
+        idle=_OTHER_PHASES,
+        properties={"phase": _PHASES},
+    ),
     "ShaderNodeVolumePrincipled": Declaration(
         reads=(
             "Color",
             "Color Attribute",
             "Density",
             "Density Attribute",
+            "Anisotropy",
             "Absorption Color",
             "Emission Strength",
+            "Emission Color",
             "Blackbody Intensity",
         ),
-        idle=("Anisotropy", "Emission Color", "Blackbody Tint", "Temperature", "Temperature Attribute"),
+        idle=("Blackbody Tint", "Temperature", "Temperature Attribute"),
+    ),
+    "ShaderNodeVolumeScatter": Declaration(
+        reads=("Color", "Density", "Anisotropy"),
+        idle=_OTHER_PHASES,
+        properties={"phase": _PHASES},
     ),
 }
 """Node type by Blender's identifier -> what its reader knows of it."""

@@ -3,18 +3,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
-from ....lib.scene.volumes import NOTHING, Color, Volume
+from ....lib.scene.volumes import MOST_ANISOTROPY, NOTHING, Color, Phase, Volume
 from ....lib.textures.fold import is_constant
 from .shader_reader import ReadShader, ShaderReader
 from .tree import Scope
 
+_PHASE = "HENYEY_GREENSTEIN"
 _REMEDY = "unlink it: only volumes that are the same everywhere are simulated"
 
 
@@ -30,19 +32,39 @@ def read_volume(reader: ShaderReader, socket: bpy.types.NodeSocket, scope: Scope
     source = reader.values.trace(socket, scope)
     if not source.linked:
         return None
-    absorption, attributes = NOTHING, []
+    total = Volume()
     for lobe in reader.lobes(socket, scope):
-        if isinstance(lobe.closure, mt.Emission):
-            reader.values.refuse(source.socket.node, source.scope, ", emission of a volume,", "unlink it")
-            continue
-        weight = lobe.weight.value if is_constant(lobe.weight) else None
-        if weight is None:
+        closure = lobe.closure
+        if isinstance(closure, mt.Emission):  # a colour linked to the socket of a shader
+            closure = VolumeClosure(Volume(emission=closure.color.value)) if is_constant(closure.color) else None
+        if closure is None or not is_constant(lobe.weight):
             what = ", through which a heterogeneous volume is mixed,"
-            reader.values.refuse(source.socket.node, source.scope, what, "use a constant factor")
+            reader.values.refuse(source.socket.node, source.scope, what, "use constant colours and factors")
             continue
-        absorption = tuple(a + weight * b for a, b in zip(absorption, lobe.closure.volume.absorption, strict=True))
-        attributes += lobe.closure.volume.attributes
-    return Volume(absorption, attributes=tuple(sorted(set(attributes))))
+        total = _sum(total, _scaled(closure.volume, float(lobe.weight.value)))
+    return total
+
+
+def _scaled(volume: Volume, factor: float) -> Volume:
+    phases = [replace(phase, scattering=_times(phase.scattering, factor)) for phase in volume.phases]
+    return replace(
+        volume,
+        absorption=_times(volume.absorption, factor),
+        phases=tuple(phases),
+        emission=_times(volume.emission, factor),
+    )
+
+
+def _times(color: Color, factor: float) -> Color:
+    return tuple(c * factor for c in color)
+
+
+def _sum(a: Volume, b: Volume) -> Volume:
+    absorption, emission = (
+        tuple(map(sum, zip(getattr(a, name), getattr(b, name), strict=True))) for name in ("absorption", "emission")
+    )
+    phases = tuple(phase for phase in (*a.phases, *b.phases) if any(phase.scattering))
+    return Volume(absorption, phases, emission, tuple(sorted({*a.attributes, *b.attributes})))
 
 
 def _number(reader: ShaderReader, node: bpy.types.Node, name: str, scope: Scope) -> float:
@@ -54,45 +76,92 @@ def _number(reader: ShaderReader, node: bpy.types.Node, name: str, scope: Scope)
     return 0.0
 
 
-def _color(reader: ShaderReader, node: bpy.types.Node, name: str, scope: Scope) -> Color:
-    """The constant colour of a socket; black where it is refused, as one below 0 or above 1 is."""
+def _density(reader: ShaderReader, node: bpy.types.Node, scope: Scope, name: str = "Density") -> float:
+    """The constant value of a socket, at least 0, as in Cycles."""
+    return max(_number(reader, node, name, scope), 0.0)
+
+
+def _color(reader: ShaderReader, node: bpy.types.Node, name: str, scope: Scope, most: float = math.inf) -> Color:
+    """The constant colour of a socket; black where it is refused, as one below 0 or above `most` is."""
     value = reader.read(node, name, scope)
     if not is_constant(value):
         reader.values.refuse(node, scope, f", socket '{name}' (a heterogeneous volume),", _REMEDY)
         return NOTHING
-    if min(value.value) < 0.0 or max(value.value) > 1.0:
-        reader.values.refuse(node, scope, f", socket '{name}', a colour outside 0 to 1,", "choose another")
+    if min(value.value) < 0.0 or max(value.value) > most:
+        bounds = "below 0" if math.isinf(most) else f"outside 0 to {most:g}"
+        reader.values.refuse(node, scope, f", socket '{name}', a colour {bounds},", "choose another")
         return NOTHING
     return value.value
+
+
+def _phases(reader: ShaderReader, node: bpy.types.Node, scope: Scope, scattering: Color) -> tuple[Phase, ...]:
+    if getattr(node, "phase", _PHASE) != _PHASE:
+        what = f", phase function {node.phase.replace('_', ' ').title()},"
+        reader.values.refuse(node, scope, what, "choose Henyey-Greenstein")
+        return ()
+    g = _number(reader, node, "Anisotropy", scope)
+    return (Phase(scattering, max(-MOST_ANISOTROPY, min(MOST_ANISOTROPY, g))),)
 
 
 def _absorption(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
     """What the colour lacks of white is absorbed."""
-    density = max(_number(reader, node, "Density", scope), 0.0)
-    color = _color(reader, node, "Color", scope)
+    density, color = _density(reader, node, scope), _color(reader, node, "Color", scope, most=1.0)
     return [reader.lobe(VolumeClosure(Volume(tuple((1.0 - c) * density for c in color))), weight)]
+
+
+def _scatter(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
+    """The colour is scattered; nothing is absorbed."""
+    scattering = _times(_color(reader, node, "Color", scope), _density(reader, node, scope))
+    return [reader.lobe(VolumeClosure(Volume(phases=_phases(reader, node, scope, scattering))), weight)]
+
+
+def _coefficients(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
+    """As they are."""
+    absorption, scattering, emission = (
+        _color(reader, node, f"{name} Coefficients", scope) for name in ("Absorption", "Scatter", "Emission")
+    )
+    volume = Volume(absorption, _phases(reader, node, scope, scattering), emission)
+    return [reader.lobe(VolumeClosure(volume), weight)]
+
+
+def _emission(
+    reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
+) -> list[mt.WeightedClosure]:
+    """Radiance for each metre."""
+    strength = _number(reader, node, "Strength", scope)
+    if strength < 0.0:
+        reader.values.refuse(node, scope, ", socket 'Strength', below 0 in a volume,", "choose another")
+    emission = _times(_color(reader, node, "Color", scope), max(strength, 0.0))
+    return [reader.lobe(VolumeClosure(Volume(emission=emission)), weight)]
 
 
 def _principled(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
-    """What the colour lacks of white is absorbed, as far as the root of the absorption colour lacks white."""
-    density = max(_number(reader, node, "Density", scope), 0.0)
-    color, kept = (_color(reader, node, name, scope) for name in ("Color", "Absorption Color"))
-    if density * max(color) > 0.0:
-        reader.values.refuse(node, scope, ", socket 'Color' (scattering),", "choose black, which only absorbs")
-    for name in ("Emission Strength", "Blackbody Intensity"):
-        if _number(reader, node, name, scope) > 0.0:
-            reader.values.refuse(node, scope, f", socket '{name}' (emission of a volume),", "set it to 0")
-    absorption = tuple(density * (1.0 - c) * (1.0 - a**0.5) for c, a in zip(color, kept, strict=True))
+    """The colour is scattered; what it lacks of white is absorbed, as far as the root of the absorption colour lacks white."""
+    density = _density(reader, node, scope)
+    color, kept, glow = (_color(reader, node, f"{name}Color", scope) for name in ("", "Absorption ", "Emission "))
+    if _number(reader, node, "Blackbody Intensity", scope) > 0.0:
+        reader.values.refuse(node, scope, ", socket 'Blackbody Intensity',", "set it to 0")
+    absorption = tuple(density * max(1.0 - c, 0.0) * max(1.0 - a**0.5, 0.0) for c, a in zip(color, kept, strict=True))
+    phases = _phases(reader, node, scope, _times(color, density))
+    emission = _times(glow, _density(reader, node, scope, "Emission Strength"))
     names = [node.inputs[f"{name} Attribute"].default_value for name in ("Density", "Color")] if density else []
-    return [reader.lobe(VolumeClosure(Volume(absorption, attributes=tuple(filter(None, names)))), weight)]
+    volume = Volume(absorption, phases, emission, tuple(filter(None, names)))
+    return [reader.lobe(VolumeClosure(volume), weight)]
 
 
 VOLUME_SHADERS: Mapping[str, ReadShader] = {
+    "ShaderNodeEmission": _emission,
     "ShaderNodeVolumeAbsorption": _absorption,
+    "ShaderNodeVolumeCoefficients": _coefficients,
     "ShaderNodeVolumePrincipled": _principled,
+    "ShaderNodeVolumeScatter": _scatter,
 }
 """Node type by Blender's identifier -> reader."""

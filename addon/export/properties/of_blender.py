@@ -85,7 +85,7 @@ BLENDER_GROUPS: Mapping[str, Group] = {
     ),
     "object": Group(
         read="data material_slots matrix_world modifiers particle_systems pose pass_index color visible_camera"
-        " visible_diffuse visible_glossy visible_transmission visible_shadow is_holdout is_shadow_catcher light_linking",
+        " visible_diffuse visible_glossy visible_transmission visible_shadow visible_volume_scatter is_holdout is_shadow_catcher light_linking",
         values={
             "type": "MESH CURVE SURFACE META FONT CURVES POINTCLOUD VOLUME GPENCIL GREASEPENCIL ARMATURE LATTICE EMPTY LIGHT"
             " LIGHT_PROBE CAMERA SPEAKER"
@@ -104,7 +104,6 @@ BLENDER_GROUPS: Mapping[str, Group] = {
             _PHYSICS: "field collision soft_body rigid_body rigid_body_constraint use_simulation_cache",
             _EEVEE: "hide_probe_* use_grease_pencil_lights shader_effects lineart",
             _PASS: "lightgroup",
-            "steers light that volumes scatter, which is refused": "visible_volume_scatter",
             "steers the Raycast node, which is refused": "visible_raycast",
         },
         held=neutral.OBJECT,
@@ -156,8 +155,8 @@ BLENDER_GROUPS: Mapping[str, Group] = {
         },
     ),
     "world.cycles_visibility": Group(
-        read="camera diffuse glossy transmission",
-        neutral={"steers light that volumes scatter, which is refused": "scatter", "Cycles ignores it": "shadow"},
+        read="camera diffuse glossy transmission scatter",
+        neutral={"Cycles ignores it": "shadow"},
     ),
     "material": Group(
         read="pass_index node_tree use_nodes diffuse_color use_transparent_shadow",

@@ -13,14 +13,14 @@ _PREVIEW = "steers the viewport"
 _NOISE = "steers noise, memory or time, not the mean"
 _DENOISING = "denoising is off"
 _GUIDING = "path guiding is off"
-_VOLUME = "steers volumes that scatter or vary, which are refused"
+_VOLUME = "steers volumes that vary, which are refused, or only their noise"
 _DICING = "adaptive subdivision is refused"
 _OFF = "belongs to a setting that is off in the neutral state"
 _PASS = "adds a pass or data beside the image"
 
 CYCLES_GROUPS: Mapping[str, Group] = {
     "cycles": Group(
-        read="max_bounces diffuse_bounces glossy_bounces transmission_bounces transparent_max_bounces dicing_camera seed",
+        read="max_bounces diffuse_bounces glossy_bounces transmission_bounces volume_bounces transparent_max_bounces dicing_camera seed",
         neutral={
             _NOISE: "sample_offset sample_subset_length light_sampling_threshold direct_light_sampling_type use_light_tree"
             " min_light_bounces min_transparent_bounces debug_bvh_type debug_use_spatial_splits debug_use_hair_bvh"
@@ -37,7 +37,7 @@ CYCLES_GROUPS: Mapping[str, Group] = {
             _GUIDING: "use_deterministic_guiding guiding_distribution_type guiding_directional_sampling_type"
             " use_surface_guiding surface_guiding_probability use_volume_guiding guiding_training_samples"
             " volume_guiding_probability use_guiding_direct_light use_guiding_mis_weights guiding_roughness_threshold",
-            _VOLUME: "volume_bounces volume_step_rate volume_max_steps volume_biased",
+            _VOLUME: "volume_step_rate volume_max_steps volume_biased",
             _DICING: "dicing_rate max_subdivisions offscreen_dicing_scale",
             _OFF: "adaptive_threshold adaptive_min_samples film_transparent_glass film_transparent_roughness filter_width"
             " camera_cull_margin distance_cull_margin rolling_shutter_type rolling_shutter_duration fast_gi_method"

@@ -10,12 +10,13 @@ from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.export.materials import read_material, read_world
 from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.errors import Refused
-from etalon.lib.scene.volumes import Volume
+from etalon.lib.scene.volumes import Phase, Volume
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.nodes.node_cells import node
 from mathutils import Matrix
 
+SAMPLES = 32
 TINT = (0.25, 0.5, 0.75, 1.0)
 
 
@@ -73,6 +74,41 @@ def test_what_is_read(name):
     np.testing.assert_allclose(material.volume.absorption, exact, rtol=1e-6)
 
 
+HALF = (0.5, 0.5, 0.5, 1.0)
+GLOWING = {"Scatter_Coefficients": (1.0, 2.0, 3.0), "Emission_Coefficients": (0.5, 0.0, 0.0)}
+SCATTERING = {
+    "scatter": (
+        shader("VolumeScatter", Color=TINT, Density=2.0, Anisotropy=0.25),
+        Volume(phases=(Phase((0.5, 1.0, 1.5), 0.25),)),
+    ),
+    "the largest anisotropy": (
+        shader("VolumeScatter", Color=HALF, Density=2.0, Anisotropy=1.0),
+        Volume(phases=(Phase((1.0, 1.0, 1.0), 0.999),)),
+    ),
+    "coefficients": (
+        shader("VolumeCoefficients", Absorption_Coefficients=(0.25, 0.5, 0.0), **GLOWING),
+        Volume((0.25, 0.5, 0.0), (Phase((1.0, 2.0, 3.0)),), (0.5, 0.0, 0.0)),
+    ),
+    "principled": (
+        shader("VolumePrincipled", Color=HALF, Absorption_Color=(0.25, 0.0, 1.0, 1.0), Density=4.0, Emission_Strength=2.0),
+        Volume((1.0, 2.0, 0.0), (Phase((2.0, 2.0, 2.0)),), (2.0, 2.0, 2.0), ("density",)),
+    ),
+    "emission": (shader("Emission", Color=TINT, Strength=2.0), Volume(emission=(0.5, 1.0, 1.5))),
+    "half of it": (
+        mixed(0.5, shader("VolumeScatter", Color=TINT, Density=4.0), absorption(2.0)),
+        Volume((0.75, 0.5, 0.25), (Phase((0.5, 1.0, 1.5)),)),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCATTERING)
+def test_what_is_read_of_scattering_and_emission(name):
+    build, exact = SCATTERING[name]
+    material, refusals = read(build)
+    assert refusals == []
+    assert material.volume == exact
+
+
 def test_a_surface_beside_the_volume():
     """Emission without light is no surface, as in Cycles, and Transparent Shadows is left alone."""
     assert not read(absorption(), shader("BsdfGlass"))[0].only_bounds
@@ -93,7 +129,9 @@ REFUSED = {
     "through which a heterogeneous volume is mixed": lambda t: mixed(node(t, "TexNoise"), absorption(), absorption())(t),
     "a colour outside 0 to 1": absorption(1.0, (0.5, 1.5, 0.5, 1.0)),
     "Diffuse BSDF) in a volume": shader("BsdfDiffuse"),
-    "Emission) in a volume": shader("Emission"),
+    "phase function Rayleigh": lambda t: node(t, "VolumeScatter", phase="RAYLEIGH"),
+    "below 0 in a volume": shader("Emission", Strength=-1.0),
+    "Blackbody Intensity": shader("VolumePrincipled", Blackbody_Intensity=1.0),
 }  # fmt: skip
 
 
@@ -148,7 +186,7 @@ def fill_surface(material, surface):
 def apart(theirs, exported):
     """The root mean square of what blocks of 4 x 4 pixels differ from `theirs`, in standard errors."""
     reference = ReferenceRenderer(exported, Options(threads=1))
-    sides = [np.array([reference.render(k, 64).radiance for k in range(4)]), theirs]
+    sides = [np.array([reference.render(k, SAMPLES).radiance for k in range(4)]), theirs]
     blocks = [a.reshape(4, 4, 4, 6, 4, 3).mean(axis=(2, 4)) for a in sides]
     error = np.sqrt(sum(b.var(axis=0, ddof=1) for b in blocks) / 4)
     means = [b.mean(axis=0) for b in blocks]
@@ -158,7 +196,7 @@ def apart(theirs, exported):
 
 def cycles_images(studio):
     renderer = CyclesRenderer(studio.scene, threads=1)
-    return np.array([renderer.render(k, 64).radiance for k in range(4)])
+    return np.array([renderer.render(k, SAMPLES).radiance for k in range(4)])
 
 
 @pytest.mark.compares_with_cycles
@@ -178,6 +216,41 @@ def test_fog_and_a_camera_inside_a_volume_against_cycles(studio):
     bpy.data.objects["near"].location = (0.0, -8.0, 4.0)
     exported = studio.export()
     assert apart(cycles_images(studio), exported) < 1.5
+
+
+@pytest.mark.compares_with_cycles
+def test_scattering_against_cycles(studio):
+    """Smoke, a glowing cloud and thin fog; and scattering forwards for backwards is told apart."""
+    stage(studio)
+    smoke = shader("VolumeScatter", Color=(0.9, 0.6, 0.3, 1.0), Density=2.0, Anisotropy=0.6)
+    glow = {"Color": (0.3, 0.6, 0.9, 1.0), "Emission_Strength": 0.05, "Anisotropy": -0.3}
+    fill(bpy.data.materials["clear"], smoke)
+    fill(bpy.data.materials["near"], shader("VolumePrincipled", Density=1.5, **glow))
+    fill(studio.scene.world, shader("VolumeScatter", Density=0.02), shader("Background", Color=(0.3, 0.3, 0.3, 1.0)))
+    studio.scene.cycles.volume_bounces = 2
+    exported, shown = studio.export(), cycles_images(studio)
+    assert exported.transport.volume_bounces == 2
+    assert apart(shown, exported) < 1.5
+    turned = [
+        replace(m, volume=m.volume and replace(m.volume, phases=tuple(map(turn, m.volume.phases))))
+        for m in exported.materials
+    ]
+    assert apart(shown, replace(exported, materials=tuple(turned))) > 3.0
+
+
+def turn(phase):
+    return replace(phase, anisotropy=-phase.anisotropy)
+
+
+def test_rays_that_volumes_scatter_meet_everything_or_the_scene_is_refused(studio):
+    stage(studio)
+    bpy.data.objects["floor"].visible_volume_scatter = False
+    assert studio.export().mesh.triangle_count
+    fill(bpy.data.materials["clear"], shader("VolumeScatter"))
+    with pytest.raises(
+        Refused, match="object 'floor': ray visibility Volume Scatter off, beside a volume that scatters,"
+    ):
+        studio.export()
 
 
 def test_what_bounds_no_volume_is_refused(studio):
