@@ -20,6 +20,7 @@ from .lib.version import VERSION
 
 if TYPE_CHECKING:
     from .api import (
+        BatchResult,
         Comparison,
         Cost,
         CostOptions,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         RenderOptions,
         Settings,
         Target,
+        batch,
         compare,
         cost,
         plan,
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 __version__ = VERSION
 
 __all__ = [
+    "BatchResult",
     "Comparison",
     "Cost",
     "CostOptions",
@@ -52,6 +55,7 @@ __all__ = [
     "Settings",
     "Target",
     "__version__",
+    "batch",
     "compare",
     "cost",
     "plan",

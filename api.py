@@ -8,20 +8,24 @@ EtalonError, whose text is one line, or its subclass Refused, for a scene that a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from .addon.command.exported import read_scene
+from .lib.batch.plan import BatchPlan, read_plan, read_words
 from .lib.comparison.compare import Comparison
 from .lib.cost.result import Cost
 from .lib.effects.plan import Plan, make_plan
+from .lib.errors import Cancelled
 from .lib.errors import EtalonError as EtalonError
 from .lib.errors import Refused as Refused
 from .lib.film.film import Film
 from .lib.progress import NO_PROGRESS, Progress
 from .lib.rendering.replicates import render_film
-from .lib.settings.common import Target
+from .lib.settings.common import REFERENCE_SCENES, Target
 from .lib.settings.comparison import Settings
 from .lib.settings.cost import CostOptions
 from .lib.settings.reference import RenderOptions
@@ -121,6 +125,67 @@ def cost(
 
     repeat = repeating_command("cost", as_opened(target), chosen)
     return measure_cost(name, opened, chosen, chosen.out, repeat, lambda words: nullcontext(progress))
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """One comparison of a plan: its `label`, scene and `values` by their names; a `comparison`, or the `error` why there is none."""
+
+    label: str
+    scene: str
+    values: dict[str, Any]
+    comparison: Comparison | None
+    error: EtalonError | None
+
+
+def batch(plan: str | Path, progress: Progress = NO_PROGRESS) -> Iterator[BatchResult]:
+    """Compare every scene of a PLAN.toml at every combination of values, one after the other in this process.
+
+    The whole plan is read before the first comparison, and no file is written. `etalon batch` has a process for each comparison, limits,
+    Blenders of other versions, and a journal.
+
+    Yields a BatchResult for each, as it is done. Raises EtalonError for a plan that is wrong, or names Blenders.
+
+    >>> import etalon, pathlib, tempfile
+    >>> text = '''
+    ... scenes = ["lambert_analytic"]
+    ... [options]
+    ... samples = 4
+    ... replicates = 2
+    ... tolerance = 0.2
+    ... set = ["scene.render.resolution_percentage=10"]
+    ... masking = ["correlated", "separable"]
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "plan.toml"
+    ...     _ = path.write_text(text)
+    ...     [result.label for result in etalon.batch(path) if result.comparison]
+    ['lambert_analytic masking=correlated', 'lambert_analytic masking=separable']
+    """
+    read = read_plan(Path(plan))
+    read.require_scenes(REFERENCE_SCENES)
+    if read.blenders:
+        raise EtalonError(
+            f"{plan}: names Blenders, and this process has one; run `etalon batch`, or leave 'blenders' out"
+        )
+    return _compare_units(read, progress)
+
+
+def _compare_units(plan: BatchPlan, progress: Progress) -> Iterator[BatchResult]:
+    units = list(plan.units())
+    for number, unit in enumerate(units):
+        words = [*unit.words, *plan.options]
+        target = replace(read_words(Target, words), scene=unit.target)
+        share = progress.within(number / len(units), (number + 1) / len(units))
+        found: tuple[Comparison | None, EtalonError | None]
+        try:
+            found = compare(target, read_words(Settings, words), share), None
+        except Cancelled:
+            raise
+        except EtalonError as error:
+            found = None, error
+        values = {v.name: value for v, value in unit.assignments}
+        yield BatchResult(unit.label, unit.scene, values, *found)
 
 
 def _target(scene: str | Path | Target | None) -> Target:

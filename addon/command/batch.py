@@ -3,17 +3,19 @@
 
 from __future__ import annotations
 
-import csv
+import json
 import math
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from tqdm import tqdm
 
+from ...lib.batch.against import read_batch
 from ...lib.batch.plan import BatchPlan, read_plan
 from ...lib.batch.prepare import Host, How
+from ...lib.batch.results import CHANGED, End, read_fail_on
 from ...lib.batch.run import Outlook, preview_plan, run_plan
+from ...lib.errors import EtalonError
 from ...lib.exit_codes import ExitCode
 from ...lib.memory import usable_memory
 from ...lib.pages.formats import format_duration
@@ -43,6 +45,7 @@ def run(settings: BatchOptions, terminal: PageTerminal) -> int:
         bpy = load_blender()
         from ...reference_scenes import SCENES
     plan.require_scenes(SCENES)
+    end = _end(settings, plan)
     blender = f"{bpy.app.version_string} {bpy.app.build_hash.decode(errors='replace')}"
     tell = _tell_nobody if terminal.json else _tell
     with bar(settings.plan.stem, terminal) as shown:
@@ -53,18 +56,34 @@ def run(settings: BatchOptions, terminal: PageTerminal) -> int:
         if settings.dry_run:
             outlook = preview_plan(plan, how, tell, progress)
         else:
-            code = run_plan(plan, how, tell, progress)
+            code = run_plan(plan, how, tell, progress, end)
     if settings.dry_run:
         _print_outlook(outlook, how, terminal)
         return ExitCode.DONE
     page = plan.out / "batch.html"
     if terminal.json:
-        print_json({"page": page, "exit_code": int(code), "comparisons": _rows(plan.out / "batch.csv")})
+        print_json({"page": page, **json.loads((plan.out / "batch.json").read_text(encoding="utf-8"))})
     else:
         print(one_line(f"grid: {page}"))
     if terminal.open:
         open_page(page)
     return code
+
+
+def _end(settings: BatchOptions, plan: BatchPlan) -> End:
+    """How the batch ends; raises EtalonError for a rule that there is not, or an earlier batch that cannot be read."""
+    earlier = None if settings.against is None else read_batch(settings.against)
+    if earlier is not None and earlier["folder"].resolve() == plan.out.resolve():
+        raise EtalonError(
+            f"--against {settings.against}: is the folder of this batch; name that of an earlier one, or another 'out'"
+        )
+    try:
+        rule = None if settings.fail_on is None else read_fail_on(settings.fail_on)
+    except ValueError as error:
+        raise EtalonError(f"--fail-on: {error}") from None
+    if rule is not None and rule.rule == CHANGED and earlier is None:
+        raise EtalonError("--fail-on changed needs an earlier batch; add --against EARLIER")
+    return End(rule, earlier)
 
 
 def _find_hosts(plan: BatchPlan, tell: Callable[[str], None]) -> dict[str, Host]:
@@ -120,9 +139,3 @@ def _tell(line: str) -> None:
 
 def _tell_nobody(line: str) -> None:
     """Keep standard output for the JSON, which has the same facts."""
-
-
-def _rows(table: Path) -> list[dict[str, str]]:
-    """The lines of batch.csv, by the names of its columns."""
-    with table.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))

@@ -39,7 +39,7 @@ property by its data path from bpy.data, or from the open scene if it begins wit
 The whole plan is checked before the first comparison. Each comparison runs in a process of its own. If one crashes, it is run
 once more, recorded as failed, and the rest continue. All results are kept in OUT/journal.sqlite, so the same command runs only
 what is missing after Ctrl-C or a crash, or what depends on a file that has changed. OUT has a folder for each comparison,
-batch.csv and batch.html."""
+batch.html, batch.csv, batch.json and junit.xml."""
 
 _COMPLETION = """\
 Print a completion script. For bash:
@@ -56,7 +56,7 @@ For fish:
 
 _BATCH_CODES = (
     "exit code: that of the worst comparison: 0 all EQUIVALENT, 4 some EXPLAINED, 3 some UNDECIDED, 1 some DIFFERENT, "
-    "2 some refused or failed"
+    "2 some refused or failed; with --fail-on: 1 if the rule is broken, 0 if not, 2 some refused or failed"
 )
 
 

@@ -8,10 +8,10 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ..errors import EtalonError, unknown
 from ..settings.common import Target
@@ -30,6 +30,7 @@ _MEMORY = re.compile(r"(\d+(?:\.\d*)?)\s*GB")
 # Blender has no frames beyond this.
 MOST_FRAME = 1048574
 _HELP = "see `etalon batch --help`"
+D = TypeVar("D", bound=Declared)
 
 
 @dataclass(frozen=True)
@@ -300,11 +301,11 @@ def _is_axis(declared: Option | None, value: Any) -> bool:
 
 def _check_words(words: tuple[str, ...]) -> None:
     for kind in (Target, Settings):
-        _read_words(kind, words)
+        read_words(kind, words)
 
 
-def _read_words(kind: type[Declared], words: tuple[str, ...]) -> None:
-    """Make the settings that `words` give, as `etalon compare` will; raises EtalonError where they do not fit together."""
+def read_words(kind: type[D], words: Sequence[str]) -> D:
+    """The settings that `words` give, as for `etalon compare`; raises EtalonError where they do not fit together."""
     values: dict[str, Any] = {}
     for declared in kind.options():
         unit = declared.unit
@@ -318,7 +319,7 @@ def _read_words(kind: type[Declared], words: tuple[str, ...]) -> None:
             except ValueError as error:
                 raise EtalonError(f"{declared.flag}: {error}") from None
             values[declared.name] = [*values.get(declared.name, ()), value] if unit.repeats else value
-    kind(**values)
+    return kind(**values)
 
 
 def _flags(flag: str) -> tuple[str, str]:

@@ -7,32 +7,25 @@ import json
 import re
 import threading
 import time
-from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from ..errors import EtalonError
-from ..exit_codes import ExitCode
-from ..files.atomic import UNFINISHED, clear_unfinished, replace_files
+from ..files.atomic import UNFINISHED, clear_unfinished
 from ..pages.formats import format_duration
 from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
-from ..report.batch import Row, write_csv, write_grid
-from ..report.read import read_verdict
-from .comparison import FINISHED, VERDICTS, Limits, run_comparison
+from .comparison import FINISHED, Limits, run_comparison
 from .journal import Entry
 from .plan import BatchPlan, Unit
 from .prepare import Batch, How, Tell, prepare
 from .process import etalon_command
+from .results import End, Results, outcome_of, read_row, write_results
 
 # What a comparison takes beside its time budget, in seconds: to start Blender, to read the scene, to write the report.
 _START = 10.0
 # The time budget of a comparison whose plan names none.
 _TIME = 120.0
-# From the best to the worst: a batch ends with the exit code of its worst comparison.
-_SEVERITY = (ExitCode.EQUIVALENT, ExitCode.EXPLAINED, ExitCode.UNDECIDED, ExitCode.DIFFERENT)
 
 
 @dataclass(frozen=True)
@@ -48,8 +41,8 @@ class Outlook:
     expected: float | None
 
 
-def run_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROGRESS) -> int:
-    """Run what the plan asks for and its journal lacks; return the exit code of the batch.
+def run_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROGRESS, end: End = End()) -> int:  # noqa: B008
+    """Run what the plan asks for and its journal lacks, write the tables, and return the exit code of the batch, as `end` says.
 
     `tell` gets a line about each comparison, and one about all; `progress` is told what is begun, and the share that is done.
     """
@@ -60,13 +53,11 @@ def run_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROG
         try:
             _run_missing(batch, tell, progress)
         finally:
-            recorded = batch.recorded()
-            _write_tables(plan, recorded)
-    entries = [entry for _, entry in recorded]
-    tell(_summary(entries))
-    if any(entry is None or entry.status != FINISHED for entry in entries):
-        return ExitCode.BAD_INPUT
-    return max((ExitCode(entry.exit_code) for entry in entries if entry), key=_SEVERITY.index)
+            results = Results(plan, [read_row(plan, *one) for one in batch.recorded()], end)
+            write_results(results)
+    for line in results.sentences():
+        tell(line)
+    return results.exit_code
 
 
 def preview_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROGRESS) -> Outlook:
@@ -101,12 +92,15 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
                 left = (time.monotonic() - begin) / number * (len(missing) - number)
                 rest = f"; about {format_duration(left)} left" if number < len(missing) else ""
                 label = batch.units[entry.key].label
-                tell(f"[{done + number}/{total}] {label}: {_outcome(entry)}{reason} ({entry.seconds:.0f} s){rest}")
+                tell(f"[{done + number}/{total}] {label}: {outcome_of(entry)}{reason} ({entry.seconds:.0f} s){rest}")
                 progress.report((done + number) / total)
         except BaseException:
             stop.set()
-            for future in waiting:
-                future.cancel()
+            ended = [future for future in waiting if not future.cancel()]
+            # What has finished in the same moment is kept.
+            for future in ended:
+                if future.exception() is None:
+                    batch.journal.write(future.result())
             raise
 
 
@@ -126,57 +120,6 @@ def _run_unit(batch: Batch, key: str, stop: threading.Event, progress: Progress)
     return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
 
 
-def _summary(recorded: list[Entry | None]) -> str:
-    """How many comparisons there are of each verdict, and how many have none."""
-    counts = Counter("not run" if entry is None else _outcome(entry) for entry in recorded)
-    return f"{plural(len(recorded), 'comparison')}: {', '.join(f'{count} {outcome}' for outcome, count in counts.most_common())}"
-
-
-def _outcome(entry: Entry) -> str:
-    return VERDICTS[entry.exit_code] if entry.status == FINISHED else entry.status
-
-
 def _folder_name(unit: Unit, key: str) -> str:
     """A folder name that keeps nothing a file system could read as more than a name."""
     return f"{re.sub(r'[^A-Za-z0-9]+', '_', Path(unit.scene).stem)[:40]}-{key}"
-
-
-def _write_tables(plan: BatchPlan, recorded: list[tuple[Unit, Entry | None]]) -> None:
-    """Write batch.csv and batch.html about the whole plan, as far as the journal knows it."""
-    names = [v.name for v in plan.variations]
-    results = [_result(plan.out, unit, entry) for unit, entry in recorded]
-    with replace_files(plan.out) as beside:
-        write_csv(names, results, beside / "batch.csv")
-        write_grid(names, results, beside / "batch.html", plan.out, [v.path for v in plan.variations])
-
-
-def _result(out: Path, unit: Unit, entry: Entry | None) -> Row:
-    """What the journal says of a unit, and what the comparison's own verdict.json says of the whole image."""
-    values = tuple(value for _, value in unit.assignments)
-    if entry is None:
-        return Row(unit.scene, values, status="not run")
-    facts: dict[str, Any] = {name: getattr(entry, name) for name in ("status", "seconds", "folder", "message")}
-    if entry.status != FINISHED:
-        return Row(unit.scene, values, **facts)
-    try:
-        figures = read_verdict(out / entry.folder / "verdict.json")
-    except EtalonError as error:
-        facts |= {"status": "not run", "message": str(error)}
-        return Row(unit.scene, values, **facts)
-    image, blender = figures["image"], figures["blender"]
-    low, high = image["interval"]
-    programs = [f"{name} {version}" for name, version in figures["versions"].items()]
-    return Row(
-        unit.scene,
-        values,
-        **facts,
-        verdict=VERDICTS[entry.exit_code],
-        difference=image["difference"],
-        low=low,
-        high=high,
-        bound=figures["bound"]["value"],
-        counts=Counter(region["outcome"] for region in figures["regions"]),
-        tolerance=figures["tolerance"],
-        confidence=figures["confidence"],
-        versions=(*([f"Blender {blender['version']}"] if blender["version"] else []), *programs),
-    )

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..pages import render_page
-from ..pages.formats import format_bound
+from ..pages.formats import format_bound, format_duration, format_percent
 from ..plain_text import spreadsheet_cell
 from .page import DIFFERENCE_LIMIT, URGENCY
 
@@ -56,10 +56,13 @@ def write_csv(names: list[str], rows: list[Row], path: Path) -> None:
             writer.writerow([spreadsheet_cell(cell) for cell in cells])
 
 
-def write_grid(names: list[str], rows: list[Row], path: Path, source: Path, properties: list[str]) -> None:
-    """Write the grid: the last varied property across, scenes and the other properties down.
+def write_grid(
+    names: list[str], rows: list[Row], path: Path, source: Path, properties: list[str], changes: Sequence[str] = ()
+) -> None:
+    """Write the grid: the last varied property across, scenes and the other properties down; then maps of bound, difference and time.
 
-    `source` is the plan's folder of results, and `properties` are the data paths of the varied properties; both are shown.
+    `source` is the plan's folder of results, `properties` are the data paths of the varied properties, and `changes` says what is not as in an
+    earlier batch; all are shown.
     """
     across = list(dict.fromkeys(r.values[-1] for r in rows)) if names else [None]
     lines: dict[tuple[Any, ...], dict[Any, Row]] = {}
@@ -80,9 +83,22 @@ def write_grid(names: list[str], rows: list[Row], path: Path, source: Path, prop
         "source": source,
         "varied": dict(zip(names, properties, strict=True)),
         "seconds": sum(r.seconds for r in rows),
+        "maps": _maps(rows),
+        "changes": changes,
     }
     text = render_page(Path(__file__).with_name("batch.html"), values, {"bound": format_bound})
     path.write_text(text, encoding="utf-8")
+
+
+def _maps(rows: list[Row]) -> list[dict[str, Any]]:
+    """The quantities that are drawn as maps: a title, the row's number, how it is written, and the value that has the full colour."""
+    tolerance = max((r.tolerance for r in rows if r.tolerance is not None), default=0.01)
+    found = [
+        ("Bound", "bound", format_bound, 2 * tolerance),
+        ("Difference of the whole image", "difference", format_percent, tolerance),
+        ("Time", "seconds", format_duration, max((r.seconds for r in rows), default=1.0) or 1.0),
+    ]
+    return [{"title": title, "of": of, "show": show, "most": most} for title, of, show, most in found]
 
 
 def _severity(outcome: str) -> int:

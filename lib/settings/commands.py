@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import EtalonError
 from .declaration import Declared, option, required
-from .units import Choice, FilePath, Flag, Pair, Whole
+from .units import Choice, FilePath, Flag, Pair, Unit, Whole
 
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
 
@@ -44,6 +44,13 @@ class BatchOptions(Declared):
     )
     force: bool = option(False, Flag(), "run all comparisons again")
     retry_failed: bool = option(False, Flag(), "run comparisons again that were refused or failed")
+    against: Path | None = option(None, FilePath("EARLIER"), "folder of an earlier batch: say what has changed since")
+    fail_on: str | None = option(
+        None,
+        Unit("RULE"),
+        "exit code 1 by a rule alone, 0 otherwise: different, changed (with --against), or bound:2%",
+        absent="the exit code of the worst comparison",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -14,6 +14,7 @@ from etalon.lib.batch import run as batch
 from etalon.lib.batch.journal import open_journal
 from etalon.lib.batch.plan import read_plan
 from etalon.lib.batch.prepare import Host, How
+from etalon.lib.batch.results import End
 from etalon.lib.errors import EtalonError
 from etalon.lib.files.atomic import UNFINISHED
 from etalon.lib.files.ownership import OWNER, owned_folder
@@ -84,9 +85,10 @@ def write_plan(folder, values, scenes=("glossy_spheres",)):
     return path
 
 
-def run(path, blender="5.3.0", told=None, **how):
+def run(path, blender="5.3.0", told=None, end=None, **how):
     """What `etalon batch` does with a plan."""
-    return batch.run_plan(read_plan(path), How(blender, **how), [].append if told is None else told.append)
+    tell = [].append if told is None else told.append
+    return batch.run_plan(read_plan(path), How(blender, **how), tell, end=end or End())
 
 
 def calls(folder):
@@ -316,7 +318,13 @@ with replace_files(Path(sys.argv[-1].partition("=")[2])) as beside:
 """
     )
     run(write_plan(folder, [0]))
-    assert {path.name for path in (folder / "out").iterdir()} == {"journal.sqlite", "batch.csv", "batch.html"}
+    assert {path.name for path in (folder / "out").iterdir()} == {
+        "journal.sqlite",
+        "batch.csv",
+        "batch.html",
+        "batch.json",
+        "junit.xml",
+    }
 
 
 def test_cells_that_a_spreadsheet_would_run_begin_with_an_apostrophe(folder):
