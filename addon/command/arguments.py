@@ -28,6 +28,8 @@ def _reader(unit: Unit) -> Callable[[str], Any]:
     """The unit's `read` for argparse, which shows the text of this error and of no other."""
 
     def read(text: str) -> Any:
+        if text is argparse.SUPPRESS:  # argparse reads the default of a positional argument that is not given, too
+            return text
         try:
             return unit.read(text)
         except ValueError as error:
