@@ -30,6 +30,9 @@ from .lobes import Site, build
 from .subsurface import Entry, make_entry, may_be_shallow
 from .surface import SurfacePoints
 
+# However little a lobe may reflect by its estimate, it is chosen this often.
+_LEAST_ESTIMATE = 0.02
+
 
 class PreparedMaterial:
     """One material, ready to be asked at points. With `prunes` lobes that add nothing are left out.
@@ -86,22 +89,25 @@ class PreparedMaterial:
 
     def scattered_share(self, points: SurfacePoints) -> np.ndarray:
         """Mean colour of all that scatters, below the surface too, () or (n,): how much it weighs beside transparency."""
-        total = self.reflected_share(points)
-        for weight, closure in self._subsurface:
-            total = total + np.maximum(self._color(weight, closure, points), 0.0).mean(axis=0)
-        return total
-
-    def reflected_share(self, points: SurfacePoints) -> np.ndarray:
-        """Mean colour of the scattering lobes, () or (n,): how much they weigh beside what enters."""
         total = np.zeros(())
-        for weight, closure in self._scattering:
+        for weight, closure in (*self._scattering, *self._subsurface):
             total = total + np.maximum(self._color(weight, closure, points), 0.0).mean(axis=0)
         return total
 
-    def entries(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> tuple[list[Entry], Site]:
-        """What enters by each subsurface closure for local directions `wo` in the frame (t, s, n), and the site of it."""
+    def entries(
+        self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray
+    ) -> tuple[list[Entry], np.ndarray, Site]:
+        """What enters by each subsurface closure, and how much is reflected beside it, by estimate, (n,); and the site of both.
+
+        For local directions `wo` in the frame (t, s, n).
+        """
         site = self._site(points, wo, t, s)
-        return [make_entry(weight, closure, site) for weight, closure in self._subsurface], site
+        reflected = np.zeros(points.size)
+        for weight, closure in self._scattering:
+            lobe, color = build(closure, site)
+            size = np.maximum(np.atleast_1d(site.read(weight)) * color, 0.0).mean(axis=0)
+            reflected = reflected + size * np.maximum(lobe.estimate, _LEAST_ESTIMATE)
+        return [make_entry(weight, closure, site) for weight, closure in self._subsurface], reflected, site
 
     def alphas(self, points: SurfacePoints) -> np.ndarray:
         """Roughness squared of each scattering lobe, (lobes, n), as in `mixture`; inf for diffuse ones.

@@ -25,8 +25,8 @@ _GGX = GGX()
 class Entry:
     """What enters by one closure at n points.
 
-    weight (3, n): the share of the light that reaches the closure, in the channels that have a colour and a radius; guess (n,): about how
-    much of it comes out again.
+    weight (3, n): the share of the light that reaches the closure, in the channels that have a colour and a radius; guess (n,): how large it is
+    beside what is reflected. Walks bring all of a path's light or none, so that it goes by the root of what comes out again.
     """
 
     closure: Subsurface
@@ -50,7 +50,7 @@ def make_entry(weight: Expression, closure: Subsurface, site: Site) -> Entry:
     enters = share * ((color > 0.0) & (radius >= LEAST_RADIUS))
     medium = make_medium(closure.mapping, color, radius, g, ior)
     normal = site.n if closure.normal is None else np.broadcast_to(site.read(closure.normal), site.n.shape)
-    guess = (enters * np.minimum(color, 1.0)).mean(axis=0)
+    guess = (enters * np.sqrt(np.minimum(color, 1.0))).mean(axis=0)
     return Entry(closure, enters, guess, medium, np.clip(alpha, 0.0, 1.0), ior, normal)
 
 

@@ -96,9 +96,8 @@ def _enter(
     """Which points of one material light enters, (n,) bool, the chance that it does not, (n,), and the walks that begin."""
     prepared = kernel.materials[material]
     t, s = orthonormal_basis(points.n)
-    entries, site = prepared.entries(points, to_local(points.wo, t, s, points.n), t, s)
+    entries, reflected, site = prepared.entries(points, to_local(points.wo, t, s, points.n), t, s)
     guesses = [entry.guess for entry in entries]
-    reflected = prepared.reflected_share(points)
     total = np.sum(guesses, axis=0) + reflected
     total = np.where(total > 0.0, total, 1.0)
     chances = [guess / total for guess in guesses]
