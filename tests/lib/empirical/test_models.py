@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The empirical models: samples against their densities, values against their definitions, and what each gets wrong."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from etalon.lib.empirical.models import EMPIRICAL, directional_albedo
@@ -140,3 +142,21 @@ def test_which_models_reflect_more_than_they_receive():
 
 def test_every_name_of_an_option_has_a_lobe():
     assert EMPIRICAL.keys() | {"ashikhmin-shirley"} == EMPIRICAL_MODELS.keys()
+
+
+def test_the_page_about_the_lecture_shows_what_is_measured():
+    page = (Path(__file__).parents[3] / "docs" / "lecture.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines()]
+    shown = {row[0]: [float(cell) for cell in row[1:5]] for row in rows if row[0] in FORMS}
+    assert shown.keys() == FORMS.keys() - {"lafortune"}
+    for name, figures in shown.items():
+        cosines = np.cos(np.radians([0.0, 60.0, 85.0, 89.9]))
+        measured = [directional_albedo(FORMS[name], c, 0.3, 0.3) for c in cosines]
+        np.testing.assert_allclose(measured, figures, rtol=2e-4, atol=6e-4)
+
+
+def test_light_that_grazes_phongs_surface_is_reflected_twice():
+    """What all observers get of a light at 85 degrees: modified Phong's albedo times (n + 1) / (n + 2) / cos."""
+    n, cosine = (2.0 / 0.3**2 - 2.0) / 4.0, np.cos(np.radians(85.0))
+    reflected = directional_albedo(FORMS["modified-phong"], cosine, 0.3, 0.3) * (n + 1.0) / (n + 2.0) / cosine
+    assert reflected == pytest.approx(2.12, abs=0.02)

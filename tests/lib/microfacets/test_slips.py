@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from etalon.lib.microfacets import densities
+from etalon.lib.bsdfs.microfacet import MicrofacetReflection
+from etalon.lib.microfacets import densities, masking
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
 from etalon.tests.chi2 import Reflections, Tangents, integrals
@@ -83,3 +84,85 @@ def test_slip_4_lambert_is_cos_over_pi():
     at = 0.5 * theta[:, None] * (1.0 + node)
     below = (2.0 * np.pi * np.cos(at) * np.sin(at) / np.pi * weight).sum(axis=1) * 0.5 * theta
     np.testing.assert_allclose(below, xi, atol=1e-12)
+
+
+@BOTH
+def test_slip_3_the_integrator_states_the_density_of_wi(distribution, rng):
+    """The strategy D cos of the lobe that is rendered: D cos / (4 |o.m|), 1 in all; without the factor 3.69 (Beckmann) and 3.47 (GGX)."""
+    alpha = np.float64(0.3)
+
+    def stated(wi):
+        lobe = MicrofacetReflection(observers(wi.shape[1]), alpha, alpha, distribution, "correlated", "d_cos")
+        return lobe.evaluate(wi)[1]
+
+    chart = Reflections(WO, Tangents(0.3, 0.3))
+    inside = integrals(stated, chart, BINS).sum()
+    beyond = integrals(lambda wi: np.where(wi[2] > 0.0, 0.0, _of_wi(distribution, wi)), chart, BINS).sum()
+    assert inside + beyond == pytest.approx(1.0, abs=1e-5)
+    wi, _, pdf = MicrofacetReflection(observers(200), alpha, alpha, distribution, "correlated", "d_cos").sample(
+        *rng.random((2, 200))
+    )
+    lit = pdf > 0.0
+    np.testing.assert_allclose(pdf[lit], _of_wi(distribution, wi)[lit], rtol=1e-9)
+    printed = integrals(lambda wi: _of_wi(distribution, wi) * 4.0 * np.abs(WO @ half(wi)), chart, BINS).sum()
+    assert printed == pytest.approx(3.69 if distribution == Beckmann() else 3.47, abs=0.01)
+
+
+def _of_wi(distribution, wi):
+    m = half(wi)
+    return densities.pdf_d_cos(m, distribution.density(m, 0.3, 0.3)) / (4.0 * np.abs(WO @ m))
+
+
+UP, FLAT, BACK = (np.array(v)[:, None] for v in ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]))
+
+
+def printed_masking():
+    """G with wi and wo in the plane of the surface, opposite to each other."""
+    return np.minimum(1.0, 2.0 * UP[2] * FLAT[2] / (FLAT * UP).sum(axis=0))
+
+
+def printed_density():
+    """Beckmann's D of a microfacet that stands upright, m.n = 0."""
+    cosine = FLAT[2]
+    return np.exp(-(1.0 - cosine**2) / cosine**2 / 0.3**2) / (np.pi * 0.3**2 * cosine**4)
+
+
+def printed_weight():
+    """D cos over D cos of the normal that xi2 = 1 gives: theta = atan(sqrt(-sigma^2 log(1 - xi2)))."""
+    theta = np.arctan(np.sqrt(-(0.3**2) * np.log(1.0 - np.ones(1))))
+    pdf = np.exp(-(np.tan(theta) ** 2) / 0.3**2) / (np.pi * 0.3**2 * np.cos(theta) ** 3)
+    return pdf / pdf
+
+
+def printed_lobe():
+    """D G / (4 |i.n| |o.n|) times |i.n| with the light in the plane of the surface."""
+    return np.ones(1) / (4.0 * FLAT[2] * UP[2]) * FLAT[2]
+
+
+def reference_masking():
+    return masking.torrance_sparrow(BACK, FLAT, UP)
+
+
+def reference_density():
+    return Beckmann().density(FLAT, 0.3, 0.3)
+
+
+def reference_weight():
+    m = Beckmann().sample_d_cos(0.3, 0.3, np.full(1, 0.25), np.ones(1))
+    pdf = densities.pdf_d_cos(m, Beckmann().density(m, 0.3, 0.3))
+    assert pdf[0] > 0.0
+    return pdf / pdf
+
+
+def reference_lobe():
+    lobe = MicrofacetReflection(UP, np.float64(0.3), np.float64(0.3), Beckmann(), "correlated", "visible")
+    return lobe.evaluate(FLAT)[0][0]
+
+
+@pytest.mark.parametrize("what", ["masking", "density", "weight", "lobe"])
+def test_slip_5_the_printed_forms_are_no_numbers_at_the_ends_of_their_domain(what):
+    """Four of four places give 0/0; the reference gives its limit at each: 0, 0, 1, 0."""
+    with np.errstate(all="ignore"):
+        assert np.isnan(globals()[f"printed_{what}"]()).all()
+    found = globals()[f"reference_{what}"]()
+    np.testing.assert_array_equal(found, 1.0 if what == "weight" else 0.0)
