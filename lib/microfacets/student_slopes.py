@@ -35,8 +35,14 @@ def _kappa(x: np.ndarray) -> np.ndarray:
 
 def _slope(kappa: np.ndarray) -> np.ndarray:
     """The x of either sign whose `_kappa` is |kappa|, which is bounded."""
-    root = np.square(1.0 - np.minimum(np.abs(kappa), _LARGEST_KAPPA))
-    return np.copysign(_B / np.square(root) - _B, kappa)
+    root = np.abs(kappa)
+    np.minimum(root, _LARGEST_KAPPA, out=root)
+    np.subtract(1.0, root, out=root)
+    root *= root
+    root *= root
+    np.divide(_B, root, out=root)
+    root -= _B
+    return np.copysign(root, kappa, out=root)
 
 
 def tail_by_beta(x: np.ndarray, g: float) -> np.ndarray:
@@ -89,21 +95,40 @@ class SlopeTables:
         cot = cosine / sine
         s = 1.0 / (1.0 + cot)
         c = cot * s
-        x, low, high = (_slope(kappa) for kappa in self.start.bracket(s, u))
-        low = np.maximum(low, _ABOVE_END - cot)
-        x = np.maximum(x, low)
-        size = np.abs(x)
-        tail = self.tail(_kappa(size))
-        tail = np.where(x < 0.0, 1.0 - tail, tail)
-        moment = _first_moment(size, g)
+        kappa, low, high = self.start.bracket(s, u)
+        x, low, high = _slope(kappa), _slope(low), _slope(high)
+        np.maximum(low, _ABOVE_END - cot, out=low)
+        size = np.abs(kappa, out=kappa)
+        below = np.flatnonzero(x < low)
+        if below.size:
+            x[below] = low[below]
+            size[below] = _kappa(np.abs(x[below]))
+        tail = self.tail(size)
+        np.subtract(1.0, tail, out=tail, where=x < 0.0)
+        square = x * x
+        moment = np.power(1.0 + square * (1.0 / (g - 1.0)), 1.5 - g)
+        moment *= _factor(g)
         # Times s: the mass above x that is too much, the density (a + x) p(x), and the density's slope over the density.
-        excess = c * tail + s * moment - (1.0 - u) * c * (1.0 + lambda_o)
-        weight = c + s * x
-        spread = g - 1.0 + x * x
-        newton = excess * spread / (weight * moment * (2.0 * g - 3.0))
-        pull = s / weight - (2.0 * g - 1.0) * x / spread
-        step = 2.0 * newton / (1.0 + np.sqrt(np.maximum(1.0 + 2.0 * newton * pull, 0.0)))
-        return np.minimum(np.maximum(x + step, low), high)
+        tail *= c
+        tail += s * moment
+        tail -= (1.0 - u) * (c * (1.0 + lambda_o))
+        weight = s * x
+        weight += c
+        square += g - 1.0
+        tail *= square
+        moment *= weight
+        moment *= 2.0 * g - 3.0
+        twice = np.multiply(2.0, np.divide(tail, moment, out=tail), out=tail)
+        pull = np.divide(s, weight, out=weight)
+        pull -= (2.0 * g - 1.0) * x / square
+        pull *= twice
+        pull += 1.0
+        np.maximum(pull, 0.0, out=pull)
+        np.sqrt(pull, out=pull)
+        pull += 1.0
+        x += np.divide(twice, pull, out=pull)
+        np.maximum(x, low, out=x)
+        return np.minimum(x, high, out=x)
 
     def tangent_across(self, along: np.ndarray, u: np.ndarray) -> np.ndarray:
         """The slope across the view, (n,), where the one `along` it is known: Student's t with 2 g - 1 degrees of freedom, scaled."""

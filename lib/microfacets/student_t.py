@@ -52,8 +52,11 @@ class StudentT(Distribution):
         excess -= base - 1.0
         excess *= self.g
         excess /= base
-        d *= 1.0 - excess
-        d /= np.square(z2) * (np.pi * (alpha_x * alpha_y))
+        np.subtract(1.0, excess, out=excess)
+        d *= excess
+        z2 *= z2
+        z2 *= np.pi * (alpha_x * alpha_y)
+        d /= z2
         return above_horizon(m, d, 0.0)
 
     def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:

@@ -115,6 +115,8 @@ def scene_faults(comparison: Comparison) -> list[Finding]:
 
 def _next_of_difference(comparison: Comparison) -> str:
     why = comparison.explanation
+    if _replaced(comparison):
+        return "Next: look at these places in the report. To see what is Cycles' own, compare without the other model of Glossy nodes, too."
     seconds = proof_seconds(comparison)
     if why is not None and why.named and math.isfinite(seconds):
         return f"Next: allow about {format_duration(seconds)} to prove the likely cause, {listed(why.named)}."
@@ -140,11 +142,9 @@ def _next_of_noise(comparison: Comparison) -> str:
 def _replaced(comparison: Comparison) -> list[str]:
     """The model that took the place of Glossy nodes in the reference, by choice."""
     settings = comparison.reference.settings
-    given = (("model", None), ("fresnel", "none"))
-    chosen = [f"--{name} {settings[name]}" for name, usual in given if settings.get(name, usual) != usual]
-    if not chosen:
-        return []
-    return [f"Glossy nodes have another model in the reference ({', '.join(chosen)}); differences show that, too."]
+    model, term = settings.get("model"), settings.get("fresnel", "none")
+    chosen = [*([str(model)] if model is not None else []), *([f"Fresnel {term}"] if term != "none" else [])]
+    return [f"Glossy nodes have another model in the reference, by choice: {', '.join(chosen)}."] if chosen else []
 
 
 def _masked(comparison: Comparison) -> list[str]:

@@ -31,6 +31,14 @@ def test_a_difference_is_placed_and_signed():
     assert third.startswith("Next: look at these places in the report.")
 
 
+def test_another_model_of_glossy_nodes_is_named_beside_the_difference_that_it_makes():
+    comparison = made(**CASES["different"])
+    settings = {**comparison.reference.settings, "model": "ward", "fresnel": "schlick"}
+    _, second, third = summarize(replace(comparison, reference=replace(comparison.reference, settings=settings)))
+    assert second.endswith("Glossy nodes have another model in the reference, by choice: ward, Fresnel schlick.")
+    assert third.endswith("compare without the other model of Glossy nodes, too.")
+
+
 def test_an_explained_difference_names_its_cause():
     *_, third = summary("explained")
     assert third.startswith("Next: nothing is wrong in your scene.")
