@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..lib.batch.comparison import run_comparison
+from ..lib.batch.comparison import Limits, run_comparison
 from ..lib.errors import Cancelled, EtalonError, Refused
 from ..lib.files.ownership import temporary_folder
 from ..lib.plain_text import folder_name
@@ -36,21 +36,22 @@ class SceneResult:
 
 
 def compare_versions(
-    target: Target, blenders: Sequence[Blender], settings: Settings, out: Path, progress: Progress
+    name: str, target: Target, blenders: Sequence[Blender], settings: Settings, out: Path, progress: Progress
 ) -> SceneResult:
-    """Compare a scene with the reference in each of the `blenders`, and these with each other; reports go below `out`.
+    """Compare a scene, called `name`, with the reference in each of the `blenders`, and these with each other; reports go below `out`.
 
     What keeps a version from being compared is told in the figures. Raises Cancelled where the user ended it.
     """
-    name = str(target.scene)
     folder = out / folder_name(Path(name).stem)
     share = REFERENCE_SHARE * settings.time / len(blenders)
     versions = []
     for k, blender in enumerate(blenders):
         progress.check()
         progress.begin(f"{blender.label} against the reference")
-        versions.append(_against_reference(target, blender, replace(settings, time=share), folder, out))
+        limits = Limits(is_ending=lambda: progress.is_cancelled)
+        versions.append(_against_reference(target, blender, replace(settings, time=share), folder, out, limits))
         progress.report(REFERENCE_SHARE * (k + 1) / len(blenders))
+    progress.check()
     usable = [one for one, told in zip(blenders, versions, strict=True) if told["status"] == "finished"]
     if len(usable) < 2:
         error = "fewer than two versions can render it"
@@ -66,11 +67,13 @@ def compare_versions(
     return SceneResult(scene_figures(name, versions, measured, ""), pictures_of(measured, settings.tolerance))
 
 
-def _against_reference(target: Target, blender: Blender, settings: Settings, folder: Path, out: Path) -> dict[str, Any]:
+def _against_reference(
+    target: Target, blender: Blender, settings: Settings, folder: Path, out: Path, limits: Limits
+) -> dict[str, Any]:
     """Run `etalon compare` in a Blender; what came of it."""
     report = folder / folder_name(blender.label)
     words = ["compare", *write_changes(target, settings), f"--out={report.absolute()}", "--quiet"]
-    status, code, message = run_comparison(blender.request({"words": words}), report)
+    status, code, message = run_comparison(blender.request({"words": words}), report, limits)
     return version_figures(blender.label, report, out, status, code, message)
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from tqdm import tqdm
 
-from ...lib.errors import EtalonError
+from ...lib.errors import Cancelled, EtalonError
 from ...lib.files.atomic import replace_files
 from ...lib.plain_text import folder_name, one_line
 from ...lib.progress import Progress
@@ -17,21 +19,21 @@ from ...lib.settings.common import REFERENCE_SCENES, PageTerminal, Target
 from ...lib.settings.comparison import CompareOptions
 from ...lib.settings.versions import VersionsSettings, VersionsTarget
 from ...lib.settings.words import repeating_command
-from ...lib.versions.document import document
+from ...lib.versions.document import document, scene_figures
 from ...lib.versions.page import write_versions
 from ...lib.versions.programs import find_blenders
 from ...lib.versions.words import WORDS
 from ..cycles.second_blender import WORKER
 from ..versions import SceneResult, compare_versions
-from .console import bar, interruptible, open_page, paint, print_json
+from .console import Bar, Lines, Silent, bar, interruptible, open_page, paint, print_json
 from .doctor import PACKAGES
 from .scene_choice import describe_missing, describe_unknown
 
 
 def run(target: VersionsTarget, settings: VersionsSettings, terminal: PageTerminal) -> int:
     """Compare every scene under every Blender, and leave the page; the exit code is that of the worst change."""
-    targets = [_target(target, scene) for scene in target.scenes]
-    _refuse_same_folder(targets)
+    targets = {scene: _target(target, scene) for scene in target.scenes}
+    _refuse_same_folder(target.scenes)
     begin, found = time.monotonic(), {}
     with (
         replace_files(settings.out) as beside,
@@ -39,14 +41,15 @@ def run(target: VersionsTarget, settings: VersionsSettings, terminal: PageTermin
         bar("versions", terminal) as shown,
     ):
         blenders = find_blenders(target.blender, WORKER, PACKAGES, shown.begin)
-        for k, one in enumerate(targets):
-            progress = Progress(
-                shown.report, interrupted, shown.tell, lambda stage, one=one: shown.begin(f"{one.scene}, {stage}")
-            )
+        for k, (name, one) in enumerate(targets.items()):
+            progress = Progress(shown.report, interrupted, shown.tell, partial(_begin, shown, name))
             part = progress.within(k / len(targets), (k + 1) / len(targets))
-            found[str(one.scene)] = compare_versions(one, blenders, settings, settings.out, part)
+            try:
+                found[name] = compare_versions(name, one, blenders, settings, settings.out, part)
+            except Cancelled:
+                found[name] = SceneResult(scene_figures(name, [], None, "it was cancelled before"), {})
             if not terminal.json:
-                _tell(found[str(one.scene)])
+                _tell(found[name])
         repeat = repeating_command("versions", target, settings)
         options, seconds = settings.part(CompareOptions), time.monotonic() - begin
         figures = document([one.figures for one in found.values()], blenders, options, seconds, repeat)
@@ -67,14 +70,20 @@ def _target(target: VersionsTarget, scene: str) -> Target:
     if scene.endswith(".blend"):
         if not Path(scene).is_file():
             raise EtalonError(describe_missing(Path(scene)))
+        scene = str(Path(scene).absolute())
     elif scene not in REFERENCE_SCENES:
         raise EtalonError(describe_unknown(scene))
     return Target(scene, target.frame, target.camera, target.view_layer, target.assignments)
 
 
-def _refuse_same_folder(targets: list[Target]) -> None:
+def _begin(shown: Bar | Lines | Silent, scene: str, stage: str) -> None:
+    """Show the stage of a scene."""
+    shown.begin(f"{scene}, {stage}")
+
+
+def _refuse_same_folder(scenes: Sequence[str]) -> None:
     """Raise EtalonError for two scenes whose reports would lie in one folder."""
-    names = [folder_name(Path(str(one.scene)).stem) for one in targets]
+    names = [folder_name(Path(scene).stem) for scene in scenes]
     for name in names:
         if names.count(name) > 1:
             raise EtalonError(f"{name}: two scenes have this name; rename one, or compare them one after the other")

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import subprocess
-import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,11 +30,11 @@ FINISHED, REFUSED, FAILED, ENDED = "finished", "refused", "failed", "ended"
 
 @dataclass(frozen=True)
 class Limits:
-    """What one comparison may take, `seconds` and `memory` in bytes (None: no limit), and an event that ends it from another thread."""
+    """What one comparison may take, `seconds` and `memory` in bytes (None: no limit), and who says, when asked, that it is to end."""
 
     seconds: float | None = None
     memory: int | None = None
-    stop: threading.Event | None = None
+    is_ending: Callable[[], bool] = bool
 
 
 NO_LIMITS = Limits()
@@ -49,7 +49,7 @@ def run_comparison(command: list[str], folder: Path, limits: Limits = NO_LIMITS)
     for _ in range(2):
         code, words, is_over = _run(command, folder, limits)
         if is_over:
-            return (ENDED if limits.stop is not None and limits.stop.is_set() else FAILED), code, words
+            return (ENDED if limits.is_ending() else FAILED), code, words
         status, message = _judge(code, words, folder / "verdict.json")
         if status != FAILED:
             break
@@ -108,8 +108,8 @@ def _wait(process: subprocess.Popen[str], limits: Limits) -> tuple[str, str]:
 
 def _is_over(process: subprocess.Popen[str], limits: Limits, seconds: float) -> str:
     """Which limit a process has reached, or ''."""
-    if limits.stop is not None and limits.stop.is_set():
-        return "it was ended with the batch"
+    if limits.is_ending():
+        return "it was ended with the command"
     if limits.seconds is not None and seconds > limits.seconds:
         return (
             f"it took longer than {format_duration(limits.seconds)}; raise 'time' in [limits], or lower the resolution"

@@ -112,7 +112,7 @@ def _run_unit(batch: Batch, key: str, stop: threading.Event, progress: Progress)
     begin = time.perf_counter()
     threads = [] if how.threads is None else [f"--threads={how.threads}"]
     words = ["compare", *unit.arguments(), *plan.options, *threads, f"--out={plan.out / folder}", "--quiet"]
-    limits = Limits(plan.time_limit, plan.memory_limit, stop)
+    limits = Limits(plan.time_limit, plan.memory_limit, stop.is_set)
     host = how.hosts.get(unit.blender or "")
     command = [*etalon_command(), *words] if host is None else host.command(words)
     status, code, message = run_comparison(command, plan.out / folder, limits)

@@ -7,8 +7,11 @@ import sys
 
 import bpy
 import pytest
-from etalon.addon.command import cli
+from etalon.addon.command import cli, versions
+from etalon.addon.versions import SceneResult
+from etalon.lib.errors import Cancelled
 from etalon.lib.exit_codes import ExitCode
+from etalon.lib.versions.document import scene_figures
 from etalon.reference_scenes import building
 
 PYTHON = """#!/bin/sh
@@ -77,6 +80,23 @@ def test_what_every_version_refuses_is_told_with_its_reason(tmp_path, capsys):
     assert "fewer than two versions can render it" in said
     assert "Nothing was compared." in said
     assert "Hair BSDF" in (tmp_path / "out" / "versions.html").read_text(encoding="utf-8")
+
+
+def test_what_is_cancelled_is_told_and_what_was_done_before_is_kept(tmp_path, capsys, monkeypatch):
+    done = SceneResult(scene_figures("furnace", [], None, "no camera"), {})
+
+    def compare(name, *rest):
+        if name == "furnace":
+            return done
+        raise Cancelled("cancelled")
+
+    monkeypatch.setattr(versions, "compare_versions", compare)
+    monkeypatch.setattr(versions, "find_blenders", lambda *rest: ())
+    asked = ["furnace", "grazing_plane", "--blender=4.5", "--blender=5.2"]
+    assert run(*asked, f"--out={tmp_path / 'out'}") == ExitCode.BAD_INPUT
+    scenes = json.loads((tmp_path / "out" / "versions.json").read_text(encoding="utf-8"))["scenes"]
+    assert [one["error"] for one in scenes] == ["no camera", "it was cancelled before"]
+    assert "grazing_plane: Not compared: it was cancelled before" in capsys.readouterr().out
 
 
 @pytest.mark.slow
