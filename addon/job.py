@@ -20,6 +20,7 @@ from ..lib.comparison.memory import require_memory
 from ..lib.comparison.parts import asked_parts
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
+from ..lib.comparison.unsupported import find_unsupported_light
 from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
@@ -98,6 +99,9 @@ def judge(
         require_memory(reference.scene.camera.width, reference.scene.camera.height, len(passes))
         progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
+        unsupported, left_out = find_unsupported_light(reference, run), None
+        if unsupported is None and reference.kernel.has_unknown:
+            left_out = reached(reference)
         # What choosing the size and scouting took is part of the time.
         verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
         comparison = compare(
@@ -108,10 +112,11 @@ def judge(
             verdict,
             progress,
             alternatives(reference),
-            reached(reference) if reference.kernel.has_unknown else None,
+            left_out,
             divisor,
             scouted,
             passes,
+            unsupported,
         )
         about = {"options": settings.part(CompareOptions), "findings": check_scene(scene)}
         comparison = replace(comparison, **about, scene=name or comparison.scene)
@@ -183,8 +188,9 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
     try:
         reference = ReferenceRenderer(export(part, settings.partial), settings.part(Options))
         candidate = CyclesRenderer(part, seed=settings.seed, threads=settings.threads)
-        among = alternatives(reference)
-        found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, among=among)
+        unsupported = find_unsupported_light(reference, TimedRun(verdict.time, NO_PROGRESS))
+        rest = {"among": alternatives(reference), "unsupported": unsupported}
+        found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, **rest)
     except EtalonError:
         return False
     return bool(unexplained(found))

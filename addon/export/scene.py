@@ -26,6 +26,7 @@ from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
 from .nodes.images import ImageTable
+from .nodes.passive import is_passive
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings, refuse_unscattered
 from .set_aside import find_missing_images, find_set_aside
 
@@ -117,6 +118,7 @@ class MaterialTable:
     def refuse_attribute(self, index: int, refusal: Refusal) -> None:
         """Refuse an attribute that the material `index` reads; where only parts are compared, leave out the material."""
         if self._partial:
+            # Without its node tree, it is not known whether it emits.
             self._materials[index] = Material(self._materials[index].name, (), refusal.what)
         else:
             self._refusals.append(refusal)
@@ -135,7 +137,8 @@ class MaterialTable:
         read = read_material(material, self._images, refusals)
         if not refusals:
             return read
-        return Material(material.name, (), ", ".join(dict.fromkeys(refusal.what.strip(" ,") for refusal in refusals)))
+        what = ", ".join(dict.fromkeys(refusal.what.strip(" ,") for refusal in refusals))
+        return Material(material.name, (), what, passive=is_passive(material))
 
 
 def _read_things(

@@ -91,8 +91,8 @@ FRENCH: dict[str, str] = {
         "Rendre cette scène avec la référence et avec Cycles, et dire où les deux concordent. Échap annule"
     ),
     "Compare the Rest": "Comparer le reste",
-    "Compare, and leave out the pixels that unsupported materials could affect; they are counted": (
-        "Comparer en laissant de côté les pixels que des matériaux non pris en charge peuvent modifier ; ils sont comptés"
+    "Compare, and leave out the pixels that show unsupported materials; the others leave room for their light": (
+        "Comparer en laissant de côté les pixels qui montrent des matériaux non pris en charge ; les autres laissent place à leur lumière"
     ),
     "Select What Is Not Supported": "Sélectionner ce qui n'est pas pris en charge",
     "Select what is not supported: the object, or the objects with the material": (
@@ -128,8 +128,8 @@ FRENCH: dict[str, str] = {
     "Auto": "Auto",
     "Full": "Entière",
     "Partial": "Partiel",
-    "Compare what can be compared: pixels that unsupported materials could affect are left out and counted": (
-        "Comparer ce qui peut l'être : les pixels que des matériaux non pris en charge peuvent modifier sont laissés de côté et comptés"
+    "Compare what can be compared: leave out pixels that show unsupported materials, and leave room for their light in the others": (
+        "Comparer ce qui peut l'être : laisser de côté les pixels qui montrent des matériaux non pris en charge, et place à leur lumière ailleurs"
     ),
     "Output": "Sortie",
     "Folder for the report, verdict.json and images; // is the folder of this file": (

@@ -61,7 +61,7 @@ class ApplyPreset(bpy.types.Operator):
 
 
 class CompareTheRest(bpy.types.Operator):
-    """Compare, and leave out the pixels that unsupported materials could affect; they are counted"""
+    """Compare, and leave out the pixels that show unsupported materials; the others leave room for their light"""
 
     bl_idname = "etalon.compare_the_rest"
     bl_label = "Compare the Rest"

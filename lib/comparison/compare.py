@@ -28,7 +28,6 @@ from ..verdict.boundaries import EXPECTED_LOOKS, count_looks, next_look
 from ..verdict.causes import Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.passes import PASSES_SHARE, PassTest, PassVerdict
-from ..verdict.rare import describe_tails, room_for_rare_light
 from ..verdict.sequential import ALL_AGREE, SequentialTest
 from ..verdict.verdict import Verdict, conclude
 from .caustics import caustics_in
@@ -38,7 +37,8 @@ from .meter import Meter
 from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
-from .sides import Renderer, Side
+from .sides import Renderer, Side, room_left_by
+from .unsupported import UnsupportedLight, room_beside
 from .versions import versions
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
@@ -81,7 +81,8 @@ class Comparison:
     all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at each
     look. `divisor` says how many times narrower and lower the images are than the scene asks for. `caustics` (K,) is the part of
     each region's light that arrives by caustics, at most, where a scouting pass was made. `findings` are those of the scene check, where the
-    caller made one. `passes` is what is claimed of light passes, where they were compared.
+    caller made one. `passes` is what is claimed of light passes, where they were compared. `passive`: the `unknown` materials
+    only send on light, so that pixels that show them are left out and the others are judged with room for it.
     """
 
     scene: str
@@ -106,6 +107,7 @@ class Comparison:
     caustics: np.ndarray | None
     findings: tuple[Finding, ...] = ()
     passes: PassVerdict | None = None
+    passive: bool = False
 
 
 def compare(
@@ -120,6 +122,7 @@ def compare(
     divisor: int = 1,
     scouted: Scouted | None = None,
     passes: Sequence[Part] = (),
+    unsupported: UnsupportedLight | None = None,
 ) -> Comparison:
     """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
 
@@ -131,9 +134,15 @@ def compare(
     until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor do those whose paths meet a
     material that is not known; EtalonError is raised where none is left. `divisor` is how many times narrower and lower the image is than
     the user's, for the record. `scouted` tells of light that path tracing can hardly find. `passes` are the light passes to compare,
-    which the images of both renderers have to come with.
+    which the images of both renderers have to come with. `unsupported` is what materials may add that the reference takes for black; its
+    pixels are left out, and claims on the others leave room for it. EtalonError is raised where light passes are to be compared beside it.
     """
+    if unsupported is not None and passes:
+        raise EtalonError(
+            f"{scene.name}: light passes cannot be compared beside unsupported materials; leave out --passes"
+        )
     loop = _Loop(scene, (reference, candidate), options, progress, among, scouted, passes)
+    loop.unsupported = unsupported
     loop.time_calls()
     loop.lay_out(coverage, left_out)
     while loop.stopped is None:
@@ -168,6 +177,7 @@ class _Loop:
         # Replicates rendered before those that count now, by the first look.
         self._before = 0
         self.stopped: Stop | None = None
+        self.unsupported: UnsupportedLight | None = None
 
     def time_calls(self) -> None:
         """Find out what samples cost, and from that how to begin; or take the samples that the user asked for."""
@@ -191,6 +201,8 @@ class _Loop:
         """Set up what does not depend on the layout, and the first run."""
         size = (self._scene.camera.height, self._scene.camera.width)
         self._coverage = {kind: list(named) for kind, named in coverage.items()}
+        if self.unsupported is not None:
+            left_out = self.unsupported.left_out if left_out is None else left_out | self.unsupported.left_out
         self._compared = None if left_out is None else _compared(self._scene, left_out)
         self._left_out = np.zeros(size, bool) if left_out is None else left_out
         self._excluded = np.zeros(size, bool)
@@ -273,7 +285,8 @@ class _Loop:
         """Look at all regions, and seek the causes of those that differ."""
         of_reference, of_candidate = (side.regions.moments for side in self._sides)
         self._test.fix_floor(of_reference)
-        self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light())
+        missing = self.unsupported, self._sides[0].regions, self._test.floor
+        self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light(), *room_beside(*missing))
         if self._pass_test is not None:
             passes = self._sides[0].passes, self._sides[1].passes
             self._pass_test.look(*passes, self._layout.samples, self._test.floor, self._is_last)
@@ -290,19 +303,13 @@ class _Loop:
                 self._open = self._test.outcomes != Outcome.EQUIVALENT
             elif self._search.complete:
                 self._open = np.zeros_like(self._open)
-        self._open = self._open & (self._sides[0].regions.sizes > 0)
+        self._open = self._open & (self._sides[0].regions.sizes > 0) & ~self._test.blocked
 
     def _room_for_rare_light(self) -> np.ndarray:
         """The relative difference (K,) that light may make which no sample has met."""
         cells = self._regions.families == self._regions.families.max()
-        worth, least = 0.0, np.full(len(self._regions), np.inf)
-        for side in self._sides:
-            samples = side.regions.sizes * side.film.samples
-            tails = describe_tails(side.regions.series[:, cells], samples[cells], side.regions.weights)
-            worth = max(worth, float(tails.worth.max(initial=0.0)))
-            least = np.minimum(least, samples * side.regions.moments.n)
         level = ALL_AGREE * self._test.level
-        room = room_for_rare_light(worth, least, level)
+        room, least = room_left_by((self._sides[0], self._sides[1]), cells, level)
         if self._caustics is None:
             return room
         mean = self._sides[0].regions.moments.mean
@@ -376,6 +383,7 @@ class _Loop:
             history=tuple(self._history),
             caustics=self._caustic_shares(),
             divisor=divisor,
+            passive=self.unsupported is not None,
             passes=self._pass_test and self._pass_test.conclude(*(side.passes for side in self._sides)),
         )
 

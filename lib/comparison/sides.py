@@ -16,6 +16,7 @@ from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import Progress
+from ..verdict.rare import describe_tails, room_for_rare_light
 
 
 class Renderer(Protocol):
@@ -108,3 +109,17 @@ class Side:
             light = np.where(np.isfinite(light).all(axis=2, keepdims=True), light, np.nan)
             regions.add(light, None if of is None else of[: len(regions.regions)], weight)
             self.pass_films[name].add(light, where, weight)
+
+
+def room_left_by(sides: tuple[Side, Side], cells: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
+    """The relative difference (K,) that light may make which no sample of both sides has met, and the samples (K,) of the side with fewer.
+
+    `cells` (K,) bool are the regions in which isolated bright samples are looked for; `level` is the chance that more is missing.
+    """
+    worth, least = 0.0, np.full(cells.shape, np.inf)
+    for side in sides:
+        samples = side.regions.sizes * side.film.samples
+        tails = describe_tails(side.regions.series[:, cells], samples[cells], side.regions.weights)
+        worth = max(worth, float(tails.worth.max(initial=0.0)))
+        least = np.minimum(least, samples * side.regions.moments.n)
+    return room_for_rare_light(worth, least, level), least

@@ -23,7 +23,7 @@ from .words import forecast_seconds, sentences
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 10
+VERSION = 11
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -45,6 +45,8 @@ CHANGES = {
     "null where none was compared.",
     9: "Version 9: the `role` of a departure may be 'acts on no pass that differs': it was not tried, since others explain the difference.",
     10: "Version 10: `passes` also has limits of bounces and the light of each lamp, emitting object and the world; `kind` says what each is.",
+    11: "Version 11: a region has `unsupported`, room for the light of unsupported materials, and `blocked` where that keeps it undecided; "
+    "`left_out` counts the pixels that show passive unsupported materials, and as before all that light reaches from others.",
 }
 
 
@@ -156,6 +158,8 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
         "high": verdict.high[k],
         "bound": verdict.bounds[k],
         "rare": verdict.rare[k],
+        "unsupported": verdict.unsupported[k],
+        "blocked": bool(verdict.blocked[k]),
         "blind_spot": verdict.blind[k],
         "largest_share": verdict.tails[k],
         "tail_shape": verdict.shapes[k],

@@ -152,7 +152,8 @@ def _masked(comparison: Comparison) -> list[str]:
     left_out, broken = int(comparison.left_out.sum()), int(comparison.excluded.sum())
     said = []
     if left_out:
-        said.append(f"{plural(left_out, 'pixel')} left out: unsupported materials can affect them.")
+        why = "they show unsupported materials" if comparison.passive else "unsupported materials can affect them"
+        said.append(f"{plural(left_out, 'pixel')} left out: {why}.")
     if broken:
         said.append(f"{plural(broken, 'pixel')} left out: a renderer gave no finite number there.")
     return said

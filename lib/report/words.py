@@ -77,9 +77,22 @@ def _left_out(comparison: Comparison) -> str:
     """What of the image is not compared, and the materials that are to blame."""
     count, total = int(comparison.left_out.sum()), comparison.left_out.size
     named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
+    share = format_percent(count / total, sign=False)
+    why = "they show materials that are" if comparison.passive else "light reaches them from materials that are"
+    said = (
+        f"{count} of {plural(total, 'pixel')} ({share}) are not compared: {why} not simulated: {listed(tuple(named))}."
+    )
+    return f"{said} {_elsewhere(comparison)}" if comparison.passive else said
+
+
+def _elsewhere(comparison: Comparison) -> str:
+    """How much light unsupported materials may bring to what is compared, and what that rests on."""
+    verdict = comparison.verdict
+    judged = verdict.unsupported[~verdict.blocked]
+    most = format_bound(float(judged.max(initial=0.0)))
     return (
-        f"{count} of {plural(total, 'pixel')} ({format_percent(count / total, sign=False)}) are not compared: light reaches them from "
-        f"materials that are not simulated: {listed(tuple(named))}."
+        f"Their light makes at most {most} of the regions that it does not keep open, if they brighten these no more than a white diffuse or "
+        "a clear surface would; light that a mirror or a lens focuses is not bounded."
     )
 
 
@@ -123,8 +136,14 @@ def _basis(comparison: Comparison) -> str:
     return (
         f"Of {plural(verdict.outcomes.size, 'region')}: {', '.join(parts)}; confidence {format_percent(verdict.confidence, sign=False)} "
         f"for all of them together, from {_drawn(a)} and {_drawn(b)} samples per pixel "
-        f"in {format_duration(comparison.seconds)}, when {_ENDED[comparison.stopped]}."
+        f"in {format_duration(comparison.seconds)}, when {_end(comparison)}."
     )
+
+
+def _end(comparison: Comparison) -> str:
+    if comparison.stopped is Stop.DECIDED and comparison.verdict.blocked.any():
+        return "everything that samples can decide was decided"
+    return _ENDED[comparison.stopped]
 
 
 def region_total(comparison: Comparison) -> int:

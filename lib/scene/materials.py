@@ -258,7 +258,8 @@ class Material:
     """A material as the user named it; no lobes means black.
 
     `unknown` says what of it is not simulated, '' where all is. What such a material does to light is not known: it has no
-    lobes, paths end there, and what they would have brought is missing from their pixels. Shadow rays pass through what is transparent of
+    lobes, paths end there, and what they would have brought is missing from their pixels. It is `passive` where it can only send on
+    light that it receives: it does not emit, and its faces stay where they are. Shadow rays pass through what is transparent of
     it only with `transparent_shadows`. `volume` fills what the faces of an object enclose, None: nothing does. Faces that are `only_bounds`
     of it let light pass as if they were not there.
     """
@@ -269,3 +270,4 @@ class Material:
     transparent_shadows: bool = True
     volume: Volume | None = None
     only_bounds: bool = False
+    passive: bool = False

@@ -118,7 +118,7 @@ class Settings(CompareOptions, Options):
     partial: bool = option(
         False,
         Flag(),
-        "compare what can be compared: pixels that unsupported materials could affect are left out and counted",
+        "compare what can be compared: leave out pixels that show unsupported materials, and leave room for their light in the others",
         panel=Panel("Partial"),
     )
     out: Path | None = option(

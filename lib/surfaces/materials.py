@@ -44,7 +44,7 @@ class PreparedMaterial:
     def __init__(
         self, material: Material, images: ImageSet, options: Options, prunes: bool, tables: Tables | None = None
     ) -> None:
-        self.name, self.unknown = material.name, bool(material.unknown)
+        self.name, self.unknown, self.passive = material.name, bool(material.unknown), material.passive
         self._images, self._options, self._tables = images, options, tables
         adding = adding_lobes(material) if prunes else material.lobes
         self._subsurface = [(x.weight, x.closure) for x in adding if isinstance(x.closure, Subsurface)]

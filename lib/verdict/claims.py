@@ -105,9 +105,13 @@ def p_equivalent(upper: Combination, lower: Combination) -> np.ndarray:
     return np.maximum(_p_below(upper, 0.0), _p_below(_mirrored(lower), 0.0)).max(axis=1)
 
 
-def p_different(upper: Combination, lower: Combination) -> np.ndarray:
-    """p-value (K,) of "outside the tolerance in some channel": Bonferroni over three channels and two ends."""
-    best = np.minimum(_p_below(_mirrored(upper), 1.0), _p_below(lower, 1.0)).min(axis=1)
+def p_different(upper: Combination, lower: Combination, only_darker: np.ndarray | bool = False) -> np.ndarray:
+    """p-value (K,) of "outside the tolerance in some channel": Bonferroni over three channels and two ends.
+
+    In regions `only_darker` (K,), a candidate that is brighter than the reference shows nothing.
+    """
+    brighter = np.where(np.asarray(only_darker)[..., None], 1.0, _p_below(_mirrored(upper), 1.0))
+    best = np.minimum(brighter, _p_below(lower, 1.0)).min(axis=1)
     return np.minimum(WAYS_TO_DIFFER * best, 1.0)
 
 

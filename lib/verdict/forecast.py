@@ -87,10 +87,11 @@ def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments,
     That all are decided is at most as probable as the least decided one, and at least 1 minus the sum of what
     is missing (Bonferroni): these give the interval, whatever the dependence; the median takes regions as independent.
     """
-    open_regions = test.undecided & np.isfinite(reference.mean + candidate.mean).all(axis=1)
+    open_regions = test.undecided & ~test.blocked & np.isfinite(reference.mean + candidate.mean).all(axis=1)
     if not open_regions.any():
         return None
-    upper, lower = tolerance_ends(candidate, reference, bound, test.floor)
+    within = np.maximum(bound - test.unsupported, 0.0)[:, None]
+    upper, lower = tolerance_ends(candidate, reference, within, test.floor)
     inside = np.concatenate([_errors(upper.value, upper, -1), _errors(lower.value, lower, +1)], axis=1)[open_regions]
     gap, share = _prior(test, reference, candidate)
     gaps = np.concatenate([_errors(gap, upper, -1), _errors(gap, lower, +1)], axis=1)[open_regions]

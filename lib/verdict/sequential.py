@@ -12,8 +12,10 @@ Three kinds of claims are made, each with a part of the error level (1 - confide
 - *This region differs*: Holm's procedure over N.
 
 The tests on means cannot know of light that no sample has met; `rare` says how large a difference that could hide, and every claim
-leaves room for it (rare.py). Nothing is frozen: each look judges anew all that was sampled since the last, and a claim that the data
-no longer bear is withdrawn.
+leaves room for it (rare.py). Where light of an unsupported material may be missing from the reference, a claim of agreement leaves
+room for that too, and a region is shown to differ only where the candidate is darker than the reference: more light can only make it
+brighter. Nothing is frozen: each look judges anew all that was sampled since the last, and a claim that the data no longer bear is
+withdrawn.
 """
 
 from __future__ import annotations
@@ -92,6 +94,10 @@ class SequentialTest:
         self.decided_at = np.zeros(count, int)
         self.bounds = np.full(count, np.inf)
         self.rare = np.zeros(count)
+        # The relative difference that unsupported materials may make, and the bounds without it; whether their light reaches a region, and
+        # whether the candidate is shown to be brighter than the reference there.
+        self.unsupported, self._without = np.zeros(count), np.full(count, np.inf)
+        self._reached, self._brighter = np.zeros((2, count), bool)
         self.withdrawn: list[Withdrawn] = []
         self.expected = expected
         self._spending = Spending(expected)
@@ -109,6 +115,12 @@ class SequentialTest:
         """Which regions (N,) are shown to be within the tolerance, if the rest is: they need no more samples."""
         return self.bounds <= self.tolerance
 
+    @property
+    def blocked(self) -> np.ndarray:
+        """The regions (N,) that no samples will decide: the light of an unsupported material may make the difference."""
+        alone = (self._without <= self.tolerance) & ~self.within
+        return self.undecided & self._reached & (alone | (self.unsupported >= self.tolerance) | self._brighter)
+
     def share_after(self, growth: float) -> float:
         """The share of the level that a look spends once there are `growth` times the replicates."""
         return self._spending.share_of(len(self.looks) + max(1, round(np.log(growth) / np.log(GROWTH))))
@@ -118,24 +130,42 @@ class SequentialTest:
         if not self.looks and not self.floor.any():
             self.floor = find_floor(reference.mean, self.families)
 
-    def look(self, reference: Moments, candidate: Moments, last: bool, rare: np.ndarray | float = 0.0) -> None:
-        """Judge what there is: moments (N, 3) of the region means, and the relative difference (N,) that unseen light may make."""
+    def look(
+        self,
+        reference: Moments,
+        candidate: Moments,
+        last: bool,
+        rare: np.ndarray | float = 0.0,
+        unsupported: np.ndarray | float = 0.0,
+        reached: np.ndarray | bool = False,
+    ) -> None:
+        """Judge what there is: moments (N, 3) of the region means, and the relative difference (N,) that unseen light may make.
+
+        Light of unsupported materials, which the reference lacks, may make a difference of `unsupported` (N,) in the regions `reached` (N,).
+        """
         self.fix_floor(reference)
         replicates = min(reference.most, candidate.most)
         share = self._spending.take(last)
         level = self._boundary.next(replicates, share)
         now = np.broadcast_to(np.minimum(reference.n, candidate.n) >= replicates, self.bounds.shape)
         rare = np.broadcast_to(np.asarray(rare, float), self.bounds.shape)
+        unsupported = np.broadcast_to(np.asarray(unsupported, float), self.bounds.shape)
+        self.unsupported = np.where(now, unsupported, self.unsupported)
+        self._reached = np.broadcast_to(reached, self.bounds.shape)
         found = bound(candidate, reference, self.floor, level) + rare
-        self.bounds = np.where(now, found, self.bounds)
+        self._without = np.where(now, found, self._without)
+        self.bounds = np.where(now, found + unsupported, self.bounds)
         self.rare = np.where(now, rare, self.rare)
-        inside = np.maximum(self.tolerance - rare, 0.0)[:, None]
+        inside = np.maximum(self.tolerance - rare - unsupported, 0.0)[:, None]
         p = p_equivalent(*tolerance_ends(candidate, reference, inside, self.floor)) / share
-        self._agrees = np.where(now, np.where(rare < self.tolerance, p, np.inf), self._agrees)
+        self._agrees = np.where(now, np.where(rare + unsupported < self.tolerance, p, np.inf), self._agrees)
         outside = (self.tolerance + np.where(np.isfinite(rare), rare, 0.0))[:, None]
-        p = p_different(*tolerance_ends(candidate, reference, outside, self.floor)) / share
+        ends = tolerance_ends(candidate, reference, outside, self.floor)
+        p = p_different(*ends, self._reached) / share
         self._differs = np.where(now, np.where(np.isfinite(rare), p, np.inf), self._differs)
-        gap = np.abs(difference(candidate, reference, self.floor)).max(axis=1)
+        shown = p_different(*ends) / share <= ONE_DIFFERS * self.level / self.outcomes.size
+        self._brighter = np.where(now, self._reached & shown, self._brighter)
+        gap = difference(candidate, reference, self.floor)
         self._claim(replicates, gap, np.isnan(reference.mean + candidate.mean).any(axis=1))
         self.looks.append(
             Look((reference.most, candidate.most), share, level, int(self.undecided.sum()), self.overall_bound())
@@ -148,7 +178,7 @@ class SequentialTest:
         return float(known.max()) if known.size else np.inf
 
     def _claim(self, replicates: int, gap: np.ndarray, missing: np.ndarray) -> None:
-        """The outcomes as of now, with estimated differences `gap` (N,); regions that are `missing` have no pixel left.
+        """The outcomes as of now, with estimated differences `gap` (N, 3); regions that are `missing` have no pixel left.
 
         A claim is made when its test passes, and stands while the data bear it: the estimate, with room for rare light, lies on its side of
         the tolerance. To let it stand costs nothing, since all looks together have the level.
@@ -158,9 +188,11 @@ class SequentialTest:
         failed = [family for family in np.unique(self.families) if not within[self.families == family].all()]
         passed = self.families < failed[0] if failed else np.ones_like(within)
         agrees = (passed & ~missing) | holm(self._agrees, ONE_AGREES * self.level)
-        agrees |= (self.outcomes == Outcome.EQUIVALENT) & (gap + self.rare <= self.tolerance)
+        either = np.abs(gap).max(axis=1)
+        agrees |= (self.outcomes == Outcome.EQUIVALENT) & (either + self.rare + self.unsupported <= self.tolerance)
         differs = holm(self._differs, ONE_DIFFERS * self.level)
-        differs |= (self.outcomes == Outcome.DIFFERENT) & (gap - self.rare > self.tolerance)
+        counted = np.where(self._reached, (-gap).max(axis=1), either)
+        differs |= (self.outcomes == Outcome.DIFFERENT) & (counted - self.rare > self.tolerance)
         outcomes = np.full(self.outcomes.size, Outcome.UNDECIDED)
         outcomes[agrees & ~differs] = Outcome.EQUIVALENT
         outcomes[differs & ~agrees] = Outcome.DIFFERENT

@@ -18,6 +18,9 @@ from .rare import blind_spot, describe_tails, pareto_shape, standardize
 from .sequential import ALL_AGREE, ONE_DIFFERS, Look, SequentialTest, Withdrawn
 
 RARE = "open because of rare light: too few samples to exclude that bright and seldom ones would make a difference"
+UNSUPPORTED = (
+    "open because of an unsupported material: its light may make the difference, and the reference does not have it"
+)
 
 
 @dataclass(frozen=True)
@@ -32,9 +35,10 @@ class Verdict:
     `bounds` (N,) is the difference up to which each region agrees, the claims on all regions together; `bound` the largest of them, up to
     which the whole image agrees in every region; NaN where no pixel is left. `rare` (N,) is what of each is room for light that
     no sample has met, `blind` (N,) the worth of samples, in means of the region, beyond which a difference as large as the tolerance
-    could have been missed. `tails` (N,) is the part of a region's light that its largest replicate carries, on the side where it is
-    larger, `shapes` (N,) the shape of the tail there. `dark` (N,) marks regions below the floor in all channels. `withdrawn`
-    are the claims that later data did not bear.
+    could have been missed. `unsupported` (N,) is room for light of unsupported materials, which the reference lacks; `blocked` (N,)
+    marks the regions that it keeps open, however many samples there are. `tails` (N,) is the part of a region's light that its
+    largest replicate carries, on the side where it is larger, `shapes` (N,) the shape of the tail there. `dark` (N,) marks regions
+    below the floor in all channels. `withdrawn` are the claims that later data did not bear.
     """
 
     outcome: Outcome
@@ -53,6 +57,8 @@ class Verdict:
     bound: float
     bounds: np.ndarray
     rare: np.ndarray
+    unsupported: np.ndarray
+    blocked: np.ndarray
     blind: np.ndarray
     tails: np.ndarray
     shapes: np.ndarray
@@ -66,7 +72,7 @@ class Verdict:
     def is_rare(self) -> np.ndarray:
         """The open regions (N,) that light which no sample has met keeps open: without room for it they would be within the tolerance."""
         wide = (self.bounds > self.tolerance) & (self.bounds - self.rare <= self.tolerance)
-        return wide & (self.outcomes == Outcome.UNDECIDED)
+        return wide & (self.outcomes == Outcome.UNDECIDED) & ~self.blocked
 
     def count(self, outcome: Outcome) -> int:
         """The number of regions with that outcome."""
@@ -141,6 +147,8 @@ def _figures(
         bound=test.overall_bound(),
         bounds=test.bounds.copy(),
         rare=test.rare.copy(),
+        unsupported=test.unsupported.copy(),
+        blocked=test.blocked & (reference.sizes > 0),
         blind=blind_spot(_fewest(reference, candidate, samples), test.tolerance, ALL_AGREE * test.level),
         tails=tails,
         shapes=shapes,
@@ -170,8 +178,11 @@ def _reasons(
     if min(reference.moments.most, candidate.moments.most) < 2:
         reasons.append("fewer than two replicates on a side: without a second one there is no variance to judge by")
         return reasons
-    rare = int((test.undecided & (test.bounds - test.rare <= test.tolerance) & ~test.within).sum())
-    for count, why in ((undecided - rare, "still too noisy to decide"), (rare, RARE)):
+    blocked = test.blocked & (reference.sizes > 0)
+    rare = int((test.undecided & ~blocked & (test.bounds - test.rare <= test.tolerance) & ~test.within).sum())
+    unsupported = int(blocked.sum())
+    noisy = undecided - rare - unsupported
+    for count, why in ((noisy, "still too noisy to decide"), (rare, RARE), (unsupported, UNSUPPORTED)):
         if count > 0:
             reasons.append(f"{count} of {plural(test.outcomes.size, 'region')} {'is' if count == 1 else 'are'} {why}")
     return reasons

@@ -185,6 +185,12 @@ class Kernel:
         """Whether any material is not known."""
         return any(material.unknown for material in self.materials)
 
+    @cached_property
+    def is_passive(self) -> bool:
+        """Whether there are unknown materials, all of which only send on light that they receive."""
+        unknown = [material for material in self.materials if material.unknown]
+        return bool(unknown) and all(material.passive for material in unknown)
+
     def is_unknown(self, triangle: np.ndarray) -> np.ndarray:
         """Whether the materials of triangles (n,) are not known, (n,) bool."""
         unknown = np.array([material.unknown for material in self.materials])

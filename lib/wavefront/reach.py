@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far light goes from materials that are not known: the pixels that nothing can be said of."""
+"""How far light goes from materials that are not known: the pixels that it reaches, and those that show it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from ..effects.facts import is_smooth
 from ..sampling.streams import REACH
 from ..scene.expressions import BLACK
-from ..scene.materials import Emission, Material, WeightedClosure
+from ..scene.materials import Closure, Emission, Material, Transparent, WeightedClosure
 from ..scene.world import World
+from ..textures.fold import fold_scene
 from .render import ReferenceRenderer
 
 SAMPLES = 64
@@ -21,9 +24,20 @@ def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
 
     Light that it reflects, or lets pass from elsewhere, goes the same ways. Lamps are sampled, so few samples find almost all.
     """
+    return _lit(reference, samples, lambda closure: not isinstance(closure, Emission))
+
+
+def seen(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
+    """The pixels (height, width) that show a material which is not known: through transparent faces, mirrors and smooth glass."""
+    return _lit(reference, samples, lambda closure: isinstance(closure, Transparent) or is_smooth(closure))
+
+
+def _lit(reference: ReferenceRenderer, samples: int, keeps: Callable[[Closure], bool]) -> np.ndarray:
+    """The pixels (height, width) that unknown materials light, were they lamps, where others have the lobes that `keeps` says."""
+    materials = fold_scene(reference.scene).materials
     lamps = replace(
         reference.scene,
-        materials=tuple(map(_only_light, reference.scene.materials)),
+        materials=tuple(_only_light(material, keeps) for material in materials),
         lights=(),
         world=World(BLACK, (1, 1)),
     )
@@ -32,8 +46,8 @@ def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
     return rendering.radiance.any(axis=2)  # what is not finite counts, too
 
 
-def _only_light(material: Material) -> Material:
-    """A lamp where the material is not known; else what it is, but dark."""
+def _only_light(material: Material, keeps: Callable[[Closure], bool]) -> Material:
+    """A lamp where the material is not known; else the lobes of it that `keeps` says."""
     if material.unknown:
         return Material(material.name, (WeightedClosure(Emission()),))
-    return replace(material, lobes=tuple(x for x in material.lobes if not isinstance(x.closure, Emission)))
+    return replace(material, lobes=tuple(x for x in material.lobes if keeps(x.closure)))

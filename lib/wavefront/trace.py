@@ -175,11 +175,18 @@ class Tracer:
         self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:
-                self._sums.add_unknown(paths.pixel[start:stop])
+                self._count_unknown(paths, start, stop)
             elif self._kernel.materials[material].emits:
                 self._emitters.faces(paths, points.part(start, stop), distance[start:stop], start, stop, material)
         self._clock.lap(Stage.EMISSION)
         return self._next(paths, points, distance, offset, groups, step)
+
+    def _count_unknown(self, paths: Paths, start: int, stop: int) -> None:
+        """Count the paths that end in a material that is not known; of a passive one, those that come straight from the camera."""
+        pixel = paths.pixel[start:stop]
+        if self._kernel.is_passive:
+            pixel = pixel[paths.scatterings[start:stop] == 0]
+        self._sums.add_unknown(pixel)
 
     def _by_material(self, hits: Hits) -> tuple[np.ndarray, Groups]:
         """Indices of the hits, sorted by material, and each material's (index, start, stop) in that order."""

@@ -47,7 +47,7 @@ def transmittance(
         if met.size == 0:
             return through, unknown
         active, triangle = active[met], hits.triangle[met]
-        if kernel.has_unknown:
+        if kernel.has_unknown and not kernel.is_passive:
             unknown = np.concatenate([unknown, active[kernel.is_unknown(triangle)]])
         along = direction[:, active]
         point = start[:, met] + along * hits.distance[met]
