@@ -129,7 +129,7 @@ FRENCH: dict[str, str] = {
     "Full": "Entière",
     "Partial": "Partiel",
     "Compare what can be compared: leave out pixels that show unsupported materials, and leave room for their light in the others": (
-        "Comparer ce qui peut l'être : laisser de côté les pixels qui montrent des matériaux non pris en charge, et place à leur lumière ailleurs"
+        "Comparer ce qui peut l'être : laisser de côté les pixels montrant des matériaux non pris en charge, et place à leur lumière ailleurs"
     ),
     "Output": "Sortie",
     "Folder for the report, verdict.json and images; // is the folder of this file": (
