@@ -104,11 +104,6 @@ def open_blend(path: Path) -> None:
         except RuntimeError as error:
             reason = str(error).strip().splitlines()[-1].rsplit(": ", 1)[-1]
             raise EtalonError(f"{path}: Blender cannot load it ({reason}); save it again from Blender") from error
-    for library in bpy.data.libraries:
-        if not Path(bpy.path.abspath(library.filepath)).is_file():
-            raise EtalonError(
-                f"{library.name}: the linked library {library.filepath} is not there; restore or relink it"
-            )
 
 
 def choose_camera(scene: bpy.types.Scene, name: str) -> None:

@@ -25,6 +25,7 @@ from .links import LinkTable
 from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
+from .missing_libraries import find_missing_libraries, refuse_missing
 from .nodes.images import ImageTable
 from .nodes.passive import is_passive
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings, refuse_unscattered
@@ -57,6 +58,7 @@ def export_scene(
     view = read_camera(camera, scene.render, refusals)
     world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
     materials = MaterialTable(layer.material_override, images, refusals, partial)
+    refuse_missing(depsgraph, refusals)
     links = LinkTable(depsgraph, refusals)
     lights = _read_things(depsgraph, materials, links, refusals)
     _check_attributes(depsgraph, materials)
@@ -82,7 +84,11 @@ def export_scene(
         ),
         images=images.images,
         blender=bpy.app.version[:2],
-        findings=(*find_missing_images(tuple(images.missing)), *find_set_aside(depsgraph, mesh)),
+        findings=(
+            *find_missing_images(tuple(images.missing)),
+            *find_missing_libraries(),
+            *find_set_aside(depsgraph, mesh),
+        ),
     )
     validate(result)
     refuse_linked_faces(result)

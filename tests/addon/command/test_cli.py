@@ -213,7 +213,8 @@ def test_a_missing_library_is_told(capfd, blend, monkeypatch):
     library.unlink()
     code, _, lines = run(capfd, "compare", "cube.blend")
     assert (code, len(lines)) == (2, 1)
-    assert "linked library" in lines[0]
+    assert "object 'Cube': mesh 'Cube" in lines[0]
+    assert f"of the library '{library}', which is not there," in lines[0]
 
 
 def test_scripts_in_a_file_never_run(capfd, blend, tmp_path, monkeypatch):
