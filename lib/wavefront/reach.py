@@ -29,15 +29,19 @@ def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
 
 def seen(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
     """The pixels (height, width) that show a material which is not known: through transparent faces, mirrors and smooth glass."""
-    return _lit(reference, samples, lambda closure: isinstance(closure, Transparent) or is_smooth(closure))
+    return _lit(
+        reference, samples, lambda closure: isinstance(closure, Transparent) or is_smooth(closure), volumes=False
+    )
 
 
-def _lit(reference: ReferenceRenderer, samples: int, keeps: Callable[[Closure], bool]) -> np.ndarray:
+def _lit(
+    reference: ReferenceRenderer, samples: int, keeps: Callable[[Closure], bool], volumes: bool = True
+) -> np.ndarray:
     """The pixels (height, width) that unknown materials light, were they lamps, where others have the lobes that `keeps` says."""
     materials = fold_scene(reference.scene).materials
     lamps = replace(
         reference.scene,
-        materials=tuple(_only_light(material, keeps) for material in materials),
+        materials=tuple(_only_light(material, keeps, volumes) for material in materials),
         lights=(),
         world=World(BLACK, (1, 1)),
     )
@@ -46,8 +50,9 @@ def _lit(reference: ReferenceRenderer, samples: int, keeps: Callable[[Closure], 
     return rendering.radiance.any(axis=2)  # what is not finite counts, too
 
 
-def _only_light(material: Material, keeps: Callable[[Closure], bool]) -> Material:
-    """A lamp where the material is not known; else the lobes of it that `keeps` says."""
+def _only_light(material: Material, keeps: Callable[[Closure], bool], volumes: bool) -> Material:
+    """A lamp where the material is not known; else the lobes of it that `keeps` says, and its volume where `volumes` are kept."""
     if material.unknown:
         return Material(material.name, (WeightedClosure(Emission()),))
-    return replace(material, lobes=tuple(x for x in material.lobes if keeps(x.closure)))
+    kept = tuple(x for x in material.lobes if keeps(x.closure))
+    return replace(material, lobes=kept, volume=material.volume if volumes else None)
