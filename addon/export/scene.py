@@ -9,6 +9,7 @@ import numpy as np
 from ...lib.effects.facts import Facts
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.scene.checks import validate
+from ...lib.scene.findings import Finding
 from ...lib.scene.lights import Light
 from ...lib.scene.materials import Material
 from ...lib.scene.matrices import affine
@@ -84,11 +85,7 @@ def export_scene(
         ),
         images=images.images,
         blender=bpy.app.version[:2],
-        findings=(
-            *find_missing_images(tuple(images.missing)),
-            *find_missing_libraries(),
-            *find_set_aside(depsgraph, mesh),
-        ),
+        findings=_find(depsgraph, mesh, images),
     )
     validate(result)
     refuse_linked_faces(result)
@@ -96,6 +93,12 @@ def export_scene(
     if Facts(result).turbid:
         refuse_unscattered(depsgraph)
     return result
+
+
+def _find(depsgraph: bpy.types.Depsgraph, mesh: Mesh, images: ImageTable) -> tuple[Finding, ...]:
+    """The findings that only Blender's data show."""
+    missing = find_missing_images(tuple(images.missing)), find_missing_libraries()
+    return (*missing[0], *missing[1], *find_set_aside(depsgraph, mesh))
 
 
 class MaterialTable:
