@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random walks in homogeneous media inside a body, from a face to the face where they leave.
+"""Random walks in homogeneous media inside of bodies, from a face to the face where they leave.
 
 Free paths are exponential, and one colour channel, chosen by what each carries, says how long they are; all channels count by the balance
 heuristic (Wilkie et al. 2014). Nothing bounds the number of scatterings but roulette, which leaves the mean as it is.
@@ -26,11 +26,13 @@ _FAR_SURVIVAL = 0.9
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _LOWER = np.uint64(0xFFFFFFFF)
 
-Closest = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
-"""Rays (origin, direction, reach) -> triangle, -1 for none, distance, u, v of the first face of the body that they meet."""
+Closest = Callable[
+    [np.ndarray, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+]
+"""Rays of walks (index, origin, direction, reach) -> triangle, -1 for none, distance, u, v of the first face of the body that they meet."""
 
-IsFar = Callable[[np.ndarray], np.ndarray]
-"""Points (3, n) -> whether they are so far from the body that hardly anything comes back from there, (n,) bool."""
+IsFar = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Walks (index, position) -> whether they are so far from the body that hardly anything comes back from there, (n,) bool."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def walk(closest: Closest, is_far: IsFar, walks: Walks, keys: np.ndarray, most: 
             walks = replace(walks, medium=similar(walks.medium))
         u = _uniforms(keys, step)
         length, channel_pdf = sample_free_path(walks, u[0])
-        triangle, distance, hit_u, hit_v = closest(walks.origin, walks.direction, length)
+        triangle, distance, hit_u, hit_v = closest(walks.index, walks.origin, walks.direction, length)
         rays += walks.index.size
         left = triangle >= 0
         length = np.where(left, distance, length)
@@ -99,7 +101,7 @@ def walk(closest: Closest, is_far: IsFar, walks: Walks, keys: np.ndarray, most: 
             )
         )
         chance = _survival(np.take(throughput, on, axis=1), level[on], step)
-        chance *= np.where(is_far(np.take(position, on, axis=1)), _FAR_SURVIVAL, 1.0)
+        chance *= np.where(is_far(walks.index[on], np.take(position, on, axis=1)), _FAR_SURVIVAL, 1.0)
         kept = np.flatnonzero(u[1, on] < chance)
         on, chance = on[kept], chance[kept]
         walks = replace(walks, origin=position, throughput=throughput).at(on)

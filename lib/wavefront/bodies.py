@@ -53,10 +53,47 @@ class Body:
         return np.where(met, np.take(self._index, hits.triangle), np.int32(-1)), hits.distance, hits.u, hits.v
 
 
-def find_bodies(mesh: Mesh, materials: Sequence[Material]) -> dict[int, Body]:
-    """The body of each object that has a face under which light scatters, by the object's number."""
-    enters = np.array([any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in materials], bool)
-    return {int(k): Body(mesh, int(k)) for k in np.unique(mesh.object_index[enters[mesh.material_index]])}
+class Bodies:
+    """The bodies of all objects that have a face under which light scatters; walks in any of them are followed together."""
+
+    def __init__(self, mesh: Mesh, materials: Sequence[Material]) -> None:
+        enters = np.array([any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in materials], bool)
+        self._owner = mesh.object_index
+        self._bodies = {int(k): Body(mesh, int(k)) for k in np.unique(mesh.object_index[enters[mesh.material_index]])}
+
+    def groups(self, triangle: np.ndarray) -> list[tuple[Body, np.ndarray]]:
+        """Each body that has some of the triangles (n,), and the places of these."""
+        owner = np.take(self._owner, triangle)
+        return [(self._bodies[k], np.flatnonzero(owner == k)) for k in np.unique(owner).tolist()]
+
+    def below(self, triangle: np.ndarray, position: np.ndarray, ng: np.ndarray) -> np.ndarray:
+        """As Body.below, for faces of any bodies."""
+        moved = np.empty_like(position)
+        for body, here in self.groups(triangle):
+            moved[:, here] = body.below(triangle[here], position[:, here], ng[:, here])
+        return moved
+
+    def closest(
+        self, start: np.ndarray, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """As Body.closest, for rays inside the bodies of the triangles `start` (n,)."""
+        groups = self.groups(start)
+        if len(groups) == 1:
+            return groups[0][0].closest(origin, direction, reach)
+        size = start.size
+        found = np.empty(size, np.int32), np.empty(size), np.empty(size, np.float32), np.empty(size, np.float32)
+        for body, here in groups:
+            rays = np.take(origin, here, axis=1), np.take(direction, here, axis=1), reach[here]
+            for whole, part in zip(found, body.closest(*rays), strict=True):
+                whole[here] = part
+        return found
+
+    def is_far(self, start: np.ndarray, position: np.ndarray) -> np.ndarray:
+        """As Body.is_far, for points of walks in the bodies of the triangles `start` (n,)."""
+        far = np.empty(start.size, bool)
+        for body, here in self.groups(start):
+            far[here] = body.is_far(np.take(position, here, axis=1))
+        return far
 
 
 def exit_materials(materials: Sequence[Material]) -> tuple[list[Material], np.ndarray]:

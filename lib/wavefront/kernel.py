@@ -30,7 +30,7 @@ from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold_scene
 from ..textures.images import ImageSet
-from .bodies import exit_materials, find_bodies
+from .bodies import Bodies, exit_materials
 from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
@@ -113,7 +113,7 @@ class Kernel:
 
     def _add_bodies(self, mesh: Mesh) -> None:
         """Make ready the objects that light scatters inside of, and what their faces do where it leaves."""
-        self.bodies = find_bodies(mesh, self.scene.materials)
+        self.bodies = Bodies(mesh, self.scene.materials)
         made, numbers = exit_materials(self.scene.materials)
         self.exit_of = numbers + len(self.materials)
         self.materials += [PreparedMaterial(m, self.images, self.options, self.plan.prunes) for m in made]

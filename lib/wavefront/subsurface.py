@@ -7,7 +7,7 @@ Walk and exit together are one scattering of the path.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -137,40 +137,33 @@ def _joined(parts: list[_Started], points: SurfacePoints) -> Walks:
     return Walks(index, np.take(points.position, index, axis=1), direction, throughput, medium)
 
 
-def _follow(kernel: Kernel, points: SurfacePoints, walks: Walks, keys: np.ndarray) -> tuple[list[Exits], int]:
-    """The walks inside each object to their ends, and the number of rays."""
+def _follow(kernel: Kernel, points: SurfacePoints, walks: Walks, keys: np.ndarray) -> tuple[Exits, int]:
+    """The walks inside their objects to their ends, and the number of rays."""
     most = MOST_PATHS if SHORT_WALKS in kernel.options.departures else None
-    triangle = np.take(points.triangle, walks.index)
-    owner = np.take(kernel.scene.mesh.object_index, triangle)
-    found, rays = [], 0
-    for number in np.unique(owner).tolist():
-        body = kernel.bodies[number]
-        index = np.flatnonzero(owner == number)
-        part = walks.at(index)
-        ng = np.take(points.ng, part.index, axis=1)
-        inside = Walks(
-            part.index, body.below(triangle[index], part.origin, ng), part.direction, part.throughput, part.medium
-        )
-        exits, traced = walk(body.closest, body.is_far, inside, keys[part.index], most)
-        found.append(exits)
-        rays += traced
-    return found, rays
+    bodies, triangle = kernel.bodies, points.triangle
+    ng = np.take(points.ng, walks.index, axis=1)
+    inside = replace(walks, origin=bodies.below(triangle[walks.index], walks.origin, ng))
+
+    def closest(
+        index: np.ndarray, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        return bodies.closest(triangle[index], origin, direction, reach)
+
+    def is_far(index: np.ndarray, position: np.ndarray) -> np.ndarray:
+        return bodies.is_far(triangle[index], position)
+
+    return walk(closest, is_far, inside, keys[walks.index], most)
 
 
-def _leave(kernel: Kernel, paths: Paths, parts: list[Exits]) -> tuple[Paths, SurfacePoints, np.ndarray, Groups]:
+def _leave(kernel: Kernel, paths: Paths, exits: Exits) -> tuple[Paths, SurfacePoints, np.ndarray, Groups]:
     """Paths at the faces where they leave, sorted by what these do to them."""
-    names = ("index", "triangle", "u", "v", "position", "direction", "throughput")
-    empty = (np.empty(0, np.intp), np.empty(0, np.int32), *(np.empty(0),) * 2, *(np.empty((3, 0)),) * 3)
-    index, triangle, u, v, position, direction, throughput = (
-        np.concatenate([nothing, *(getattr(part, name) for part in parts)], axis=-1)
-        for name, nothing in zip(names, empty, strict=True)
-    )
+    triangle, u, v = exits.triangle, exits.u, exits.v
     exit_of = np.take(kernel.exit_of, np.take(kernel.material_of, triangle))
     order = np.argsort(exit_of, kind="stable")
-    leaving = paths.take(index[order])
-    leaving.throughput = np.take(throughput, order, axis=1)
-    direction = np.take(direction, order, axis=1)
-    placed, ng, offset = kernel.caster.on_plane(triangle[order], np.take(position, order, axis=1))
+    leaving = paths.take(exits.index[order])
+    leaving.throughput = np.take(exits.throughput, order, axis=1)
+    direction = np.take(exits.direction, order, axis=1)
+    placed, ng, offset = kernel.caster.on_plane(triangle[order], np.take(exits.position, order, axis=1))
     # The viewer is where the walk leads to, so that normals point out of the body.
     points = SurfacePoints(
         kernel.tables, triangle[order], u[order].astype(np.float64), v[order].astype(np.float64), placed, ng, direction

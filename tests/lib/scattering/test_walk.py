@@ -14,7 +14,7 @@ COUNT = 40_000
 def slab(thickness):
     """Layers 0 < depth < thickness, depth = -z: the top is face 0, the bottom face 1."""
 
-    def closest(origin, direction, reach):
+    def closest(_, origin, direction, reach):
         z, speed = origin[2], direction[2]
         with np.errstate(divide="ignore", invalid="ignore"):
             up, down = -z / speed, (-thickness - z) / speed
@@ -26,7 +26,7 @@ def slab(thickness):
     return closest
 
 
-def nowhere(position):
+def nowhere(_, position):
     return np.zeros(position.shape[1], bool)
 
 
@@ -127,7 +127,7 @@ def test_a_lossless_slab_loses_nothing(rng):
 
 def test_walks_that_end_at_random_far_away_leave_the_mean_as_it_is(rng):
     of = medium((0.95,) * 3, COUNT, extinction=(1.0,) * 3)
-    exits, _ = walk(slab(np.inf), lambda position: position[2] < -1.0, walks(1.0, of), keys(rng))
+    exits, _ = walk(slab(np.inf), lambda _, position: position[2] < -1.0, walks(1.0, of), keys(rng))
     mean, error = leaving(exits, 0)
     root = np.sqrt(0.05)
     at_normal = 1.0 / (root + 0.475 * (WEIGHT * h_function(0.95) * MU / (1.0 + MU)).sum())
