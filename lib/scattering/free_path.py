@@ -45,10 +45,9 @@ def sample_distance(extinction: np.ndarray, length: np.ndarray, u: np.ndarray) -
     extinction above 0 (Pharr, Jakob and Humphreys 2023, section A.4.2, restricted to the length).
     """
     tau = depth(extinction, length)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inside = -np.log1p(u * np.expm1(-tau)) / extinction
-    thin = tau < 1e-8
-    return np.minimum(np.where(thin, u * np.where(thin, length, 0.0), inside), length)
+    dense = tau > 0.0
+    inside = np.divide(-np.log1p(u * np.expm1(-tau)), extinction, out=np.zeros(tau.shape), where=dense)
+    return np.minimum(np.where(dense, inside, u * np.where(dense, 0.0, length)), length)
 
 
 def distance_density(extinction: np.ndarray, length: np.ndarray, distance: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ from .inversions import inversions
 from .lights import lights_and_factors
 from .lobes import lobes
 from .measure import measure
+from .volumes import volumes
 from .watertight import watertightness
 
 POINTS = 200
@@ -30,7 +31,7 @@ VERSION = 1
 
 def equations(points: int = POINTS) -> Iterator[Case]:
     """Every closed form, inversion and identity, and rays at edges, as it is done; `points` places for each function."""
-    for function in (*closed_forms(), *lobes(), *lights_and_factors(), *inversions()):
+    for function in (*closed_forms(), *lobes(), *lights_and_factors(), *volumes(), *inversions()):
         yield measure(function, points)
     yield from identities()
     yield from watertightness()

@@ -8,8 +8,12 @@ from etalon.lib.stability.inversions import inversions
 from etalon.lib.stability.lights import lights_and_factors
 from etalon.lib.stability.lobes import lobes
 from etalon.lib.stability.measure import measure
+from etalon.lib.stability.volumes import volumes
 
-FUNCTIONS = {function.name: function for function in (*closed_forms(), *lobes(), *lights_and_factors(), *inversions())}
+FUNCTIONS = {
+    function.name: function
+    for function in (*closed_forms(), *lobes(), *lights_and_factors(), *volumes(), *inversions())
+}
 EVERY = pytest.mark.parametrize("name", FUNCTIONS)
 # Where float32 as Cycles writes it has at most one digit left at some place of the domain (1.7e7 ulp are an error of 100 %).
 CYCLES_LOSES_ALL = (
@@ -45,7 +49,7 @@ def test_bounds_are_those_of_the_atlas():
     assert {f.bound for f in closed_forms()} == {8.0}
     assert {f.bound for f in inversions()} == {32.0}
     assert {f.bound for f in lobes()} == {8.0, 32.0}
-    assert {f.bound for f in lights_and_factors()} == {8.0}
+    assert {f.bound for f in (*lights_and_factors(), *volumes())} == {8.0}
     excused = [name for name, f in FUNCTIONS.items() if f.excuse]
     assert set(excused) == {
         "Fresnel, F82",
