@@ -42,7 +42,9 @@ def transmittance(
     while True:
         hits = caster.closest(start, direction[:, active], np.minimum(left, 1e30))
         if medium is not None:
-            through[:, active] *= kernel.media.transmittance(medium, np.minimum(hits.distance, left))
+            # What is left of a way to an emissive face that is seen edge-on may be less than nothing.
+            way = np.maximum(np.minimum(hits.distance, left), 0.0)
+            through[:, active] *= kernel.media.transmittance(medium, way)
         met = np.flatnonzero(hits.triangle >= 0)
         if met.size == 0:
             return through, unknown

@@ -17,6 +17,7 @@ from etalon.lib.scene.volumes import Phase, Volume
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.visibility import transmittance
 from etalon.tests.replicates import assert_mean, assert_same, replicates
 from etalon.tests.scenes import color, cube, diffuse, floor, orthographic, perspective, scene
 from scipy.integrate import quad
@@ -163,3 +164,14 @@ def test_masks_and_links_beside_scattering_are_refused():
     ):
         with pytest.raises(Refused, match=f"the scene: {what} beside the volume of 'bounds', which scatters"):
             ReferenceRenderer(changed, Options())
+
+
+def test_a_way_of_less_than_nothing_loses_no_light():
+    """To an emissive face that is seen edge-on: the shadow ray is shortened at both ends by what single precision resolves there."""
+    kernel = ReferenceRenderer(
+        scene(floor(), diffuse(0.5), ABOVE, world=World(color(1.0), volume=smoke()), bounces=1), Options()
+    ).kernel
+    origin, direction = np.array([[0.0], [0.0], [1.0]]), np.array([[0.6], [0.0], [0.8]])
+    for way, left in ((-1e6, 1.0), (0.5, np.exp(-0.5))):
+        through, _ = transmittance(kernel, True, origin, direction, np.array([way]), medium=np.zeros(1, np.intp))
+        np.testing.assert_allclose(through, left)
