@@ -25,19 +25,19 @@ def _group(number: int) -> str:
 def light_groups(
     changes: Changes, scene: bpy.types.Scene, layer: str, emitters: Sequence[EmitterLight]
 ) -> Iterator[None]:
-    """Have each of `emitters` in a light group of its own in the view layer called `layer`; its own groups stay, but nothing is in them.
+    """Have each of `emitters` in a light group of its own in the view layer called `layer`.
 
-    Raises EtalonError where a linked file does not let an object be put into a group.
+    The layer's own groups stay, since compositor nodes may use them, but no emitter is in them. Raises EtalonError where an object does
+    not let itself be put into a group.
     """
-    groups = scene.view_layers[layer].lightgroups
-    own = [group.name for group in groups]
+    view_layer = scene.view_layers[layer]
+    groups, active = view_layer.lightgroups, view_layer.active_lightgroup_index
+    own = {group.name for group in groups}
     owners = {thing.name: thing for thing in scene.objects}
     try:
-        # Cycles writes a pass for every group of the layer.
-        for name in own:
-            groups.remove(groups[name])
         for number, emitter in enumerate(emitters):
-            groups.add(name=_group(number))
+            if _group(number) not in own:
+                groups.add(name=_group(number))
             owner = scene.world if emitter == WORLD else owners.get(emitter.name) or bpy.data.objects.get(emitter.name)
             if owner is None:
                 raise EtalonError(
@@ -50,10 +50,9 @@ def light_groups(
                 )
         yield
     finally:
-        for group in list(groups):
+        for group in [group for group in groups if group.name not in own]:
             groups.remove(group)
-        for name in own:
-            groups.add(name=name)
+        view_layer.active_lightgroup_index = active
 
 
 def read_emitter(channels: dict[str, np.ndarray], number: int) -> np.ndarray:

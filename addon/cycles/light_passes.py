@@ -47,11 +47,15 @@ _MULTILAYER = {
 
 
 def ask_for_passes(changes: Changes, scene: bpy.types.Scene, layer: str, passes: Sequence[LightPass]) -> None:
-    """Have the view layer called `layer` write `passes`, those alone of its light passes, into a file of several layers."""
+    """Have the view layer called `layer` write `passes` into a file of several layers.
+
+    Passes of its own stay on: Blender cuts a compositor node off from one that goes, even if it comes back.
+    """
     wanted = {*passes, *filter(None, map(_family, passes))}
     for one, (name, *_) in (_PROPERTIES | _COLORS).items():
-        *inner, own = name.split(".")
-        changes.set(reduce(getattr, inner, scene.view_layers[layer]), own, one in wanted)
+        if one in wanted:
+            *inner, own = name.split(".")
+            changes.set(reduce(getattr, inner, scene.view_layers[layer]), own, True)
     settings = scene.render.image_settings
     changes.remember(settings, reversed(_MULTILAYER))
     for name, value in _MULTILAYER.items():

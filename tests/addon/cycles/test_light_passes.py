@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles' light passes: read without loss, asked for without a trace, and the same parts as the reference's."""
 
+import bpy
 import numpy as np
 import pytest
 from etalon.addon.cycles import light_passes as light_passes_of_cycles
@@ -8,6 +9,7 @@ from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import compare_here, export
 from etalon.lib.effects.light_passes import light_passes
 from etalon.lib.film.light_passes import LightPass
+from etalon.lib.film.parts import EmitterLight
 from etalon.lib.report.read import read_verdict
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.reference import Options
@@ -50,6 +52,8 @@ TRANSPARENT = shader("ShaderNodeBsdfTransparent", Color=(0.9, 0.8, 0.7, 1.0))
 EMISSION = shader("ShaderNodeEmission", Color=(1.0, 0.5, 0.2, 1.0), Strength=1.5)
 SURFACES = {
     "diffuse": DIFFUSE,
+    "black": shader("ShaderNodeBsdfDiffuse", Color=(0.0, 0.0, 0.0, 1.0)),
+    "black gloss": shader("ShaderNodeBsdfAnisotropic", Color=(0.0, 0.0, 0.0, 1.0), Roughness=0.5),
     "glossy": GLOSSY,
     "mirror": shader("ShaderNodeBsdfAnisotropic", Color=(0.0, 0.6, 0.8, 1.0), Roughness=0.0),
     "mix": both("ShaderNodeMixShader", both("ShaderNodeMixShader", DIFFUSE, GLOSSY, 0.3), TRANSPARENT, 0.4),
@@ -104,6 +108,52 @@ def test_the_view_layer_gets_its_passes_back():
     before = read_properties(scene)
     CyclesRenderer(scene).with_passes((LightPass.DIFFUSE_DIRECT, LightPass.DIFFUSE_INDIRECT)).render(0, 1)
     assert read_properties(scene) == before
+
+
+def composited(scene):
+    """The links of a compositor that shows the layer's glossy direct pass and one of its light groups."""
+    scene.view_layers[0].use_pass_glossy_direct = True
+    scene.view_layers[0].lightgroups.add(name="Warm")
+    if bpy.app.version >= (5, 0, 0):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        output = tree.nodes.new("NodeGroupOutput")
+    else:
+        scene.use_nodes = True
+        tree = scene.node_tree
+        tree.nodes.clear()
+        output = tree.nodes.new("CompositorNodeComposite")
+    layers, viewer = (tree.nodes.new(kind) for kind in ("CompositorNodeRLayers", "CompositorNodeViewer"))
+    for names, node in ((("Glossy Direct", "GlossDir"), output), (("Combined_Warm",), viewer)):
+        tree.links.new(next(one for one in layers.outputs if one.name in names), node.inputs[0])
+    return tree.links
+
+
+def test_compositor_nodes_keep_the_passes_and_light_groups_that_they_use(seed):
+    """Other passes are rendered meanwhile; the nodes change no image, and their links stay valid."""
+    scene = samples_of_surfaces(["diffuse", "glossy"])
+    plain = CyclesRenderer(scene, seed=seed, threads=1).render(0, 2).radiance
+    links = composited(scene)
+    before = [(link.from_socket.name, link.to_node.name, link.is_valid) for link in links]
+    renderer = CyclesRenderer(scene, seed=seed, threads=1)
+    found = renderer.with_passes((LightPass.DIFFUSE_DIRECT, EmitterLight("Ball"))).render(0, 2)
+    np.testing.assert_allclose(found.radiance, plain, rtol=1e-6)
+    assert [(link.from_socket.name, link.to_node.name, link.is_valid) for link in links] == before
+    assert all(valid for *_, valid in before)
+
+
+def test_black_surfaces_leave_numbers(seed):
+    """Cycles divides their light by a colour of 0: both sides have passes that are 0 there, and nothing that is no number."""
+    scene = samples_of_surfaces(["black", "black gloss"])
+    passes = LightPass.DIFFUSE_DIRECT, LightPass.GLOSSY_DIRECT, LightPass.GLOSSY_INDIRECT
+    reference = ReferenceRenderer(export(scene), Options(seed=seed, threads=1), passes=passes)
+    for renderer in (reference, CyclesRenderer(scene, seed=seed, threads=1).with_passes(passes)):
+        found = renderer.render(0, 4)
+        assert all(np.isfinite(image).all() for image in found.passes.values())
+        start = (found.radiance.shape[1] - PATCH * 2) // 2
+        middles = found.passes[LightPass.DIFFUSE_DIRECT][PATCH // 2, start + PATCH // 2 :: PATCH][:1]
+        assert (middles == 0.0).all()
+        assert not found.passes[LightPass.GLOSSY_DIRECT].any()
 
 
 def test_passes_are_those_of_the_image_and_add_up_to_it(seed):

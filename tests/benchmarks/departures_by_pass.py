@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every departure of the catalogue does to each light pass: docs/departures_by_pass.md.
+
+    python tests/benchmarks/departures_by_pass.py > docs/departures_by_pass.md
+
+The scenes are those of tests/lib/departures/test_planted.py. Each is rendered by the reference with the departure and without, under the
+same random numbers, so that what it does not act on is the same bit by bit.
+"""
+
+import numpy as np
+from etalon.lib.departures.catalogue import DEPARTURES, relevant
+from etalon.lib.film.light_passes import LightPass
+from etalon.lib.settings.reference import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.tests.lib.departures.test_planted import SCENES, masking
+
+SAMPLES = 256
+
+HEAD = """\
+# Departures by light pass
+
+What each departure of Cycles does to the light passes of the scene in which tests plant it (`tests/lib/departures/test_planted.py`): the change
+of a pass in the pixel where it is largest, relative to the brightest pixel of that pass. A pass that is not named is the same bit by bit.
+Made by `python tests/benchmarks/departures_by_pass.py`; random numbers are the same with the departure and without.
+
+| departure | scene | passes and their largest change |
+|---|---|---|"""
+
+FOOT = """
+The scenes are small, so a departure may act on more passes elsewhere: in light that scatters again, nearly all of them act on indirect light.
+The catalogue (`lib/departures/catalogue.py`) lists for each the passes that it can act on; where passes are compared, those that can act
+on a pass that differs are tried first."""
+
+
+def change(plain, departed):
+    """The largest change of a pixel and channel over the largest value of the pass, with its sign."""
+    difference = departed - plain
+    at = np.unravel_index(np.abs(difference).argmax(), difference.shape)
+    return difference[at] / np.abs(plain).max() if plain.any() else np.inf
+
+
+def row(make, name):
+    """One line of the table: what the departure called `name` does to the scene that `make` gives."""
+    scene, options = make(), Options(threads=1, masking=masking(make))
+    departing = Options(threads=1, masking=masking(make), departures=frozenset([name]))
+    images = [
+        ReferenceRenderer(scene, one, passes=tuple(LightPass)).render(0, SAMPLES).passes for one in (options, departing)
+    ]
+    plain, departed = images
+    changes = {one: change(plain[one], departed[one]) for one in LightPass if (plain[one] != departed[one]).any()}
+    told = [f"{one} {'from black' if np.isinf(by) else f'{100 * by:+.3g} %'}" for one, by in changes.items()]
+    return f"| {name} | {make.__name__} | {', '.join(told)} |"
+
+
+def main():
+    print(HEAD)
+    places = {departure.name: make for make in reversed(SCENES) for departure in relevant(make(), masking(make))}
+    for departure in DEPARTURES:
+        if departure.name in places:
+            print(row(places[departure.name], departure.name))
+    print(FOOT)
+
+
+if __name__ == "__main__":
+    main()
