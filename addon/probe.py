@@ -40,7 +40,7 @@ def probe_here(
         )
     bounces = options.bounces or (0, min(BOUNCES, exported.transport.max_bounces))
     reference = ReferenceRenderer(exported, options.part(Options))
-    parts = asked_parts(reference, Settings(passes="all", bounces=bounces, lights=True))
+    parts = asked_parts(reference, Settings(passes="all", bounces=bounces, lights=options.lights))
     with neutral(scene, threads=options.threads):
         cycles = CyclesRenderer(scene, seed=options.seed, threads=options.threads)
         progress.begin("rendering")

@@ -41,12 +41,12 @@ def light_groups(
             owner = scene.world if emitter == WORLD else owners.get(emitter.name) or bpy.data.objects.get(emitter.name)
             if owner is None:
                 raise EtalonError(
-                    f"{emitter.name}: no object has this name, so its light cannot be told apart; compare without --lights"
+                    f"{emitter.name}: no object has this name, so its light cannot be told apart; leave --lights out (probe: --no-lights)"
                 )
             changes.set(owner, "lightgroup", _group(number))
             if owner.lightgroup != _group(number):
                 raise EtalonError(
-                    f"{emitter.name}: it is linked from another file and takes no light group; compare without --lights"
+                    f"{emitter.name}: it is linked from another file and takes no light group; leave --lights out (probe: --no-lights)"
                 )
         yield
     finally:

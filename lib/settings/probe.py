@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from .declaration import option, required
 from .reference import Options
-from .units import Pixel, Seconds, Whole, WholeRange
+from .units import Flag, Pixel, Seconds, Whole, WholeRange
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,3 +28,4 @@ class ProbeOptions(Options):
         "bounces that are told apart; Cycles renders once for each",
         absent="0..4, or as many as the scene has",
     )
+    lights: bool = option(True, Flag(), "tell the light of each lamp, emitting object and the world apart")

@@ -45,7 +45,7 @@ def name_emitters(
     names = tuple(dict.fromkeys(wanted))
     if len(names) > MOST:
         raise EtalonError(
-            f"{len(names)} lamps and emitting objects cannot be told apart, {MOST} can; compare without --lights"
+            f"{len(names)} lamps and emitting objects cannot be told apart, {MOST} can; leave --lights out (probe: --no-lights)"
         )
     place = {name: k for k, name in enumerate(names)}
     of_lights = [place[light.name] for light in lights]

@@ -153,7 +153,9 @@ class Kernel:
     def emitters(self) -> EmitterNames:
         """The names of the emitters, of a kernel that has them `apart`; raises EtalonError where volumes emit light, or there are too many."""
         if self.media is not None and self.media.emits:
-            raise EtalonError("light that volumes emit is no lamp's and no object's; compare without --lights")
+            raise EtalonError(
+                "light that volumes emit is no lamp's and no object's; leave --lights out (probe: --no-lights)"
+            )
         objects = [light for light, _ in self._light_objects()]
         faces = [sampler.triangles for sampler in self.emissive]
         return name_emitters(objects, self.scene.mesh, self._emits, faces, self.plan)
