@@ -147,6 +147,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "GGX": _lobe(Glossy("GGX", roughness=HALF)),
     "multiple scattering": _lobe(Glossy("MULTI_GGX", roughness=HALF)),
     "Ashikhmin-Shirley": _lobe(Glossy("ASHIKHMIN_SHIRLEY", roughness=HALF)),
+    "other models": _lobe(Glossy("ward", roughness=HALF)),
     "anisotropy": lambda scene: _lobe(Glossy("GGX", roughness=HALF, anisotropy=HALF))(_with_coordinates(scene)),
     "Fresnel": _lobe(Metallic("GGX", "CONDUCTOR", color(0.2), color(3.0), HALF)),
     "metals": _lobe(Metallic("GGX", roughness=HALF)),
