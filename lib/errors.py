@@ -25,12 +25,14 @@ class Refusal:
     """One thing of the scene that is not simulated.
 
     `owner` is what the user named (material, light, object, world, scene), `what` the node, socket or
-    setting, `remedy` what to do about it.
+    setting, `remedy` what to do about it; `assignment` is the property and value that `--set` takes to have the scene compared without it,
+    '' where there is none.
     """
 
     owner: str
     what: str
     remedy: str
+    assignment: str = ""
 
     def __str__(self) -> str:
         return f"{self.owner}: {self.what} is not simulated; {self.remedy}"

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -10,17 +11,23 @@ from .errors import Refusal, Refused
 
 # So many owners of a reason are named; the others are counted.
 NAMED = 4
+# With more properties to set than this, the command that works is too long to be of use.
+MOST_ASSIGNMENTS = 8
 MATERIAL = "material"
 
 
 @dataclass(frozen=True)
 class Reason:
-    """One thing that is not simulated: `kind` of what the user named (material, object, ...), all their `names`, `what`, `remedy`."""
+    """One thing that is not simulated: `kind` of what the user named (material, object, ...), all their `names`, `what`, `remedy`.
+
+    `assignments` are what `--set` takes to leave it out of the scene, one for each of the names, or none.
+    """
 
     kind: str
     names: tuple[str, ...]
     what: str
     remedy: str
+    assignments: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         if len(self.names) == 1:
@@ -36,12 +43,15 @@ def group_refusals(refusals: Iterable[Refusal]) -> list[Reason]:
     >>> [str(r) for r in group_refusals([Refusal("material 'A'", "Toon", "remove it"), Refusal("material 'B'", "Toon", "remove it")])]
     ["2 materials ('A', 'B'): Toon is not simulated; remove it"]
     """
-    owners: dict[tuple[str, str, str], dict[str, None]] = {}
+    owners: dict[tuple[str, str, str], dict[str, str]] = {}
     for refusal in refusals:
         kind, _, name = refusal.owner.partition(" ")
         kind, name = (kind, name) if name.startswith("'") else (refusal.owner, "")
-        owners.setdefault((kind, refusal.what, refusal.remedy), {})[name] = None
-    reasons = [Reason(kind, tuple(names), what, remedy) for (kind, what, remedy), names in owners.items()]
+        owners.setdefault((kind, refusal.what, refusal.remedy), {})[name] = refusal.assignment
+    reasons = [
+        Reason(kind, tuple(names), what, remedy, tuple(names.values()) if all(names.values()) else ())
+        for (kind, what, remedy), names in owners.items()
+    ]
     return sorted(reasons, key=lambda reason: -len(reason.names))
 
 
@@ -54,10 +64,15 @@ def describe_refusals(refused: Refused) -> list[str]:
 
 def what_would_work(reasons: Sequence[Reason]) -> str | None:
     """What can be compared as things are, in a sentence; None where nothing can."""
-    others = [reason for reason in reasons if reason.kind != MATERIAL]
+    assignments = [f"--set {shlex.quote(one)}" for reason in reasons for one in reason.assignments]
+    if len(assignments) > MOST_ASSIGNMENTS:
+        assignments = []
+    others = [one for one in reasons if one.kind != MATERIAL and not (assignments and one.assignments)]
     if len(others) == len(reasons):
         return None
+    options = ["--partial"] * any(reason.kind == MATERIAL for reason in reasons) + assignments
+    what = "compares" if len(options) == 1 else "compare"
     if not others:
-        return "--partial compares the pixels that these materials cannot affect"
+        return f"{' '.join(options)} {what} the rest"
     count = f"the {len(others)} other reasons" if len(others) > 1 else f"'{others[0].what}'"
-    return f"without {count}, --partial compares the pixels that the materials cannot affect"
+    return f"without {count}, {' '.join(options)} {what} the rest"

@@ -25,12 +25,14 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
     """Append what of the evaluated scene's and view layer's settings is not simulated."""
     render = scene.render
     settings = {
-        "Simplify": render.use_simplify,
-        "stereoscopy": render.use_multiview,
-        "Freestyle": render.use_freestyle and layer.use_freestyle,
+        "Simplify": ("use_simplify", render.use_simplify),
+        "stereoscopy": ("use_multiview", render.use_multiview),
+        "Freestyle": ("use_freestyle", render.use_freestyle and layer.use_freestyle),
     }
     owner = f"scene '{scene.name}'"
-    refusals.extend(Refusal(owner, what, "switch it off") for what, on in settings.items() if on)
+    for what, (name, on) in settings.items():
+        if on:
+            refusals.append(Refusal(owner, what, "switch it off", f"scene.render.{name}=false"))
     if hasattr(bpy.data, "colorspace"):  # since Blender 5.0
         refuse_undeclared("the file", "colorspace", bpy.data.colorspace, refusals)
     refuse_undeclared(owner, "scene", scene, refusals)
@@ -64,15 +66,17 @@ def refuse_object(
     thing = instance.object
     owner = f"object '{thing.name}'"
     if instance.show_particles and _has_strands(thing):
+        # The emitter may have faces that are to be rendered: what leaves out the hair alone depends on its modifiers.
         refusals.append(Refusal(owner, "particle hair", "convert it to a mesh, or do not render it"))
     if not instance.show_self:
         return
     _refuse_properties(instance, owner, checked, refusals)
     kind = unsupported_kind(thing)
     if kind:
-        refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it"))
+        hidden = f"{_path(thing)}.hide_render=true" if instance.parent is None else ""
+        refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it", hidden))
     elif isinstance(thing.data, bpy.types.Mesh):
-        refusals.extend(Refusal(owner, what, remedy) for what, remedy in _object_flags(instance, depsgraph))
+        refusals.extend(Refusal(owner, *flag) for flag in _object_flags(instance, depsgraph))
 
 
 def _refuse_properties(
@@ -145,16 +149,30 @@ def is_portal(data: bpy.types.Light) -> bool:
 
 def _object_flags(
     instance: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph
-) -> Iterator[tuple[str, str]]:
-    """What is special about a mesh object, and the remedy."""
+) -> Iterator[tuple[str, str, str]]:
+    """What is special about a mesh object, the remedy, and the property to set."""
     thing, parent = instance.object, instance.parent or instance.object
     layer, both = depsgraph.view_layer_eval, (thing, parent)
     if thing.is_holdout or parent.holdout_get(view_layer=layer):
-        yield "a holdout", "switch it off"
+        own = instance.parent is None and not _is_held_out(layer.layer_collection, thing.name)
+        yield "a holdout", "switch it off", f"{_path(thing)}.is_holdout=false" if own else ""
     if any(one.is_shadow_catcher for one in both):
-        yield "a shadow catcher", "switch it off"
+        own = f"{_path(thing)}.is_shadow_catcher=false"
+        yield "a shadow catcher", "switch it off", own if instance.parent is None else ""
     if _is_adaptive(thing, depsgraph.scene_eval):
-        yield "adaptive subdivision", "switch it off"
+        yield "adaptive subdivision", "switch it off", ""
+
+
+def _is_held_out(collection: bpy.types.LayerCollection, name: str) -> bool:
+    """Whether a collection of the view layer makes the object of that name a holdout."""
+    if collection.holdout and name in collection.collection.all_objects:
+        return True
+    return any(_is_held_out(child, name) for child in collection.children)
+
+
+def _path(thing: bpy.types.Object) -> str:
+    """The data path of an object, as `--set` takes it."""
+    return f'objects["{bpy.utils.escape_identifier(thing.name)}"]'
 
 
 def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
@@ -176,7 +194,9 @@ def refuse_smoke(scene: bpy.types.Scene) -> None:
     """Raise Refused where `scene` renders smoke. Ask before it is evaluated: Blender can crash on a simulation without its cache."""
     smoky = [thing for thing in scene.objects if not thing.hide_render and _is_smoke(thing)]
     if smoky:
-        raise Refused([Refusal(f"object '{thing.name}'", "smoke", "do not render it") for thing in smoky])
+        raise Refused(
+            [Refusal(f"object '{x.name}'", "smoke", "do not render it", f"{_path(x)}.hide_render=true") for x in smoky]
+        )
 
 
 def _is_smoke(thing: bpy.types.Object) -> bool:

@@ -4,6 +4,7 @@
 import csv
 import io
 import json
+from dataclasses import replace
 
 import bpy
 import pytest
@@ -17,6 +18,8 @@ SKINS = [
     for k in (0, 0)
 ]
 SIMPLIFY = Refusal("scene 'Scene'", "Simplify", "switch it off")
+SETTABLE = replace(SIMPLIFY, assignment="scene.render.use_simplify=false")
+FUR = Refusal("object 'Fur'", "hair curves", "do not render it", 'objects["Fur"].hide_render=true')
 
 
 def test_the_same_reason_stands_once_with_its_owners_and_the_most_frequent_first():
@@ -32,9 +35,16 @@ def test_the_same_reason_stands_once_with_its_owners_and_the_most_frequent_first
 @pytest.mark.parametrize(
     ("refusals", "last"),
     [
-        (SKINS, "--partial compares the pixels that these materials cannot affect"),
-        ([*SKINS, SIMPLIFY], "without 'Simplify', --partial compares the pixels that the materials cannot affect"),
+        (SKINS, "--partial compares the rest"),
+        ([*SKINS, SIMPLIFY], "without 'Simplify', --partial compares the rest"),
         ([SIMPLIFY], "scene 'Scene': Simplify is not simulated; switch it off"),
+        ([SETTABLE], "--set scene.render.use_simplify=false compares the rest"),
+        ([*SKINS, SETTABLE], "--partial --set scene.render.use_simplify=false compare the rest"),
+        ([FUR, SIMPLIFY], """without 'Simplify', --set 'objects["Fur"].hide_render=true' compares the rest"""),
+        (
+            [replace(FUR, owner=f"object 'Fur {k}'") for k in range(9)],
+            str(group_refusals([replace(FUR, owner=f"object 'Fur {k}'") for k in range(9)])[0]),
+        ),
     ],
 )
 def test_a_refusal_ends_with_what_would_work(refusals, last):

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refusals that say what `--set` takes: with it set, the scene is exported."""
+
+import bpy
+import pytest
+from etalon.addon.command.assignments import assign
+from etalon.lib.errors import Refused
+
+
+def test_what_a_refusal_says_to_set_makes_the_scene_pass(studio):
+    studio.quad("floor")
+    studio.quad('ho"ld').is_holdout = True
+    studio.quad("catcher", z=1.0).is_shadow_catcher = True
+    studio.add("fur", bpy.data.hair_curves.new("fur"))
+    studio.scene.render.use_simplify = True
+    with pytest.raises(Refused) as caught:
+        studio.export()
+    refusals = caught.value.refusals
+    assert {refusal.what for refusal in refusals} == {"a holdout", "a shadow catcher", "hair curves", "Simplify"}
+    for refusal in refusals:
+        assign(refusal.assignment)
+    assert studio.export().mesh.triangle_count == 6
