@@ -2,8 +2,9 @@
 """Build the Blender extension: `python build_extension.py [--platform linux-x64] [--python 3.13]`.
 
 The tree is copied to `build/extension`, the wheels that Blender lacks are fetched beside it by pip, their list is
-written into the copy's manifest, and Blender's own packager (it comes with the `bpy` wheel) validates the copy and
-writes one archive per platform to `dist`. NumPy and OpenImageIO ship inside Blender and are never bundled.
+written into the copy's manifest, and Blender's own packager (of the `bpy` wheel, or of the `blender` on the path) validates the copy and
+writes one archive per platform to `dist`, and beside them `index.json`: a static repository, whose address is all that an artist needs.
+NumPy and OpenImageIO ship inside Blender and are never bundled.
 
 Each wheel has its version and its SHA-256 in `pinned_wheels/`, and pip takes no other. `--update` writes these files anew: the newest
 versions that pyproject.toml and Blender's NumPy allow.
@@ -109,12 +110,16 @@ def stage(platforms: list[str], pythons: list[str]) -> None:
     (STAGE / "blender_manifest.toml").write_text(manifest)
 
 
-def packager() -> Path:
-    """Blender's own extension tool, a script that needs no Blender to run."""
+def packager() -> list[str]:
+    """The command of Blender's own extension tool: a script that comes with bpy and needs no Blender to run, or Blender itself."""
     spec = importlib.util.find_spec("bpy")
-    if spec is None or spec.origin is None:
-        raise SystemExit("bpy is not installed: pip install . brings it, and the extension packager with it")
-    return next(Path(spec.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+    if spec is not None and spec.origin is not None:
+        script = next(Path(spec.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+        return [sys.executable, str(script)]
+    blender = shutil.which("blender")
+    if blender is None:
+        raise SystemExit("Blender's extension packager was not found: put `blender` on the path, or pip install bpy")
+    return [blender, "--factory-startup", "--command", "extension"]
 
 
 def main() -> None:
@@ -135,10 +140,11 @@ def main() -> None:
         return
     stage(platforms, pythons)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    tool = [sys.executable, str(packager())]
+    tool, out = packager(), str(arguments.out.resolve())
     subprocess.run([*tool, "validate", str(STAGE)], check=True)
-    build = ["build", "--split-platforms", "--source-dir", str(STAGE), "--output-dir", str(arguments.out)]
+    build = ["build", "--split-platforms", "--source-dir", str(STAGE), "--output-dir", out]
     subprocess.run([*tool, *build], check=True)
+    subprocess.run([*tool, "server-generate", "--repo-dir", out], check=True)
 
 
 if __name__ == "__main__":

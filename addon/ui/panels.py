@@ -58,7 +58,7 @@ def draw_start(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     for notice in notices[: preflight.MOST]:
         row = layout.row()
         stops = notice.stops and not (notice.kind == "material" and scene.etalon.partial)
-        draw_text(row, context, notice.text, icon="ERROR" if stops else "INFO")
+        draw_text(row, context, notice.text, icon="ERROR" if stops else "INFO", beside=bool(notice.name))
         if notice.name:
             button = row.operator(SelectOwner.bl_idname, text="", icon="RESTRICT_SELECT_OFF", emboss=False)
             button.kind, button.name = notice.kind, notice.name
@@ -81,7 +81,7 @@ def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     column.progress(factor=running.job.fraction, text=describe_time(running))
     draw_text(column, context, describe_stage(running), icon="TIME")
     bound = describe_bound(running)
-    if bound and running.result is None:
+    if bound:
         draw_text(column, context, bound, icon="TRACKING_FORWARDS")
     layout.operator(CancelComparison.bl_idname, icon="X")
 
@@ -211,7 +211,7 @@ def draw_audit(layout: bpy.types.UILayout, context: bpy.types.Context, figures: 
         said = f"{entry['label']}, {entry['value']}: {translate(WORDS[outcome])}"
         if outcome is Outcome.DIFFERENT:
             said += f" {format_percent(entry['worst']['difference'])}"
-        draw_text(row, context, said, icon=ICONS[outcome])
+        draw_text(row, context, said, icon=ICONS[outcome], beside=outcome is Outcome.DIFFERENT)
         if outcome is Outcome.DIFFERENT:
             row.operator(ApplySetting.bl_idname, text="", icon="LOOP_BACK").key = entry["key"].removesuffix("-factory")
     if not figures["settings"]:

@@ -10,8 +10,8 @@ import bpy
 
 from ...lib.report.headline import Phrase
 
-# What a panel takes of its region's width besides text, in pixels of an interface scale of 1; and the tabs of a sidebar.
-MARGIN, TABS = 78, 22
+# What a panel takes of its region's width besides text, in pixels of an interface scale of 1; the tabs of a sidebar; a button of one icon.
+MARGIN, TABS, BUTTON = 78, 22, 26
 
 # The values of phrases that are words; all others are numbers and the user's own names, which are nobody's to translate.
 _WORDS = ("light", "place")
@@ -44,12 +44,18 @@ def font_size(context: bpy.types.Context) -> float:
 
 
 def draw_text(
-    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE", alert: bool = False
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    text: str,
+    icon: str = "NONE",
+    alert: bool = False,
+    beside: bool = False,
 ) -> None:
-    """Draw `text` over as many lines as it takes, `icon` in front of the first."""
+    """Draw `text` over as many lines as it takes, `icon` in front of the first; `beside`: leave room for a button of one icon."""
     column = layout.column(align=True)
     column.alert = alert
-    for number, line in enumerate(wrap(text, text_width(context), font_size(context))):
+    width = text_width(context) - (int(BUTTON * context.preferences.system.ui_scale) if beside else 0)
+    for number, line in enumerate(wrap(text, width, font_size(context))):
         column.label(text=line, icon=icon if number == 0 or icon == "NONE" else "BLANK1", translate=False)
 
 

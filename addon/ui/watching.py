@@ -38,9 +38,9 @@ def describe_stage(running: Running) -> str:
 
 
 def describe_bound(running: Running) -> str:
-    """Within how much the images agree so far, and whether that is falling; empty before the first look."""
+    """Within how much the images agree so far, and whether that is falling; empty before the first look and when the result is there."""
     bounds = [one.bound for one in running.job.bounds]
-    if not bounds:
+    if not bounds or running.result is not None:
         return ""
     if bounds[-1] == float("inf"):
         return translate("No bound yet")

@@ -115,11 +115,13 @@ class Window:
         )
 
     def ask(self, text, seconds=30):
-        """Run statements inside, the last of which is an expression; its value."""
+        """Run statements inside; the value of the last one, if it is an expression."""
         place = self.debian.outside / "question"
         place.write_text(text)
         place.replace(place.with_suffix(".py"))
-        return self.wait_for("answer", seconds=seconds)["value"]
+        answer = self.wait_for("answer", seconds=seconds)
+        assert "error" not in answer, f"{answer['error']} of {text}"
+        return answer["value"]
 
     def hand(self, *words):
         """Mouse and keyboard, in xdotool's words."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside the windowed Blender: shows the panel, answers questions, and prints what becomes of the comparison as lines of JSON."""
 
+import ast
 import json
 import sys
 import time
@@ -18,7 +19,7 @@ SHOWN = 15
 
 
 def report(event, **facts):
-    sys.stdout.write("ETALON " + json.dumps({"event": event, **facts}) + "\n")
+    sys.stdout.write("ETALON " + json.dumps({"event": event, **facts}, default=str) + "\n")
     sys.stdout.flush()
 
 
@@ -35,13 +36,17 @@ def user_state():
 
 
 def answer():
-    """Run the statements that the test has left, and report the value of the last one, which is an expression."""
-    *statements, last = QUESTION.read_text().strip().split("\n")
+    """Run the statements that the test has left, and report the value of the last one if it is an expression, or the error."""
+    tree = ast.parse(QUESTION.read_text())
     QUESTION.unlink()
+    last = ast.Expression(tree.body.pop().value) if isinstance(tree.body[-1], ast.Expr) else None
     space = {"bpy": bpy, "session": session}
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-        exec("\n".join(statements), space)
-        report("answer", value=eval(last, space))
+    try:
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+            exec(compile(tree, "question", "exec"), space)
+            report("answer", value=eval(compile(last, "question", "eval"), space) if last else None)
+    except Exception as error:
+        report("answer", value=None, error=repr(error))
 
 
 class Watch:

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is registered with Blender: it comes and goes, and every icon exists in this release."""
+
+import ast
+from pathlib import Path
+
+import bpy
+from etalon.addon import ui
+from etalon.addon.ui import panels, registration
+from etalon.lib.report.ranking import RankedRegion
+from etalon.lib.verdict.outcome import Outcome
+
+
+def test_everything_that_is_registered_can_be_taken_back():
+    for _ in range(2):
+        registration.register()
+        try:
+            assert hasattr(bpy.types.Scene, "etalon")
+            assert "compare" in dir(bpy.ops.etalon)
+        finally:
+            registration.unregister()
+        assert not hasattr(bpy.types.Scene, "etalon")
+        assert not hasattr(bpy.types.WindowManager, "etalon_regions")
+
+
+def test_every_icon_exists():
+    known = {item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items}
+    used = {f"{panels._PREFIX}_{number:02}" for number in panels.COLOURS.values()}
+    for path in Path(ui.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.keyword) and node.arg == "icon":
+                used |= {one.value for one in ast.walk(node.value) if isinstance(one, ast.Constant) and one.value}
+    assert used - known == set()
+    assert len(used) > 8
+
+
+def test_a_list_of_ten_thousand_regions_is_filled():
+    registration.register()
+    try:
+        box = (0.0, 0.0, 1.0, 1.0)
+        regions = [
+            RankedRegion("block", "", f"top {k}, 0", Outcome.EQUIVALENT, 0.0, 0.0, 0.0, 0.0, "R", box)
+            for k in range(10000)
+        ]
+        result = type("Shown", (), {"regions": regions})()
+        registration.session.results[7] = result
+        window_manager = bpy.data.window_managers[0]
+        registration.regions.fill_tables(window_manager)
+        (table,) = window_manager.etalon_regions
+        assert table.name == "7"
+        assert [len(table.rows), table.rows[-1].name] == [10000, "top 9999, 0"]
+    finally:
+        registration.unregister()
