@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from ...lib.settings.comparison import PASSES
 from ...lib.settings.models import FRESNELS, MODELS, describe_models
 
 FRENCH: dict[str, str] = {
@@ -171,22 +172,23 @@ FRENCH: dict[str, str] = {
     "Resolution": "Résolution",
     "Passes": "Passes",
     "Light passes": "Passes de lumière",
-    "Light passes to compare beside the image, which say in which light it differs: "
-    "none, all, diffuse, glossy, transmission, emission, environment": (
-        "Passes de lumière à comparer avec l'image, qui disent dans quelle lumière elle diffère : "
-        "aucune, toutes, diffuse, brillante, transmission, émission, environnement"
+    f"Light passes to compare beside the image, which say in which light it differs: {', '.join(PASSES)}": (
+        f"Passes de lumière à comparer avec l'image, qui disent dans quelle lumière elle diffère : {', '.join(PASSES)}"
     ),
     "None": "Aucune",
     "All": "Toutes",
     "Diffuse": "Diffuse",
     "Glossy": "Brillante",
     "Transmission": "Transmission",
+    "Volume": "Volume",
     "Emission": "Émission",
     "Environment": "Environnement",
     "Diffuse direct": "Diffus direct",
     "Diffuse indirect": "Diffus indirect",
     "Glossy direct": "Brillant direct",
     "Glossy indirect": "Brillant indirect",
+    "Volume direct": "Volume direct",
+    "Volume indirect": "Volume indirect",
     "Transmission direct": "Transmission directe",
     "Transmission indirect": "Transmission indirecte",
     "Compare the light of each lamp, each emitting object and the world, which says whose light differs": (
