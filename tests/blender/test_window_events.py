@@ -2,9 +2,13 @@
 """What users do in the middle of a comparison, in a window of the real program: nothing is lost, and no error is printed."""
 
 import pytest
-from etalon.tests.blender.hand import RUN, START, STOP, press_button, wait_until
+from etalon.tests.blender.hand import RUN, START, STOP, press_button, settle, wait_until
 
 pytestmark = pytest.mark.blender
+
+QUICK = """
+scene = bpy.context.scene
+scene.render.resolution_percentage, scene.etalon.time = 25, 5.0"""
 
 
 def test_other_scenes_undo_saving_and_another_file_do_no_harm(window, debian, tmp_path):
@@ -33,3 +37,62 @@ def test_closing_blender_ends_the_comparison(window, debian, tmp_path):
     window.process.wait(timeout=STOP)
     processes = debian.run("sh", "-c", "for p in /proc/[0-9]*/cmdline; do tr '\\0' ' ' <$p; echo; done").stdout
     assert not [one for one in processes.split("\n") if "cycles/worker.py" in one and str(debian.home) in one]
+
+
+def test_what_is_not_simulated_is_said_and_the_rest_is_compared(window, tmp_path):
+    before = window.wait_for("ready", seconds=START)
+    window.ask(QUICK)
+    window.ask("""
+tree = bpy.data.materials['Paper'].node_tree
+node = tree.nodes.new('ShaderNodeBsdfRayPortal')
+tree.links.new(node.outputs[0], tree.get_output_node('CYCLES').inputs['Surface'])
+bpy.context.view_layer.update()""")
+    window.ask("bpy.context.scene.render.engine = 'BLENDER_EEVEE_NEXT'")
+    said = """
+import bl_ext.user_default.etalon.addon.ui.preflight as preflight
+scene = bpy.context.scene
+[notice.text for notice in preflight.notices_of_settings(scene) + preflight.survey(scene)]"""
+    assert window.ask(said) == [
+        "Another engine is chosen; Cycles' render is compared",
+        "'Paper': Ray Portal BSDF is not simulated",
+    ]
+    surveys = "import bl_ext.user_default.etalon.addon.ui.preflight as preflight\npreflight._surveys.get(bpy.context.scene.session_uid)"
+    wait_until(window, surveys)
+    settle(window)
+    window.screenshot(tmp_path / "notices.png")
+    press_button(window, before["box"], tmp_path / "panel.png")
+    window.wait_for("ended", seconds=RUN)
+    assert window.ask("[refusal.owner for refusal in session.refusals[bpy.context.scene.session_uid]]") == [
+        "material 'Paper'"
+    ]
+    window.wait_for("shown", seconds=STOP)
+    window.screenshot(tmp_path / "refused.png")
+
+
+def test_the_image_editor_shows_each_image_and_french_is_spoken(window, tmp_path):
+    before = window.wait_for("ready", seconds=START)
+    window.ask(QUICK)
+    press_button(window, before["box"], tmp_path / "panel.png")
+    assert window.wait_for("ended", seconds=RUN)["errors"] == []
+    window.ask("""
+area = max((a for a in bpy.context.screen.areas if a.type == 'VIEW_3D'), key=lambda a: a.width)
+area.type = 'IMAGE_EDITOR'
+area.spaces.active.show_region_ui = True
+bpy.ops.etalon.show_image(view='CYCLES')""")
+    shown = "[a for a in bpy.context.screen.areas if a.type == 'IMAGE_EDITOR'][0].spaces.active.image"
+    wait_until(window, f"{shown} is not None and {shown}.name == 'Étalon Cycles'")
+    window.screenshot(tmp_path / "cycles.png")
+    x, y = before["box"][0] // 2, before["box"][1] + before["box"][3] // 2
+    for key, name in (("1", "Reference"), ("3", "Difference"), ("4", "Significance"), ("5", "Verdict")):
+        window.hand("mousemove", x, y)
+        window.ask("None")
+        window.hand("key", key)
+        wait_until(window, f"{shown}.name == 'Étalon {name}' and {shown}.size[0] > 0")
+        window.screenshot(tmp_path / f"{name.lower()}.png")
+    assert not window.ask("any(image.is_dirty for image in bpy.data.images)"), "Blender would ask at quitting"
+    window.ask("""
+view = bpy.context.preferences.view
+view.language = next(name for name in ('fr_FR', 'fr') if name in bpy.app.translations.locales)
+view.use_translate_interface = True""")
+    assert window.ask("bpy.app.translations.pgettext_iface('Compare the Rest')") == "Comparer le reste"
+    window.screenshot(tmp_path / "french.png")
