@@ -77,11 +77,12 @@ def details(comparison: Comparison) -> list[Phrase]:
     if verdict.outcome is Outcome.EXPLAINED and causes:
         said.append(Phrase(KNOWN, {"causes": ", ".join(causes)}))
     off = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
-    noisy = int(((verdict.outcomes == Outcome.UNDECIDED) & (verdict.bounds > verdict.tolerance)).sum())
+    undecided = (verdict.outcomes == Outcome.UNDECIDED) & (verdict.bounds > verdict.tolerance)
+    noisy, blocked = int((undecided & ~verdict.blocked).sum()), bool((undecided & verdict.blocked).any())
     for count, template in ((off, COUNT_DIFFERS), (noisy, COUNT_NOISY)):
         if count:
             said.append(Phrase(template, {"count": str(count), "total": str(total)}))
-    if not off and not noisy:
+    if not off and not noisy and not blocked:
         confidence = format_percent(verdict.confidence, sign=False)
         said.append(Phrase(COUNT_AGREES, {"total": str(total), "confidence": confidence}))
     ends = forecast_seconds(comparison)

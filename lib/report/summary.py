@@ -67,12 +67,17 @@ def open_places(comparison: Comparison) -> str:
         where = _places(comparison, order, _signed)
         said.append(f"{off} of {plural(total, 'region')} {differs} by more than {limit}{where}.")
     # One whose bound is within the tolerance is not proved together with all others, but it is no place to look at.
-    still = np.flatnonzero((verdict.outcomes == Outcome.UNDECIDED) & (verdict.bounds > verdict.tolerance))
+    open_regions = (verdict.outcomes == Outcome.UNDECIDED) & (verdict.bounds > verdict.tolerance)
+    still = np.flatnonzero(open_regions & ~verdict.blocked)
     if still.size:
         are = "is" if still.size == 1 else "are"
         order = [k for k in still[np.argsort(-verdict.bounds[still], kind="stable")].tolist() if k]
         where = "" if off else _places(comparison, order, _limited)
         said.append(f"{still.size} of {plural(total, 'region')} {are} too noisy to judge{where}.")
+    blocked = int((open_regions & verdict.blocked).sum())
+    if blocked:
+        are = "is" if blocked == 1 else "are"
+        said.append(f"{blocked} of {plural(total, 'region')} {are} open because of an unsupported material.")
     if not said:
         said.append(f"No part of the picture is off by more than {limit}: {plural(total, 'region')} tested.")
     return " ".join([*said, *_replaced(comparison), *_masked(comparison)])
@@ -131,6 +136,9 @@ def _next_of_difference(comparison: Comparison) -> str:
 
 def _next_of_noise(comparison: Comparison) -> str:
     ends, forecast = forecast_seconds(comparison), comparison.verdict.forecast
+    open_regions = comparison.verdict.outcomes == Outcome.UNDECIDED
+    if comparison.verdict.blocked.any() and comparison.verdict.blocked[open_regions].all():
+        return "Next: replace the unsupported material to judge the rest; more time shows no more."
     if ends is None or forecast is None:
         return "Next: allow much more time, or accept a larger tolerance; so few samples tell no more."
     low, median, high, _ = ends

@@ -183,7 +183,10 @@ def _forecast(comparison: Comparison) -> str:
             or verdict.bound <= verdict.tolerance
         ):
             return ""
-        worst = place(comparison, int(np.nanargmax(verdict.bounds)))
+        noisy = (verdict.outcomes == Outcome.UNDECIDED) & ~verdict.blocked
+        if not noisy.any():
+            return "No forecast: more time decides no region that an unsupported material keeps open."
+        worst = place(comparison, int(np.nanargmax(np.where(noisy, verdict.bounds, -np.inf))))
         return f"No forecast: within {MOST_GROWTH:g} times the time so far nothing better can be promised; {worst} is too noisy."
     low, median, high, nearly = ends
     count, bound = forecast.regions, forecast.bound

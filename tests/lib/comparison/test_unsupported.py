@@ -12,6 +12,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.film.regions import RegionMoments, image_regions
 from etalon.lib.progress import NO_PROGRESS
+from etalon.lib.report.summary import summarize
 from etalon.lib.report.words import sentences
 from etalon.lib.scene.lights import AreaLight
 from etalon.lib.scene.materials import Diffuse, Glossy, Material, Transparent
@@ -80,7 +81,10 @@ def test_a_darker_candidate_differs_and_a_brighter_one_stays_open(seed):
     assert brighter.verdict.outcome is Outcome.UNDECIDED
     assert set(brighter.verdict.outcomes) == {Outcome.UNDECIDED}
     assert brighter.verdict.blocked.any()
-    said = " ".join(sentences(brighter))
+    said = " ".join([*sentences(brighter), *summarize(brighter)])
+    assert "too noisy" not in said
+    assert "regions are open because of an unsupported material." in said
+    assert "Next: replace the unsupported material to judge the rest; more time shows no more." in said
     assert "open because of an unsupported material" in said
     assert "they show materials that are not simulated: 'hair' (node 'Hair BSDF')" in said
 
