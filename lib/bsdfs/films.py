@@ -26,7 +26,7 @@ from ..microfacets.thin_film import (
     film_color,
     film_index,
 )
-from .fresnels import F82, AveragedFresnel, Conductor, TintedDielectric, part_of, reflectance_at_normal
+from .fresnels import F82, Conductor, CyclesFresnel, TintedDielectric, part_of, reflectance_at_normal
 
 LEAST_INDEX = 1e-5
 _LARGEST_F0 = 0.999
@@ -66,7 +66,7 @@ class _UnderFilm(ABC):
 
     @property
     @abstractmethod
-    def bare(self) -> AveragedFresnel:
+    def bare(self) -> CyclesFresnel:
         """The surface without the film."""
 
     @abstractmethod

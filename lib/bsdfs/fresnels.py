@@ -7,7 +7,7 @@ Parameters are () or (n,); colours (3, 1) or (3, n). `part(index)` gives the sam
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Protocol, Self
+from typing import Protocol, Self, overload
 
 import numpy as np
 from scipy.special import roots_legendre
@@ -29,22 +29,31 @@ class Fresnel(Protocol):
 
 
 class AveragedFresnel(Fresnel, Protocol):
-    """A reflectance whose means over cosines colour multiple scattering."""
+    """A reflectance whose mean over cosines colours multiple scattering."""
 
     @property
     def average(self) -> np.ndarray:
         """Integral of 2 c F(c) over c, (3, 1) or (3, n)."""
         ...
 
+
+class CyclesFresnel(AveragedFresnel, Protocol):
+    """A reflectance of Cycles, whose mean Cycles may take to be another."""
+
     @property
     def average_cycles(self) -> np.ndarray:
-        """What Cycles takes for it."""
+        """What Cycles takes for `average`."""
         ...
 
 
-def part_of(value: np.ndarray, index: np.ndarray) -> np.ndarray:
+@overload
+def part_of(value: np.ndarray, index: np.ndarray) -> np.ndarray: ...
+@overload
+def part_of(value: float, index: np.ndarray) -> float: ...
+def part_of(value: np.ndarray | float, index: np.ndarray) -> np.ndarray | float:
     """`value` at the points `index`; what is the same at all points stays as it is."""
-    return value if np.ndim(value) == 0 or value.shape[-1] == 1 else np.take(value, index, axis=-1)
+    constant = not isinstance(value, np.ndarray) or value.ndim == 0 or value.shape[-1] == 1
+    return value if constant else np.take(value, index, axis=-1)
 
 
 @dataclass(frozen=True)
@@ -81,10 +90,7 @@ class Conductor(_PerPoint):
     @property
     def average(self) -> np.ndarray:
         """Integral of 2 c F(c) over c, (3, 1) or (3, n)."""
-        node, weight = roots_legendre(24)
-        cosines = 0.5 + 0.5 * node
-        terms = (w * c * self(np.full(1, c)) for c, w in zip(cosines, weight, strict=True))
-        return sum(terms, start=np.zeros((3, 1)))
+        return _average(self)
 
     @property
     def average_cycles(self) -> np.ndarray:
@@ -98,7 +104,8 @@ def _average(curve: Fresnel) -> np.ndarray:
     """Integral of 2 c F(c) over c by quadrature, (3, 1) or (3, n)."""
     node, weight = roots_legendre(24)
     cosines = 0.5 + 0.5 * node
-    return sum(w * c * curve(np.full(1, c)) for c, w in zip(cosines, weight, strict=True))
+    terms = (w * c * curve(np.full(1, c)) for c, w in zip(cosines, weight, strict=True))
+    return sum(terms, start=np.zeros((3, 1)))
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ alpha = sqrt(alpha_x alpha_y). The lobes of Phong and modified Phong are white a
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Self
 
 import numpy as np
@@ -60,8 +61,7 @@ class MirrorPower(Lobe):
 
     def part(self, index: np.ndarray) -> Self:
         """The same lobe at fewer points."""
-        piece = object.__new__(type(self))
-        piece.__dict__.update(self.__dict__)
+        piece = copy(self)
         piece._wo, piece._axis = (np.take(v, index, axis=1) for v in (self._wo, self._axis))
         piece._n, piece._scale, piece._above = part_of(self._n, index), part_of(self._scale, index), self._above[index]
         return piece

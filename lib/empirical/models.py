@@ -44,5 +44,5 @@ def directional_albedo(form: LobeForm, cos_o: float, alpha_x: float, alpha_y: fl
     u1 = (np.arange(2 * order) + 0.5) / (2 * order)
     first, second = (grid.ravel() for grid in np.meshgrid(u1, u2, indexing="ij"))
     wo = np.repeat(np.array([[np.sqrt(1.0 - cos_o * cos_o)], [0.0], [cos_o]]), first.size, axis=1)
-    reflected = form(wo, np.float64(alpha_x), np.float64(alpha_y)).sample(first, second)[1][0]
+    reflected = form(wo, np.asarray(alpha_x), np.asarray(alpha_y)).sample(first, second)[1][0]
     return float((reflected.reshape(2 * order, order) @ weight).mean())

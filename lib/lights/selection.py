@@ -50,7 +50,7 @@ class LightSelection:
         index = self._choice.index(u)
         return index, self.probability(index)
 
-    def probability(self, index: np.ndarray) -> np.ndarray:
+    def probability(self, index: np.ndarray | int) -> np.ndarray:
         """Probability with which `choose` gives `index`, (n,)."""
         return np.take(self._choice.probability, index)
 

@@ -9,7 +9,7 @@ import numpy as np
 LINE_F, LINE_D, LINE_C = 486.13, 587.56, 656.27
 
 
-def cauchy_index(ior: np.ndarray, dispersion: np.ndarray, wavelength: np.ndarray) -> np.ndarray:
+def cauchy_index(ior: np.ndarray | float, dispersion: np.ndarray | float, wavelength: np.ndarray) -> np.ndarray:
     """Cauchy's n(lambda) = A + B / lambda^2 through `ior` at line d, (n,).
 
     `dispersion` is the reciprocal of the Abbe number V = (n_d - 1) / (n_F - n_C), so that B = (n_d - 1) / V / (F^-2 - C^-2) and

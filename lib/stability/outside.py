@@ -173,6 +173,7 @@ OUTSIDE: dict[str, str] = {
         (
             "bsdfs.classed.ClassedMixture",
             "bsdfs.fresnels.AveragedFresnel",
+            "bsdfs.fresnels.CyclesFresnel",
             "bsdfs.fresnels.Fresnel",
             "bsdfs.fresnels.part_of",
             "bsdfs.mixture.take_color",

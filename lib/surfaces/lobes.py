@@ -15,6 +15,7 @@ from ..bsdfs.films import Film, FilmConductor, FilmDielectric, FilmF82, make_fil
 from ..bsdfs.fresnels import (
     F82,
     Conductor,
+    CyclesFresnel,
     Dielectric,
     Fresnel,
     TintedDielectric,
@@ -39,6 +40,7 @@ from ..microfacets.distribution import Distribution
 from ..microfacets.layers import average_glass_albedo, glass_albedo
 from ..sampling.wavelengths import NODES
 from ..scattering.subsurface import LEAST_RADIUS
+from ..scene.expressions import Expression
 from ..scene.materials import (
     Anisotropic,
     Closure,
@@ -47,6 +49,7 @@ from ..scene.materials import (
     Glossy,
     GlossyToon,
     Metallic,
+    Microfacets,
     Refraction,
     Sheen,
     Specular,
@@ -57,6 +60,7 @@ from ..scene.materials import (
 )
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator
+from ..textures.fold import is_constant
 from ..vectors import dot, orthonormal_basis, to_local
 from .models import distribution_of, empirical_form, fresnel_curve
 from .surface import SurfacePoints
@@ -87,9 +91,10 @@ class Site:
 
 def build(closure: Closure, site: Site) -> tuple[Lobe, np.ndarray]:
     """The lobe of a closure and the colour, (3, 1) or (3, n), that multiplies it."""
-    if getattr(closure, "normal", None) is None:
+    normal: Expression | None = getattr(closure, "normal", None)
+    if normal is None:
         return _BUILDERS[type(closure)](closure, site)
-    n = np.broadcast_to(site.read(closure.normal), site.n.shape)
+    n = np.broadcast_to(site.read(normal), site.n.shape)
     t, s = orthonormal_basis(n)
     turned = replace(site, wo=to_local(site.points.wo, t, s, n), t=t, s=s, n=n)
     lobe, color = _BUILDERS[type(closure)](closure, turned)
@@ -120,16 +125,13 @@ def _glossy(closure: Glossy, site: Site) -> tuple[Lobe, np.ndarray]:
 
 
 def _metallic(closure: Metallic, site: Site) -> tuple[Lobe, np.ndarray]:
-    base, edge = site.read(closure.base), site.read(closure.edge)
+    base, edge, film = site.read(closure.base), site.read(closure.edge), _film(closure, site)
     if closure.fresnel == "CONDUCTOR":
-        curve = Conductor(np.maximum(base, 0.0), np.maximum(edge, 0.0))
+        eta, k = np.maximum(base, 0.0), np.maximum(edge, 0.0)
+        curve = Conductor(eta, k) if film is None else under_film(FilmConductor(film, eta, k))
     else:
-        curve = F82(np.clip(base, 0.0, 1.0), np.clip(edge, 0.0, 1.0))
-    film = _film(closure, site)
-    if film is not None and isinstance(curve, Conductor):
-        curve = under_film(FilmConductor(film, curve.eta, curve.k))
-    elif film is not None:
-        curve = under_film(FilmF82(film, curve.f0, curve.tint))
+        f0, tint = np.clip(base, 0.0, 1.0), np.clip(edge, 0.0, 1.0)
+        curve = F82(f0, tint) if film is None else under_film(FilmF82(film, f0, tint))
     return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
 
 
@@ -141,7 +143,7 @@ def _specular(closure: Specular, site: Site) -> tuple[Lobe, np.ndarray]:
     return _fresnel_reflection(closure, curve, site), np.ones((3, 1))
 
 
-def _fresnel_reflection(closure: Metallic | Specular, curve: Fresnel, site: Site) -> Lobe:
+def _fresnel_reflection(closure: Metallic | Specular, curve: CyclesFresnel, site: Site) -> Lobe:
     """Microfacets that reflect by `curve`; the stretch is that of Blender's Metallic and Principled BSDF."""
     anisotropy = np.clip(site.read(closure.anisotropy), 0.0, 1.0)
     stretch = np.sqrt(1.0 - 0.9 * anisotropy) if np.any(anisotropy) else None
@@ -151,11 +153,13 @@ def _fresnel_reflection(closure: Metallic | Specular, curve: Fresnel, site: Site
 
 
 def _alphas(
-    closure: Closure, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
+    closure: Microfacets, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
 ) -> tuple[np.ndarray, np.ndarray]:
     """Roughness squared along x and y, each at most 1."""
     alpha = np.clip(site.read(closure.roughness), 0.0, 1.0) ** 2
-    return (alpha, alpha) if stretch is None else tuple(np.minimum(alpha * k, 1.0) for k in stretch)
+    if stretch is None:
+        return alpha, alpha
+    return np.minimum(alpha * stretch[0], 1.0), np.minimum(alpha * stretch[1], 1.0)
 
 
 def _reflection(
@@ -187,9 +191,9 @@ def _reflection(
     return _turned(closure, stretch, site, make), np.sqrt(alpha_x * alpha_y)
 
 
-def _turned(closure: Closure, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
+def _turned(closure: Microfacets, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
     """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
-    if stretch is None:
+    if stretch is None or not isinstance(closure, Anisotropic):
         return make(site.wo)
     tangent, _ = site.points.tangent(closure.tangent, site.read(closure.rotation), site.n)
     cos, sin = dot(tangent, site.t), dot(tangent, site.s)
@@ -223,7 +227,7 @@ def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
     ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
     dispersion, wavelength = site.read(closure.dispersion), site.points.wavelength
     disperses = wavelength is not None and np.any(dispersion)
-    index = cauchy_index(ior, dispersion, wavelength) if disperses else ior
+    index = cauchy_index(ior, dispersion, wavelength) if wavelength is not None and disperses else ior
     eta = np.where(site.points.backfacing, 1.0 / index, index)
     undispersed = disperses and "undispersed reflectance" in site.options.departures
     film = _film(closure, site)
@@ -284,17 +288,24 @@ def _glass_scattering(closure: Glass, site: Site, alpha: np.ndarray, color: np.n
     Where the index depends on the wavelength, it is quadratic in the index through three that span the spectrum (Chebyshev's):
     to 1e-4 for Abbe numbers from 20 on.
     """
-    ior, dispersion, wavelength = closure.ior.value, closure.dispersion, site.points.wavelength
-    if wavelength is None or not dispersion.value:
+    ior, dispersion, wavelength = _number(closure.ior), _number(closure.dispersion), site.points.wavelength
+    if wavelength is None or not dispersion:
         return _scattering_of_index(site, alpha, ior, color)
-    first, last = cauchy_index(ior, dispersion.value, NODES[[-1, 0]])
+    first, last = cauchy_index(ior, dispersion, NODES[[-1, 0]])
     nodes = 0.5 * (first + last) + 0.5 * (last - first) * np.cos(np.pi * np.array([1.0, 3.0, 5.0]) / 6.0)
-    index = cauchy_index(ior, dispersion.value, wavelength)
+    index = cauchy_index(ior, dispersion, wavelength)
     factor = np.zeros((3, site.points.size))
     for node in nodes if first != last else nodes[:1]:  # an index of 1 stays 1
         basis = [(index - other) / (node - other) for other in nodes if other != node]
         factor += np.prod(basis, axis=0) * _scattering_of_index(site, alpha, node, color)
     return factor
+
+
+def _number(socket: Expression) -> float:
+    """The number of a socket that the exporter keeps constant where lost light is given back; raises TypeError for another."""
+    if not is_constant(socket):
+        raise TypeError(f"{socket} is not constant")
+    return socket.number
 
 
 def _scattering_of_index(site: Site, alpha: np.ndarray, ior: float, color: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..bsdfs.fresnels import Conductor, CookTorrance, Fresnel, Schlick
+from ..bsdfs.fresnels import AveragedFresnel, Conductor, CookTorrance, Schlick
 from ..empirical.models import EMPIRICAL, LobeForm
 from ..microfacets.distribution import Distribution
 from ..microfacets.distributions import DISTRIBUTIONS, distribution_by_name
@@ -61,12 +61,12 @@ def distribution_of(name: str) -> Distribution:
     return _SHAPED[model](**values)
 
 
-def fresnel_curve(name: str, color: np.ndarray) -> tuple[Fresnel | None, np.ndarray]:
+def fresnel_curve(name: str, color: np.ndarray) -> tuple[AveragedFresnel | None, np.ndarray]:
     """The reflectance that a Glossy closure of `color`, (3, 1) or (3, n), calls `name`, None for none; and the colour that is left outside."""
     model, values = split_model(name, FRESNELS, "Fresnel term")
     if model == "none":
         return None, color
     if model == "exact":
-        return Conductor(np.float64(values["ior"]), np.float64(values["k"])), color
+        return Conductor(np.asarray(values["ior"], float), np.asarray(values["k"], float)), color
     curve = Schlick if model == "schlick" else CookTorrance
     return curve(np.clip(color, 0.0, 1.0)), np.ones((3, 1))

@@ -58,7 +58,7 @@ class DirectLight:
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
         if self._kernel.coplanar is not None:
-            through = through * origins.coplanar(index, direction)
+            through = through * origins.coplanar(self._kernel.coplanar, index, direction)
         self.rays += index.size
         self._clock.lap(Stage.SHADOW_RAYS)
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0

@@ -7,17 +7,18 @@ import numpy as np
 
 from ..effects.names import Effect
 from ..film.light_passes import LightPass
-from ..lights.light import LightSampler
+from ..lights.light import Meetable
 from ..sampling.mis import cutoff_power_heuristic
 from ..scattering.free_path import attenuated_length
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
+from .casters import PartCaster
 from .kernel import Kernel
 from .light_choice import LightSampling
-from .media import AIR
+from .media import AIR, Media
 from .pass_sums import Index
 from .paths import Paths
-from .raycaster import Hits
+from .raycaster import Hits, Raycaster
 from .sums import PixelSums
 from .visibility import transmittance
 
@@ -43,12 +44,10 @@ class Emitters:
         """Light objects in front of the nearest face; they are transparent, so all of them count."""
         kernel = self._kernel
         # A ray that passed transparent faces is still the ray that left the last scattering.
-        straight = paths.scatter_origin is None
-        origin = paths.origin if straight else paths.scatter_origin
-        end = hits.distance if straight else hits.distance + paths.travelled
-        for k, light in enumerate(kernel.lights):
-            if light.delta or light is kernel.environment or light in kernel.emissive:
-                continue
+        origin, end, travelled = paths.origin, hits.distance, paths.travelled
+        if paths.scatter_origin is not None and travelled is not None:
+            origin, end = paths.scatter_origin, hits.distance + travelled
+        for k, light in kernel.meetable:
             hidden = not kernel.sight.shows[k]
             if hidden and paths.at_camera:
                 continue
@@ -57,18 +56,19 @@ class Emitters:
                 near = near[kernel.sight.sees[paths.ray_class[near], k]]
             if paths.receiver is not None:
                 near = near[kernel.sight.lights[paths.receiver[near], k]]
-            if kernel.sight.shadow_of is not None and kernel.sight.hidden_apart[k]:
-                near = self._mirrored(paths, light, k, near)
+            shadow_of = kernel.sight.shadow_of
+            if shadow_of is not None and kernel.sight.hidden_apart[k]:
+                near = self._mirrored(paths, light, k, kernel.sight.shadow_casters[shadow_of[k]], near)
             if near.size == 0:
                 continue
             start, direction, reach = np.take(origin, near, axis=1), np.take(paths.direction, near, axis=1), end[near]
             distance, radiance = light.intersect(start, direction)
             met = distance < reach
             met |= np.isinf(reach) & np.isinf(distance) & radiance.any(axis=0)
-            if not straight:
-                met &= distance > paths.travelled[near]
+            if travelled is not None:
+                met &= distance > travelled[near]
                 if hidden and paths.ray_class is None:
-                    met &= paths.scatterings[near] > 0
+                    met &= np.broadcast_to(paths.scatterings, paths.pixel.shape)[near] > 0
             at = np.flatnonzero(met)
             if at.size == 0:
                 continue
@@ -76,21 +76,23 @@ class Emitters:
             density = light.pdf(np.take(start, at, axis=1), np.take(direction, at, axis=1), distance[at])
             arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
             arriving *= self._weight(paths.pdf[index], k, density)
-            if kernel.media is not None:  # what is between the last face and here is no part of the throughput yet
-                arriving *= kernel.media.transmittance(paths.medium[index], distance[at] - paths.travelled[index])
+            if kernel.media is not None and paths.medium is not None and travelled is not None:
+                # What is between the last face and here is not yet in the throughput.
+                arriving *= kernel.media.transmittance(paths.medium[index], distance[at] - travelled[index])
             self._add(paths, index, arriving, LightPass.EMISSION, self._of_light(k))
 
-    def _mirrored(self, paths: Paths, light: LightSampler, k: int, near: np.ndarray) -> np.ndarray:
+    def _mirrored(
+        self, paths: Paths, light: Meetable, k: int, caster: Raycaster | PartCaster, near: np.ndarray
+    ) -> np.ndarray:
         """Add what rays of Dirac lobes see of light `k`, hidden by its blockers only; of the rays at `near`, those from the camera."""
         kernel, transparent = self._kernel, paths.scatter_origin is not None
         scattered = np.broadcast_to(np.greater(paths.scatterings, 0), paths.pixel.shape)[near]
         sent = near[scattered & np.isinf(paths.pdf[near])]
-        if transparent:  # a ray that passed a face has been asked before
+        if paths.travelled is not None:  # a ray that passed a face has been asked before
             sent = sent[paths.travelled[sent] == 0.0]
         origin, direction = np.take(paths.origin, sent, axis=1), np.take(paths.direction, sent, axis=1)
         distance, radiance = light.intersect(origin, direction)
         met = np.flatnonzero(radiance.any(axis=0))
-        caster = kernel.sight.shadow_casters[kernel.sight.shadow_of[k]]
         rays = np.take(origin, met, axis=1), np.take(direction, met, axis=1), distance[met]
         through, unknown = transmittance(kernel, transparent, *rays, caster=caster)
         index = sent[met]
@@ -108,7 +110,7 @@ class Emitters:
             return
         throughput = np.take(paths.throughput, escaped, axis=1)
         emitter = -1 if self._sums.emitters is None else kernel.emitters.world
-        if kernel.media is not None:
+        if kernel.media is not None and paths.medium is not None:
             throughput *= kernel.media.transmittance(paths.medium[escaped], np.full(escaped.size, np.inf))
         if kernel.sky is not None:  # no light sampling competes for a constant sky
             self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT, emitter)
@@ -120,12 +122,11 @@ class Emitters:
             throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
         self._add(paths, escaped, throughput, LightPass.ENVIRONMENT, emitter)
 
-    def volumes(self, paths: Paths, hits: Hits) -> None:
-        """Light that volumes emit on the way to the nearest face."""
-        media = self._kernel.media
+    def volumes(self, media: Media, medium: np.ndarray, paths: Paths, hits: Hits) -> None:
+        """Light that volumes emit on the way to the nearest face; the paths are in `medium` (n,)."""
         if not media.emission.any():
             return
-        medium = np.where(hits.triangle < 0, AIR, paths.medium)
+        medium = np.where(hits.triangle < 0, AIR, medium)
         glow = np.take(media.emission, medium, axis=1)
         index = np.flatnonzero(glow.any(axis=0))
         extinction, glow = np.take(media.extinction, medium[index], axis=1), glow[:, index]
@@ -140,7 +141,7 @@ class Emitters:
         kernel = self._kernel
         arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
         if paths.receiver is not None:
-            arriving *= kernel.sight.faces_lit(paths, points.triangle, start, stop)
+            arriving *= kernel.sight.faces_lit(paths.receiver[start:stop], points.triangle)
         pdf = paths.pdf[start:stop]
         if kernel.emissive and not np.all(np.isinf(pdf)):
             reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]

@@ -16,7 +16,7 @@ from ..errors import EtalonError
 from ..film.light_passes import Family
 from ..lights.build import light_sampler
 from ..lights.environment import EnvironmentSampler
-from ..lights.light import LightSampler
+from ..lights.light import LightSampler, Meetable
 from ..lights.selection import LightSelection
 from ..lights.sky import SunnySampler, suns_of
 from ..microfacets.cycles_tables import cycles_tables
@@ -28,7 +28,7 @@ from ..settings.reference import Options
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
-from ..textures.fold import fold_scene
+from ..textures.fold import fold_scene, is_constant
 from ..textures.images import ImageSet
 from .bodies import Bodies, exit_materials
 from .casters import Casters
@@ -48,7 +48,8 @@ class Kernel:
     """Everything that tiles share; read-only once made.
 
     `scene` is as it stands after the departures, folded where the plan prunes. `lights` are the samplers of light objects, then the
-    environment's, then the emissive mesh's, as far as the plan calls for them; `selection` picks among them. `sky` is the constant
+    environment's, then the emissive mesh's, as far as the plan calls for them; `selection` picks among them; `meetable` are the light
+    objects that rays meet by themselves, with their numbers. `sky` is the constant
     world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for those of the same switches.
     `one_sided`: all light leaves a face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which.
     `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
@@ -89,16 +90,18 @@ class Kernel:
         if plan.needs(Effect.SUBSURFACE):
             self._add_bodies(scene.mesh)
         objects = self._light_objects()
-        self.lights = [sampler for _, sampler in objects]
+        self.lights: list[LightSampler] = [sampler for _, sampler in objects]
         self.environment = self._environment() if plan.needs(Effect.ENVIRONMENT_TABLE) else None
         meshes = self._emissive_meshes() if plan.needs(Effect.MESH_LIGHTS) else []
         self.emissive = tuple(sampler for _, sampler in meshes)
         self.lights += [light for light in (self.environment, *self.emissive) if light is not None]
         self.sky: np.ndarray | None = None
-        if plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
-            world = np.asarray(folded.world.radiance.value, np.float64)
+        radiance = folded.world.radiance
+        if is_constant(radiance) and plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
+            world = np.asarray(radiance.value, np.float64)
             self.sky = np.broadcast_to(world, (3,))[:, None]
-        self.selection = LightSelection(self.lights) if self.lights else None
+        self._selection = LightSelection(self.lights) if self.lights else None
+        self.meetable = _meetable([sampler for _, sampler in objects])
         switches = [(light, False) for light, _ in objects]
         switches += [(Switches(rays=scene.world.rays), False)] * (self.environment is not None)
         switches += [(one, True) for one, _ in meshes]
@@ -138,6 +141,13 @@ class Kernel:
             for switches, part in parts
             if switches.rays & SCATTERED
         ]
+
+    @property
+    def selection(self) -> LightSelection:
+        """What picks among the lights; raises ValueError where there are none."""
+        if self._selection is None:
+            raise ValueError("there is no light to select")
+        return self._selection
 
     @property
     def selects(self) -> bool:
@@ -218,3 +228,12 @@ class Kernel:
                 index = np.flatnonzero(material == k)
                 factor[:, index] = self.materials[k].transparency(points.at(index))
         return factor
+
+
+def _meetable(samplers: list[LightSampler]) -> list[tuple[int, Meetable]]:
+    """The lights that rays meet by themselves, with their places among the `samplers`."""
+    met = [(k, sampler) for k, sampler in enumerate(samplers) if not sampler.delta]
+    found = [(k, sampler) for k, sampler in met if isinstance(sampler, Meetable)]
+    if len(found) < len(met):
+        raise TypeError("a light that is not a delta light lacks what rays ask it")
+    return found

@@ -75,9 +75,9 @@ def choose_light(
     lights = kernel.lights
     if not selects:
         sample = lights[0].sample(position, u1, u2)
-        return LightChoice(sample, np.intp(0), np.float64(1.0), kernel.sight.alone[0])
+        return LightChoice(sample, np.asarray(0, np.intp), np.asarray(1.0), kernel.sight.alone[0])
     index, probability = kernel.selection.choose(choice)
-    alone = np.take(kernel.sight.alone, index) if kernel.sight.alone.any() else np.bool_(False)
+    alone = np.take(kernel.sight.alone, index) if kernel.sight.alone.any() else np.asarray(False)
     return LightChoice(kernel.selection.sample(index, position, u1, u2), index, probability, alone)
 
 

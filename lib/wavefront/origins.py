@@ -7,6 +7,7 @@ import numpy as np
 
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
+from .coplanar import CoplanarFaces
 from .kernel import Kernel
 from .visibility import coplanar_transmittance
 
@@ -36,13 +37,14 @@ class SurfaceOrigins:
 
     def medium(self, index: np.ndarray, direction: np.ndarray) -> np.ndarray | None:
         """What rays are in that leave the points at `index` along `direction` (3, k), where there are volumes."""
-        if self._medium is None:
+        media = self._kernel.media
+        if media is None or self._medium is None:
             return None
-        return self._kernel.media.beyond(self._medium[index], self.points.at(index), direction)
+        return media.beyond(self._medium[index], self.points.at(index), direction)
 
-    def coplanar(self, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """What faces in the planes of the points at `index` let through along `direction` (3, k), (3, k): see coplanar.py."""
-        return coplanar_transmittance(self._kernel, self.points.at(index), direction)
+    def coplanar(self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """What `faces` in the planes of the points at `index` let through along `direction` (3, k), (3, k): see coplanar.py."""
+        return coplanar_transmittance(self._kernel, faces, self.points.at(index), direction)
 
 
 class VolumeOrigins:
@@ -59,6 +61,6 @@ class VolumeOrigins:
         """The medium of the points at `index`."""
         return self._medium[index]
 
-    def coplanar(self, index: np.ndarray, direction: np.ndarray) -> float:
+    def coplanar(self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray) -> float:
         """1: there is no face."""
         return 1.0

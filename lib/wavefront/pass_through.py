@@ -27,6 +27,7 @@ class Split:
 def split(
     kernel: Kernel,
     paths: Paths,
+    alive: np.ndarray,
     points: SurfacePoints,
     distance: np.ndarray,
     offset: np.ndarray,
@@ -36,10 +37,9 @@ def split(
 ) -> Split:
     """Decide by `uniform` which paths pass; the chance is that of the transparent lobe among all lobes.
 
-    Bounces are counted as Cycles counts them: passing is no scattering, but at most max(transparent_max_bounces, 1) surfaces
-    are passed, and a path that has used up its bounces stops.
+    Bounces are counted as Cycles counts them: passing is no scattering, but a path that has used up its bounces stops, and so does
+    one that is not `alive`, (n,) bool: it has passed max(transparent_max_bounces, 1) surfaces.
     """
-    transport = kernel.scene.transport
     factor = np.zeros_like(paths.throughput)
     chance = np.zeros(paths.size)
     for material, a, b in groups:
@@ -49,9 +49,8 @@ def split(
             through = np.abs(factor[:, a:b]).mean(axis=0)
             total = through + kernel.materials[material].scattered_share(here)
             chance[a:b] = np.divide(through, total, out=np.zeros(b - a), where=total > 0.0)
-    alive = paths.passed < max(transport.transparent_max_bounces, 1)
     passes = alive & (uniform < chance)
-    scatters = alive & ~passes & (chance < 1.0) & paths.may_scatter(most_bounces, transport.volume_bounces)
+    scatters = alive & ~passes & (chance < 1.0) & paths.may_scatter(most_bounces, kernel.scene.transport.volume_bounces)
     index = np.flatnonzero(scatters)
     counts = [(material, int(np.count_nonzero(scatters[a:b]))) for material, a, b in groups]
     stops = np.cumsum([n for _, n in counts])
@@ -77,9 +76,10 @@ def _passed(
     going = paths.take(index)
     going.throughput *= np.take(factor, index, axis=1) / chance[index]
     going.origin = np.take(points.position, index, axis=1) - np.take(points.ng, index, axis=1) * offset[index]
-    going.travelled += distance[index]
-    going.passed += 1 if kernel.media is None else kernel.is_counted(points.triangle[index])
-    if kernel.media is not None:
+    if going.travelled is not None and going.passed is not None:
+        going.travelled += distance[index]
+        going.passed += 1 if kernel.media is None else kernel.is_counted(points.triangle[index])
+    if kernel.media is not None and paths.medium is not None:
         going.medium = kernel.media.crossed(paths.medium, points, np.ones(paths.size, bool))[index]
     if going.left is not None:
         going.left = points.triangle[index]

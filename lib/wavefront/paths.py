@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,8 +55,8 @@ class Paths:
 
     def take(self, index: np.ndarray) -> Paths:
         """The paths at `index`, as copies."""
-        return Paths(
-            **{k: np.take(a, index, axis=-1) if isinstance(a, np.ndarray) else a for k, a in vars(self).items()}
+        return replace(
+            self, **{k: np.take(a, index, axis=-1) for k, a in vars(self).items() if isinstance(a, np.ndarray)}
         )
 
     @staticmethod
@@ -66,5 +66,4 @@ class Paths:
             return second
         pairs = {k: (a, getattr(second, k)) for k, a in vars(first).items()}
         both = {k: np.concatenate(ab, axis=-1) for k, ab in pairs.items() if isinstance(ab[0], np.ndarray)}
-        same = {} if "scatterings" in both else {"scatterings": first.scatterings}
-        return Paths(**both, **same, at_camera=first.at_camera and second.at_camera)
+        return replace(first, **both, at_camera=first.at_camera and second.at_camera)

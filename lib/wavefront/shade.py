@@ -34,6 +34,13 @@ class Shaded:
     direct_shares: np.ndarray | None = None
     shares: np.ndarray | None = None
 
+    @property
+    def onward(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """wi, weight and pdf; raises ValueError where no path goes on."""
+        if self.wi is None or self.weight is None or self.pdf is None:
+            raise ValueError("no path goes on from here")
+        return self.wi, self.weight, self.pdf
+
 
 def shade_all(
     kernel: Kernel,
@@ -54,7 +61,7 @@ def shade_all(
         return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms, parts)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
     direct = None if light is None else made((3, size))
-    onward = None if uniforms is None else [made((3, size)), made((3, size)), made(size)]
+    onward = None if uniforms is None else (made((3, size)), made((3, size)), made(size))
     ray_class = np.zeros(size, np.intp) if uniforms is not None and kernel.sight.splits else None
     kept = (len(kernel.families) - 1, 3, size)
     direct_shares = np.zeros(kept) if parts and light is not None else None
@@ -63,19 +70,20 @@ def shade_all(
         if kernel.materials[material].scatters:
             here = frame[0][:, a:b], frame[1][:, a:b]
             part = None if light is None else light.part(a, b)
-            picks = None if uniforms is None else tuple(u[a:b] for u in uniforms)
+            picks = None if uniforms is None else (uniforms[0][a:b], uniforms[1][a:b], uniforms[2][a:b])
             shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks, parts)
             if direct is not None:
                 direct[:, a:b] = shaded.direct
             for whole, one in ((direct_shares, shaded.direct_shares), (shares, shaded.shares)):
-                if one is not None:
+                if whole is not None and one is not None:
                     whole[:, :, a:b] = one
             if onward is not None:
-                for whole, one in zip(onward, (shaded.wi, shaded.weight, shaded.pdf), strict=True):
+                for whole, one in zip(onward, shaded.onward, strict=True):
                     whole[..., a:b] = one
-            if shaded.ray_class is not None:
+            if ray_class is not None and shaded.ray_class is not None:
                 ray_class[a:b] = shaded.ray_class
-    return Shaded(direct, *(onward or (None, None, None)), ray_class, direct_shares, shares)
+    wi, weight, pdf = onward or (None, None, None)
+    return Shaded(direct, wi, weight, pdf, ray_class, direct_shares, shares)
 
 
 def _shade(
@@ -91,7 +99,7 @@ def _shade(
     """Shade points of one material in the frame (t, s, n)."""
     wo = to_local(points.wo, *frame, points.n)
     mixture = kernel.materials[material].mixture(points, wo, *frame)
-    if kernel.sight.splits:
+    if kernel.sight.class_of is not None and kernel.sight.splits:
         mixture = ClassedMixture(mixture, kernel.sight.class_of)
     direct = direct_shares = ray_class = None
     if light is not None:

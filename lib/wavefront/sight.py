@@ -95,9 +95,9 @@ class Sight:
         self.shadow_casters: list[Raycaster | PartCaster] = list(dict.fromkeys(of_lights))
         self.shadow_of = np.array([self.shadow_casters.index(one) for one in of_lights], np.intp)
 
-    def faces_lit(self, paths: Paths, triangle: np.ndarray, start: int, stop: int) -> np.ndarray:
-        """Whether the faces that the paths from `start` to `stop` meet light what these left, (n,) bool."""
-        return self.faces_light[paths.receiver[start:stop], np.take(self._object_index, triangle)]
+    def faces_lit(self, receiver: np.ndarray, triangle: np.ndarray) -> np.ndarray:
+        """Whether the faces `triangle` light the sets of objects `receiver`, (n,) each; (n,) bool."""
+        return self.faces_light[receiver, np.take(self._object_index, triangle)]
 
     def _tell_apart(self, scene: Scene, casters: Casters, lights: Sequence[tuple[Switches, bool]]) -> None:
         """Sort the kinds of rays into classes that meet the same objects and see the same lights."""
@@ -122,7 +122,7 @@ class Sight:
 
     def flags_of(self, paths: Paths, index: np.ndarray | None = None) -> np.ndarray | int:
         """The flags of rays, (n,) int, or 0 where no shader asks for them; `index` of some of them."""
-        if not self.reads_flags:
+        if not self.reads_flags or paths.ray_class is None:
             return 0
         kind, pdf = (x if index is None else x[index] for x in (paths.ray_class, paths.pdf))
         singular = np.isinf(pdf) & (kind != Kind.CAMERA)
@@ -149,7 +149,7 @@ class Sight:
             hidden[index] = caster.occluded(np.take(origin, index, axis=1), np.take(direction, index, axis=1), far)
         return hidden
 
-    def _groups(self, ray_class: np.ndarray) -> list[tuple[object, np.ndarray]]:
+    def _groups(self, ray_class: np.ndarray) -> list[tuple[Raycaster | PartCaster, np.ndarray]]:
         """Each caster that is asked, with the indices of its rays."""
         present = np.unique(ray_class)
         casters = list(dict.fromkeys(self._casters[k] for k in present))

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..sampling.sobol import RandomTile, SobolTile
 from ..sampling.streams import ENTER, ENTRY, WALK_KEY, walk_dimension
+from ..scattering.subsurface import Medium
 from ..scattering.walk import Exits, Walks, walk
 from ..surfaces.subsurface import Entry, sample_entry
 from ..surfaces.surface import SurfacePoints
@@ -80,7 +81,7 @@ def walk_below(
     return Below(index, kept, share, *_leave(kernel, paths, exits), rays)
 
 
-_Started = tuple[np.ndarray, np.ndarray, np.ndarray, object]
+_Started = tuple[np.ndarray, np.ndarray, np.ndarray, Medium]
 """Index of the points, directions into the body, throughput, medium."""
 
 
@@ -133,7 +134,7 @@ def _joined(parts: list[_Started], points: SurfacePoints) -> Walks:
     index = np.concatenate([part[0] for part in parts])
     direction, throughput = (np.concatenate([part[k] for part in parts], axis=1) for k in (1, 2))
     media = [vars(part[3]) for part in parts]
-    medium = type(parts[0][3])(*(np.concatenate([one[name] for one in media], axis=-1) for name in media[0]))
+    medium = Medium(*(np.concatenate([one[name] for one in media], axis=-1) for name in media[0]))
     return Walks(index, np.take(points.position, index, axis=1), direction, throughput, medium)
 
 

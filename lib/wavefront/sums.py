@@ -8,6 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from ..effects.names import Stage
+from ..film.light_passes import LightPass
 from ..film.parts import BounceLimit, EmitterLight, Part
 from .part_sums import BounceSums, EmitterSums
 from .pass_sums import PassSums
@@ -46,12 +47,14 @@ class PixelSums:
 
     def part_radiance(self, part: Part) -> np.ndarray:
         """The radiance sums (3, p) of one part of the image; NaN where a contribution was not finite."""
-        if isinstance(part, BounceLimit):
+        if isinstance(part, BounceLimit) and self.bounces is not None:
             radiance = self.bounces.radiance(part)
-        elif isinstance(part, EmitterLight):
+        elif isinstance(part, EmitterLight) and self.emitters is not None:
             radiance = self.emitters.radiance(part)
-        else:
+        elif isinstance(part, LightPass) and self.passes is not None:
             radiance = self.passes.radiance.get(part, np.zeros_like(self.radiance))
+        else:
+            raise KeyError(f"the light was not summed by {part}")
         return np.where(self.nonfinite > 0, np.nan, radiance) if self.nonfinite.any() else radiance
 
     def _set_aside(self, pixel: np.ndarray, contribution: np.ndarray) -> None:

@@ -14,6 +14,7 @@ from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENG
 from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
+from .coplanar import CoplanarFaces
 from .direct_light import DirectLight
 from .emitters import Emitters
 from .flow import Flow
@@ -41,7 +42,7 @@ class Tracer:
         self._volumes = None
         if kernel.media is not None:
             self._volumes = VolumeStage(
-                kernel, self._flow, self._sampling, uniforms, sums, self._emitters, self._direct
+                kernel, kernel.media, self._flow, self._sampling, uniforms, sums, self._emitters, self._direct
             )
         self._rays = 0
 
@@ -60,8 +61,8 @@ class Tracer:
             self._emitters.sky(paths, np.flatnonzero(hits.triangle < 0))
             self._clock.lap(Stage.EMISSION)
             scattered = None
-            if self._volumes is not None:
-                paths, hits, scattered = self._volumes.pass_through(paths, hits, step)
+            if self._volumes is not None and paths.medium is not None:
+                paths, hits, scattered = self._volumes.pass_through(paths, paths.medium, hits, step)
                 self._clock.lap(Stage.VOLUMES)
             paths = self._scatter(paths, hits, step)
             if scattered is not None:
@@ -88,10 +89,10 @@ class Tracer:
             hits = kernel.caster.closest(paths.origin, paths.direction)
             if self._flow.hides and self._flow.transparent:
                 hits = self._with_camera_hits(paths, hits)
-        if step and kernel.coplanar is not None:
-            hits = self._with_coplanar_hits(paths, hits)
+        if step and kernel.coplanar is not None and paths.left is not None:
+            hits = _with_coplanar_hits(kernel.coplanar, paths.left, paths.origin, hits)
         if kernel.other_faces is not None:
-            hits = self._with_other_faces(paths, hits)
+            hits = _with_other_faces(kernel.other_faces, paths, hits)
         self._rays += paths.size
         self._clock.lap(Stage.INTERSECT)
         return hits
@@ -107,21 +108,6 @@ class Tracer:
         index = np.flatnonzero(paths.scatterings == 0)
         origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
         return hits.replaced(index, self._kernel.sight.camera.closest(origin, direction))
-
-    def _with_other_faces(self, paths: Paths, hits: Hits) -> Hits:
-        """The hits, where rays meet the other of two faces in one plane that have different materials."""
-        index = np.flatnonzero(hits.triangle >= 0)
-        distance = hits.distance[index]
-        point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
-        met = self._kernel.other_faces.met_by(hits.triangle[index], point).first()
-        there = Hits(met.triangle, distance[met.ray], met.u.astype(np.float32), met.v.astype(np.float32))
-        return hits.replaced(index[met.ray], there)
-
-    def _with_coplanar_hits(self, paths: Paths, hits: Hits) -> Hits:
-        """The hits, where rays that leave faces meet others in the plane of these at distance 0."""
-        met = self._kernel.coplanar.met_by(paths.left, paths.origin).first()
-        there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
-        return hits.replaced(met.ray, there)
 
     def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(dimension, paths.pixel, paths.sample)
@@ -209,12 +195,15 @@ class Tracer:
         step: int,
     ) -> Paths:
         """Pass through or scatter at the hits; the paths that go on."""
-        if not self._flow.transparent:
+        if paths.passed is None:
             if self._is_last(step):
                 return paths.take(np.empty(0, np.intp))
             return self._shade_or_walk(paths, points, offset, groups, step)
         uniform, _ = self._pair(step_dimension(step, FATE), paths)
-        parted = split(self._kernel, paths, points, distance, offset, groups, uniform, self._flow.most_bounces)
+        may_pass = paths.passed < max(self._kernel.scene.transport.transparent_max_bounces, 1)
+        parted = split(
+            self._kernel, paths, may_pass, points, distance, offset, groups, uniform, self._flow.most_bounces
+        )
         self._clock.lap(Stage.PASS_THROUGH)
         if parted.index.size == 0:
             return parted.passing
@@ -246,8 +235,9 @@ class Tracer:
         )
         if not goes_on and not self._sampling.runs:
             return paths.take(np.empty(0, np.intp))
-        if self._flow.disperses:
-            self._take_color(paths, points, groups)
+        if paths.wavelength is not None and paths.awaits_color is not None:
+            points.wavelength = paths.wavelength
+            self._take_color(paths.throughput, paths.wavelength, paths.awaits_color, groups)
         # A single lobe and a single light leave nothing to pick; a zero serves as well then.
         pick = choice = np.zeros(paths.size)
         if self._flow.has_choices:
@@ -268,7 +258,7 @@ class Tracer:
         shaded = self._selected(paths, shade_all(kernel, self._sampling, points, groups, light, uniforms, parts))
         self._clock.lap(Stage.SHADE)
         origins = SurfaceOrigins(kernel, points, offset, paths.medium)
-        if light is not None:
+        if light is not None and shaded.direct is not None:
             self._direct.add(paths, origins, light, shaded.direct, shaded.direct_shares)
         if not goes_on:
             return paths.take(np.empty(0, np.intp))
@@ -283,18 +273,18 @@ class Tracer:
         """What counts of it: all, unless another estimator takes a part of the paths."""
         return shaded
 
-    def _take_color(self, paths: Paths, points: SurfacePoints, groups: Groups) -> None:
+    def _take_color(self, throughput: np.ndarray, wavelength: np.ndarray, awaits: np.ndarray, groups: Groups) -> None:
         """Give paths the colour of their wavelength where they first meet a material whose index depends on it."""
-        points.wavelength = paths.wavelength
         for material, start, stop in groups:
             if self._kernel.materials[material].disperses:
-                index = start + np.flatnonzero(paths.awaits_color[start:stop])
-                paths.throughput[:, index] *= color_weight(paths.wavelength[index])
-                paths.awaits_color[index] = False
+                index = start + np.flatnonzero(awaits[start:stop])
+                throughput[:, index] *= color_weight(wavelength[index])
+                awaits[index] = False
 
     def _advance(self, paths: Paths, origins: SurfaceOrigins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
         """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
-        throughput = shaded.weight * paths.throughput
+        wi, weight, pdf = shaded.onward
+        throughput = weight * paths.throughput
         going = throughput.any(axis=0)
         if self._flow.transparent and not self._flow.last_rays:
             going &= paths.scatterings < self._flow.most_bounces
@@ -309,16 +299,16 @@ class Tracer:
         following = Paths(
             paths.pixel[index],
             paths.sample[index],
-            np.take(origins.towards(shaded.wi), index, axis=1),
-            np.take(shaded.wi, index, axis=1),
+            np.take(origins.towards(wi), index, axis=1),
+            np.take(wi, index, axis=1),
             throughput,
-            shaded.pdf[index],
+            pdf[index],
         )
-        if self._flow.disperses:
+        if paths.wavelength is not None and paths.awaits_color is not None:
             following.wavelength, following.awaits_color = paths.wavelength[index], paths.awaits_color[index]
         if self._kernel.sight.class_of is not None:
-            one = shaded.ray_class is None
-            following.ray_class = np.ones(index.size, np.intp) if one else np.take(shaded.ray_class, index)
+            classes = shaded.ray_class
+            following.ray_class = np.ones(index.size, np.intp) if classes is None else np.take(classes, index)
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
         following.medium = origins.medium(index, following.direction)
@@ -326,14 +316,30 @@ class Tracer:
             following.in_volumes = paths.in_volumes[index]
         if self._kernel.sight.receiver_of is not None:
             following.receiver = np.take(self._kernel.sight.receiver_of, origins.points.triangle[index])
-        if self._flow.transparent:
+        if paths.passed is not None:
             following.scatter_origin = following.origin
             following.travelled, following.passed = np.zeros(index.size), paths.passed[index]
-            following.scatterings = paths.scatterings[index] + 1
-        else:
-            following.scatterings = paths.scatterings + 1
+        counts = paths.scatterings
+        following.scatterings = (counts[index] if isinstance(counts, np.ndarray) else counts) + 1
         self._clock.lap(Stage.ADVANCE)
         return following
+
+
+def _with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
+    """The hits, where rays meet the other of two faces in one plane that have different materials."""
+    index = np.flatnonzero(hits.triangle >= 0)
+    distance = hits.distance[index]
+    point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
+    met = faces.met_by(hits.triangle[index], point).first()
+    there = Hits(met.triangle, distance[met.ray], met.u.astype(np.float32), met.v.astype(np.float32))
+    return hits.replaced(index[met.ray], there)
+
+
+def _with_coplanar_hits(faces: CoplanarFaces, left: np.ndarray, origin: np.ndarray, hits: Hits) -> Hits:
+    """The hits, where rays that leave the triangles `left` (n,) meet others in the plane of these at distance 0."""
+    met = faces.met_by(left, origin).first()
+    there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
+    return hits.replaced(met.ray, there)
 
 
 def _no_hits(hidden: np.ndarray) -> Hits:

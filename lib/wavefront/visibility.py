@@ -8,6 +8,7 @@ import numpy as np
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .casters import PartCaster
+from .coplanar import CoplanarFaces
 from .kernel import Kernel
 from .raycaster import Raycaster
 
@@ -31,7 +32,7 @@ def transmittance(
     """
     if caster is None:
         caster = kernel.sight.camera if to_camera else kernel.sight.shadow
-    viewer = 1.0 if to_camera else -1.0
+    viewer, media = 1.0 if to_camera else -1.0, kernel.media
     unknown = np.empty(0, np.intp)
     if not transparent:
         return (~caster.occluded(origin, direction, reach))[None].astype(np.float64), unknown
@@ -41,10 +42,10 @@ def transmittance(
     passes = np.full(active.size, kernel.scene.transport.transparent_max_bounces)
     while True:
         hits = caster.closest(start, direction[:, active], np.minimum(left, 1e30))
-        if medium is not None:
+        if media is not None and medium is not None:
             # What is left of a way to an emissive face that is seen edge-on may be less than nothing.
             way = np.maximum(np.minimum(hits.distance, left), 0.0)
-            through[:, active] *= kernel.media.transmittance(medium, way)
+            through[:, active] *= media.transmittance(medium, way)
         met = np.flatnonzero(hits.triangle >= 0)
         if met.size == 0:
             return through, unknown
@@ -61,8 +62,8 @@ def transmittance(
         start = placed + ng * np.copysign(offset, dot(ng, along))
         left = left[met] - hits.distance[met] - offset
         alive = np.flatnonzero(through[:, active].any(axis=0) & (left > 0.0))
-        if medium is not None:
-            medium = kernel.media.crossed(medium[met], points, np.ones(met.size, bool))[alive]
+        if media is not None and medium is not None:
+            medium = media.crossed(medium[met], points, np.ones(met.size, bool))[alive]
         active, start, left, passes = active[alive], start[:, alive], left[alive], passes[alive]
         if active.size == 0:
             return through, unknown
@@ -91,10 +92,12 @@ def transmittance_to(
     return through, np.concatenate(unknown)
 
 
-def coplanar_transmittance(kernel: Kernel, points: SurfacePoints, direction: np.ndarray) -> np.ndarray:
+def coplanar_transmittance(
+    kernel: Kernel, coplanar: CoplanarFaces, points: SurfacePoints, direction: np.ndarray
+) -> np.ndarray:
     """What faces in the plane of the one that shadow rays leave let through, (3, n): a departure's, see coplanar.py."""
     through = np.ones_like(direction)
-    met = kernel.coplanar.met_by(points.triangle, points.position)
+    met = coplanar.met_by(points.triangle, points.position)
     if met.ray.size == 0:
         return through
     position = np.take(points.position, met.ray, axis=1)

@@ -21,6 +21,7 @@ from .emitters import Emitters
 from .flow import Flow
 from .kernel import Kernel
 from .light_choice import LightSampling, choose_light
+from .media import Media
 from .origins import VolumeOrigins
 from .paths import Paths
 from .raycaster import Hits
@@ -35,6 +36,7 @@ class VolumeStage:
     def __init__(
         self,
         kernel: Kernel,
+        media: Media,
         flow: Flow,
         sampling: LightSampling,
         uniforms: SobolTile | RandomTile,
@@ -42,23 +44,23 @@ class VolumeStage:
         emitters: Emitters,
         direct: DirectLight,
     ) -> None:
-        self._kernel, self._flow, self._sampling, self._uniforms = kernel, flow, sampling, uniforms
+        self._kernel, self._media, self._flow = kernel, media, flow
+        self._sampling, self._uniforms = sampling, uniforms
         self._sums, self._emitters, self._direct = sums, emitters, direct
         self._limits = flow.most_bounces, kernel.scene.transport.volume_bounces
         self._pivots = Pivots(kernel) if sampling.runs and flow.volumes_scatter else None
 
-    def pass_through(self, paths: Paths, hits: Hits, step: int) -> tuple[Paths, Hits, Paths | None]:
-        """The paths that reach the next face, with what is left of their light, their hits, and the paths that scatter before."""
-        media = self._kernel.media
-        self._emitters.volumes(paths, hits)
-        factor = media.transmittance(paths.medium, hits.distance)
+    def pass_through(self, paths: Paths, medium: np.ndarray, hits: Hits, step: int) -> tuple[Paths, Hits, Paths | None]:
+        """The paths in `medium` (n,) that reach the next face, with what is left of their light; their hits; the paths that scatter before."""
+        self._emitters.volumes(self._media, medium, paths, hits)
+        factor = self._media.transmittance(medium, hits.distance)
         scattered = None
         if self._flow.volumes_scatter:
-            segment = find_segments(media, paths, hits, self._limits)
+            segment = find_segments(self._media, paths, hits, self._limits)
             if segment.index.size:
                 turbid = paths.take(segment.index)
                 if self._pivots is not None:
-                    self._sample_lights(turbid, segment, step)
+                    self._sample_lights(self._pivots, turbid, segment, step)
                 flight = fly(segment, *self._pair(step, VOLUME_FLIGHT, turbid))
                 factor[:, segment.index] = flight.weight
                 scattered = self._scatter(turbid, segment, flight, step)
@@ -73,19 +75,19 @@ class VolumeStage:
     def _pair(self, step: int, decision: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
         return self._uniforms.pair(volume_step_dimension(step, decision), paths.pixel, paths.sample)
 
-    def _sample_lights(self, paths: Paths, segment: Segment, step: int) -> None:
+    def _sample_lights(self, pivots: Pivots, paths: Paths, segment: Segment, step: int) -> None:
         """Light that one place on each segment scatters back along the ray."""
         kernel = self._kernel
         choice, _ = self._pair(step, VOLUME_CHOICES, paths)
         number = np.zeros(paths.size, np.intp)
         if self._sampling.selects:
             number, _ = kernel.selection.choose(choice)
-        distance, weight = self._pivots.place(segment, number, *self._pair(step, VOLUME_PLACE, paths))
+        distance, weight = pivots.place(segment, number, *self._pair(step, VOLUME_PLACE, paths))
         position = segment.after(distance)
         light = choose_light(
             kernel, self._sampling.selects, position, choice, *self._pair(step, VOLUME_LIGHT, paths)
         ).within_bounces(kernel, paths.scatterings)
-        phases = Phases(kernel.media, segment.medium, segment.direction, segment.throughput)
+        phases = Phases(self._media, segment.medium, segment.direction, segment.throughput)
         direct = scatter_light(self._sampling, phases, light) * weight
         self._direct.add(paths, VolumeOrigins(position, segment.medium), light, direct, self._shares(paths.size))
 
@@ -104,14 +106,15 @@ class VolumeStage:
             self._sums.passes.remember(following, self._shares(index.size))
         throughput = following.throughput * flight.weight[:, index]
         medium, direction = segment.medium[index], np.take(segment.direction, index, axis=1)
-        phases = Phases(self._kernel.media, medium, direction, throughput)
+        phases = Phases(self._media, medium, direction, throughput)
         pick, fate = self._pair(step, VOLUME_FATE, following)
         wi, weight, density = phases.sample(pick, *self._pair(step, VOLUME_PHASE, following))
         throughput *= weight
         following.origin = following.scatter_origin = np.take(segment.after(flight.distance), index, axis=1)
         following.direction, following.pdf, following.medium = wi, density, medium
         following.travelled = np.zeros(index.size)
-        following.in_volumes += 1
+        if following.in_volumes is not None:
+            following.in_volumes += 1
         following.scatterings += 1
         following.at_camera = False
         if following.ray_class is not None:

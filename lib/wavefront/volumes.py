@@ -160,7 +160,7 @@ class Phases:
         cosine = dot(self._direction, wi)
         value, density = np.zeros(wi.shape), np.zeros(cosine.shape)
         for k, g in enumerate(self._anisotropies):
-            one = henyey_greenstein.evaluate(cosine, np.float64(g))
+            one = henyey_greenstein.evaluate(cosine, np.asarray(g))
             value += self._scattering[k] * one
             density += self._shares[k] * one
         return value, density
