@@ -61,8 +61,9 @@ class Watch:
 
     def __call__(self):
         window = bpy.context.window_manager.windows[0]
-        area = max((a for a in window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.width)
         self.step += 1
+        if self.step <= 5:  # a test may turn the 3D view into another editor
+            area = max((a for a in window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.width)
         if self.step == 1:
             area.spaces.active.show_region_ui = True
         elif self.step == 2:
