@@ -63,13 +63,14 @@ def test_emission_that_is_absorbed_again(seed):
 
 
 @pytest.mark.parametrize("g", [0.0, 0.7, -0.4])
-@pytest.mark.parametrize("beside", [0.05, 1.0])
-def test_a_lamp_in_fog(g, beside, seed):
-    """Light that is scattered once: the integral along a ray that passes a point light and ends on a black floor."""
+@pytest.mark.parametrize(("beside", "end"), [(0.05, 6.0), (1.0, 6.0), (1.0, np.inf)])
+def test_a_lamp_in_fog(g, beside, end, seed):
+    """Light that is scattered once: the integral along a ray that passes a point light and ends on a black floor, or nowhere."""
     lamp = PointLight("lamp", (beside, 0.0, 2.0), (3.0, 3.0, 3.0))
     camera = orthographic(1, 1, 1e-4, (0.0, 0.0, 6.0))
     fog = World(color(0.0), volume=smoke(ABSORBED, SCATTERED, g))
-    foggy = scene(floor(5.0), diffuse(0.0), camera, [lamp], fog)
+    ground = floor(5.0) if np.isfinite(end) else floor(1.0, 9.0)
+    foggy = scene(ground, diffuse(0.0), camera, [lamp], fog)
 
     def along(t, sigma):
         height = 6.0 - t - 2.0
@@ -78,7 +79,8 @@ def test_a_lamp_in_fog(g, beside, seed):
         return evaluate(np.array([cosine]), g)[0] * 3.0 / square * np.exp(-sigma * (t + np.sqrt(square)))
 
     exact = [
-        s * quad(along, 0.0, 6.0, (e,), points=[4.0], limit=200)[0] for s, e in zip(SCATTERED, EXTINCT, strict=True)
+        s * quad(along, 0.0, min(end, 200.0), (e,), points=[4.0], limit=200)[0]
+        for s, e in zip(SCATTERED, EXTINCT, strict=True)
     ]
     assert_mean(replicates(foggy, 12, 512, seed=seed), exact, 0.01, rounding=1e-4)
 
