@@ -55,7 +55,7 @@ class BatchOptions(Declared):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.plan is None and not self.example:
-            raise EtalonError("name a plan: etalon batch PLAN.toml; --example prints one to begin with")
+            raise EtalonError("name a plan, as in etalon batch PLAN.toml; --example prints one, --help explains it")
 
 
 @dataclass(frozen=True)

@@ -158,9 +158,15 @@ def clearest(shares: Shares, among: np.ndarray) -> int:
 
 
 def _causes(search: Attribution, sides: Sides) -> tuple[Names, list[Names]]:
-    """The set that does best for the whole image, and for each region (N) the smallest set that explains it."""
+    """The set that does best for the whole image, and for each region (N) the smallest set that explains it.
+
+    A set that explains no region that is shown to differ is no cause of others either: those may agree without it.
+    """
     wanted = search.wanted
     explained = {names: search.explained(names, sides) for names in search.pairs}
+    explained = {names: where for names, where in explained.items() if (where & search.different).any()}
+    if not explained:
+        return frozenset(), [frozenset()] * wanted.size
     best = min(
         explained,
         key=lambda names: (-int(explained[names][wanted].sum()), len(names), search.left(names, sides)),

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of causes on simulated regions, where the truth is known: cause, partial cause, likely cause, rivals, no known reason."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from etalon.lib.film.moments import Moments
 from etalon.lib.verdict import attribution, causes
 from etalon.lib.verdict.attribution import ATTRIBUTION_SHARE
 from etalon.lib.verdict.causes import BAND, SMALL, Role, State, small_limit
+from etalon.lib.verdict.explain import _causes
 from etalon.lib.verdict.shares import Sides, p_share_between, share, share_interval
 from etalon.tests.lib.verdict.simulated_causes import simulated
 from scipy.stats import binom
@@ -168,3 +171,19 @@ def test_all_small_shares_together_are_no_cause():
     for count in range(1, 50):
         assert count * small_limit(count) <= max(BAND[0], SMALL) + 1e-12
         assert small_limit(count) <= SMALL
+
+
+def test_what_explains_no_region_that_differs_is_no_cause_of_regions_that_are_open():
+    """'a' agrees in two open regions, where it does nothing; 'b' explains the region that differs, and one that is open."""
+    a, b = frozenset("a"), frozenset("b")
+    claimed = {a: np.array([False, True, True]), b: np.array([True, True, False])}
+    search = SimpleNamespace(
+        pairs=claimed,
+        wanted=np.ones(3, bool),
+        different=np.array([True, False, False]),
+        explained=lambda names, sides: claimed[names],
+        left=lambda names, sides: 0.0,
+    )
+    assert _causes(search, None) == (b, [b, b, frozenset()])
+    search.pairs = {a: claimed[a]}
+    assert _causes(search, None) == (frozenset(), [frozenset()] * 3)
