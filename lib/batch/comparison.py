@@ -114,8 +114,8 @@ def _is_over(process: subprocess.Popen[str], limits: Limits, seconds: float) -> 
         return (
             f"it took longer than {format_duration(limits.seconds)}; raise 'time' in [limits], or lower the resolution"
         )
-    used = resident_memory(process.pid) if limits.memory is not None else None
-    if used is not None and used > limits.memory:
+    used = None if limits.memory is None else resident_memory(process.pid)
+    if limits.memory is not None and used is not None and used > limits.memory:
         return f"it took more than {format_gigabytes(limits.memory)} of memory; raise 'memory' in [limits], or lower the resolution"
     return ""
 

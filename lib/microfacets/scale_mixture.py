@@ -191,7 +191,8 @@ def _gamma_factor(p: float, shift: float) -> float:
     from mpmath import mp
 
     with mp.workdps(50):
-        return float(mp.exp(-mp.mpf(shift)) * mp.mpf(shift) ** -p / (mp.pi * mp.gammainc(1 - mp.mpf(p), shift)))
+        gamma = mp.gammainc(1 - mp.mpf(p), shift)  # pyright: ignore[reportAttributeAccessIssue]  mpmath adds it when loaded
+        return float(mp.exp(-mp.mpf(shift)) * mp.mpf(shift) ** -p / (mp.pi * gamma))
 
 
 @functools.lru_cache(maxsize=16)

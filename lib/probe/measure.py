@@ -67,7 +67,7 @@ def probe(
     raises EtalonError where there are fewer than two replicates.
     """
     windows = Windows(shape, (box,))
-    sides = tuple(renderer.with_passes(parts) for renderer in renderers)
+    sides = renderers[0].with_passes(parts), renderers[1].with_passes(parts)
     run, rows = TimedRun(seconds, progress), ([], [])
     try:
         samples = _samples(sides, windows, run)
@@ -99,7 +99,7 @@ def _samples(sides: tuple[Renderer, Renderer], windows: Windows, run: TimedRun) 
     few, many = spent[1:]
     each = max((many - few) / (15 * FIRST_SAMPLES), 1e-9)
     # Where a call's fixed part is more than a round should take, samples for as long again nearly come for nothing.
-    wanted = max(max(ROUND_SHARE * run.budget - few, few) / each, FIRST_SAMPLES)
+    wanted = max(max(run.share(ROUND_SHARE) - few, few) / each, FIRST_SAMPLES)
     return min(1 << int(np.log2(wanted)), MOST_SAMPLES)
 
 

@@ -14,7 +14,7 @@ from ..lights.units import EFFICACY, LightUnits
 from ..plural import plural
 from .measure import KINDS, ROUNDING, Probe, Reading
 
-_HEADINGS = dict(zip(KINDS, ("", "by light pass", "by bounce", "by light"), strict=True))
+_HEADINGS: dict[str, str] = dict(zip(KINDS, ("", "by light pass", "by bounce", "by light"), strict=True))
 EFFICACY_NOTE = (
     f"Candela and lumens: {EFFICACY:g} lm for each watt of luminance, as in Blender's glTF exporter. Blender's watts have no spectrum; "
     "1 W of real white light is about 179 lm."
@@ -28,7 +28,7 @@ def probe_lines(name: str, probe: Probe) -> list[str]:
     where = f"pixel x {left}, y {top}" if edge == 1 else f"{edge} x {edge} pixels from x {left}, y {top}"
     told = f"{plural(probe.replicates, 'replicate')} of {plural(probe.samples, 'sample')} on each side"
     rows = [("luminance, W m-2 sr-1", "reference", "Cycles", "difference")]
-    kind = KINDS[0]
+    kind: str = KINDS[0]
     for reading in probe.readings:
         if reading.kind != kind:
             kind = reading.kind
@@ -75,7 +75,8 @@ def _light_line(light: LightUnits) -> str:
     if light.kind == "spot":
         passes = "an unknown part" if light.flux is None else f"{_luminance(light.flux):.4g} W"
         told.append(f"of which the cone lets out {passes}")
-    told.append(f"{_luminance(light.intensity):.4g} W/sr along its axis, {light.candela:.4g} cd")
+    if light.intensity is not None:
+        told.append(f"{_luminance(light.intensity):.4g} W/sr along its axis, {light.candela:.4g} cd")
     if light.lumens is not None:
         told.append(f"{light.lumens:.4g} lm")
     if light.exitance is not None:

@@ -87,10 +87,12 @@ def split_model(text: str, known: Known, what: str) -> tuple[str, dict[str, floa
             raise ValueError(f"'{part}' is not a number for '{key}'; write {key}=NUMBER") from None
         if not known[name][key].contains(given[key]):
             raise ValueError(f"{key} = {given[key]:g} is out of range for '{name}'; give {known[name][key].limits()}")
-    missing = [key for key, one in known[name].items() if key not in given and one.default is None]
-    if missing:
-        raise ValueError(f"'{name}' needs '{missing[0]}'; write {name}:{missing[0]}=NUMBER")
-    return name, {key: given.get(key, one.default) for key, one in known[name].items()}
+    for key, one in known[name].items():
+        if key not in given:
+            if one.default is None:
+                raise ValueError(f"'{name}' needs '{key}'; write {name}:{key}=NUMBER")
+            given[key] = one.default
+    return name, {key: given[key] for key in known[name]}
 
 
 @dataclass(frozen=True)

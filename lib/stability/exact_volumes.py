@@ -15,7 +15,8 @@ def mean_transmittance(depth: mpf) -> Values:
 
 def free_path(depth: mpf, u: mpf) -> Values:
     """The inverse of the distribution (1 - exp(-depth t)) / (1 - exp(-depth)) of t in [0, 1]."""
-    return (-mp.log(1 - u * (1 - mp.exp(-depth))) / depth,)
+    log = mp.log(1 - u * (1 - mp.exp(-depth)))  # pyright: ignore[reportAttributeAccessIssue]  mpmath adds it when loaded
+    return (-log / depth,)
 
 
 def distance_density(extinction: mpf, length: mpf, distance: mpf) -> Values:
@@ -25,7 +26,8 @@ def distance_density(extinction: mpf, length: mpf, distance: mpf) -> Values:
 
 def _ends(along: mpf, beside: mpf, length: mpf) -> tuple[mpf, mpf]:
     """Under which angles the ends of a span are seen, from the place closest to the pivot."""
-    return mp.atan(-along / beside), mp.atan((length - along) / beside)
+    ends = mp.atan(-along / beside), mp.atan((length - along) / beside)
+    return ends  # pyright: ignore[reportReturnType]  its stub allows complex values
 
 
 def angle(along: mpf, beside: mpf, length: mpf) -> Values:

@@ -12,7 +12,7 @@ import numpy as np
 from ..audit.findings import drawn
 from ..audit.paired import CHANNELS, interval, p_values
 from ..departures.catalogue import Departure
-from ..film.light_passes import LightPass
+from ..film.parts import Part
 from ..relative import relative_difference
 from ..settings.comparison import CompareOptions
 from ..verdict.claims import FLOOR_SHARE
@@ -66,7 +66,7 @@ class Change:
     nearer: np.ndarray
     map: np.ndarray
     departures: tuple[Departure, ...]
-    passes: dict[LightPass, PassChange]
+    passes: dict[Part, PassChange]
 
     @property
     def outcome(self) -> Outcome:
@@ -136,7 +136,7 @@ class _Pair:
     def __init__(self, rounds: Rounds, first: int, second: int) -> None:
         self._rounds, self.first, self.second = rounds, first, second
 
-    def sides(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+    def sides(self, name: Part | str) -> tuple[np.ndarray, np.ndarray]:
         """The second version and the first one, which changes are relative to, in one kind of light."""
         return self._rounds.cycles[self.second].of(name), self._rounds.cycles[self.first].of(name)
 
@@ -172,7 +172,7 @@ def _outcomes(rejected: np.ndarray) -> np.ndarray:
     return outcomes
 
 
-def _explain_passes(whole: PassChange, planes: dict[str, PassChange]) -> None:
+def _explain_passes(whole: PassChange, planes: dict[Part | str, PassChange]) -> None:
     """Passes tell where a change is; where the whole light of a region is explained, so are its passes."""
     for one in planes.values():
         region = whole.outcomes[: len(one.outcomes)]

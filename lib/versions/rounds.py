@@ -19,8 +19,8 @@ from ..audit.paired import CHANNELS
 from ..comparison.run import Stop, TimedRun
 from ..comparison.sides import Renderer
 from ..errors import Cancelled, EtalonError
-from ..film.light_passes import LightPass
 from ..film.moments import Moments, merge
+from ..film.parts import Part
 from ..film.regions import Coverage, Regions, image_regions
 from ..film.rendering import Rendering
 from ..report.page import averaged
@@ -50,13 +50,13 @@ class Contestant:
 class Series:
     """The means of the regions in each round: of every kind of light, (rounds, k, 3)."""
 
-    values: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    values: dict[Part | str, list[np.ndarray]] = field(default_factory=dict)
 
-    def add(self, name: str, means: np.ndarray) -> None:
+    def add(self, name: Part | str, means: np.ndarray) -> None:
         """Take one round more."""
         self.values.setdefault(name, []).append(means)
 
-    def of(self, name: str) -> np.ndarray:
+    def of(self, name: Part | str) -> np.ndarray:
         """All rounds of one kind of light."""
         return np.stack(self.values[name])
 
@@ -77,7 +77,7 @@ class Rounds:
     models: tuple[Series | None, ...]
     squares: tuple[list[Moments], ...]
     images: tuple[np.ndarray, ...]
-    passes: tuple[LightPass, ...]
+    passes: tuple[Part, ...]
     bad: np.ndarray
     count: int
     samples: int
@@ -94,7 +94,7 @@ def render_rounds(
     scene: str,
     contestants: Sequence[Contestant],
     coverage: Coverage,
-    passes: Sequence[LightPass],
+    passes: Sequence[Part],
     options: CompareOptions,
     run: TimedRun,
 ) -> Rounds:
@@ -120,7 +120,7 @@ class _Rounds:
     """The rounds of one scene under way."""
 
     def __init__(
-        self, contestants: Sequence[Contestant], passes: tuple[LightPass, ...], options: CompareOptions, run: TimedRun
+        self, contestants: Sequence[Contestant], passes: tuple[Part, ...], options: CompareOptions, run: TimedRun
     ) -> None:
         self._options, self._run, self._passes = options, run, passes
         everything = [

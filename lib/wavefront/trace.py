@@ -171,7 +171,7 @@ class Tracer:
         """Count the paths that end in a material that is not known; of a passive one, those that come straight from the camera."""
         pixel = paths.pixel[start:stop]
         if self._kernel.is_passive:
-            pixel = pixel[paths.scatterings[start:stop] == 0]
+            pixel = pixel[np.broadcast_to(paths.scatterings, paths.pixel.shape)[start:stop] == 0]
         self._sums.add_unknown(pixel)
 
     def _by_material(self, hits: Hits) -> tuple[np.ndarray, Groups]:

@@ -60,6 +60,7 @@ def test_what_cycles_renders_has_seeds_of_its_own():
         streams.REACH,
         streams.DEPARTURES,
         streams.SCOUTING,
+        streams.STAND_INS,
     }
     assert all(stream.first >= 0 for stream in on_both_sides)
     assert all(stream.first + stream.count <= streams.CYCLES_REPLICATES for stream in on_both_sides)

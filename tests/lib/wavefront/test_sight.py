@@ -145,7 +145,7 @@ def test_masks_that_part_the_rays_part_the_light(source, seed):
         one = scene(geometry, [pane, emission(3.0)], CAMERA_AT, lights, world)
         if source == "faces":
             one = masked(one, EVERY, rays | SHADOW, rays | SHADOW)
-        return replicates(one, 12, 512, seed=seed + offset)
+        return replicates(one, 16, 512, seed=seed + offset)
 
     parts = [render(rays, k) for k, rays in enumerate((DIFFUSE, GLOSSY, TRANSMISSION))]
     assert all(part.any() for part in parts)
