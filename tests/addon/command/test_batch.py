@@ -48,7 +48,7 @@ def test_a_dry_run_lists_what_would_be_run_and_how_long_it_takes(plan, capsys):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ([], "name a plan: etalon batch PLAN.toml; --example prints one"),
+        ([], "name a plan, as in etalon batch PLAN.toml; --example prints one"),
         (["nowhere.toml"], "nowhere.toml: cannot be read"),
         (["plan.toml", "--fail-on=bond"], "--fail-on: 'bond' is no rule; give different, changed or bound:2%"),
         (["plan.toml", "--fail-on=changed"], "--fail-on changed needs an earlier batch; add --against EARLIER"),
