@@ -26,16 +26,19 @@ def test_the_button_compares_and_leaves_everything_as_it_was(window, debian, tmp
     assert json.loads((folder / "verdict.json").read_text())["verdict"] == ended["outcome"]
 
 
+def folders_in(debian):
+    return {path.name for path in debian.outside.glob("etalon-*") if path.is_dir()}
+
+
 def test_esc_cancels_and_the_button_works_again(window, debian, tmp_path):
-    before = window.wait_for("ready", seconds=START)
+    before, there = window.wait_for("ready", seconds=START), folders_in(debian)
     press_button(window, before["box"], tmp_path / "panel.png")
     assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
     window.hand("key", "Escape")
     ended = window.wait_for("ended", seconds=STOP)
     assert ended["errors"] == []
     assert ended["stopped"] in {None, "cancelled"}
-    folders = {path.name for path in debian.outside.glob("etalon-*") if path.is_dir()}
-    assert folders <= {"etalon-out"}, "temporary files were left behind"
+    assert folders_in(debian) - there <= {"etalon-out"}, "temporary files were left behind"
     assert ended["state"] == before["state"]
     window.wait_for("shown", seconds=STOP)
     window.screenshot(tmp_path / "cancelled.png")
