@@ -19,11 +19,12 @@ from ..lib.errors import EtalonError, Refusal
 from ..lib.files.ownership import temporary_folder
 from ..lib.settings.declaration import Declared
 from ..lib.settings.words import write_changes
+from .background import Background
 
 _SHARE = re.compile(r"(.*?)\s*(\d+)%")
 
 
-class BackgroundCommand:
+class BackgroundCommand(Background):
     """`etalon COMMAND --json` beside the window; the same function as on a terminal, with the same options.
 
     Made and read by the main thread. `stage` and `fraction` tell how far it is. When `done`, either `figures`, what the command prints
@@ -31,6 +32,7 @@ class BackgroundCommand:
     """
 
     def __init__(self, command: str, settings: tuple[Declared, ...], seconds: float | None) -> None:
+        super().__init__()
         program = find_blender()
         if program is None:
             raise EtalonError("this is Python with Blender as a module; use the command line")
@@ -44,7 +46,6 @@ class BackgroundCommand:
         self.bounds: list[BoundAt] = []
         self.comparison: Comparison | None = None
         self._seconds, self._began = seconds, time.monotonic()
-        self._cancel = threading.Event()
         self._temporary = ExitStack()
         folder = self._temporary.enter_context(temporary_folder())
         copy = folder / (bpy.path.basename(bpy.data.filepath) or "scene.blend")
@@ -61,16 +62,6 @@ class BackgroundCommand:
         self._thread.start()
 
     @property
-    def done(self) -> bool:
-        """Whether it has ended."""
-        return not self._thread.is_alive()
-
-    @property
-    def is_cancelled(self) -> bool:
-        """Whether it was told to end."""
-        return self._cancel.is_set()
-
-    @property
     def seconds_left(self) -> float | None:
         """Seconds until its time is spent; None where it has none."""
         return None if self._seconds is None else max(self._seconds - (time.monotonic() - self._began), 0.0)
@@ -79,10 +70,6 @@ class BackgroundCommand:
         """End it at once."""
         self._cancel.set()
         end(self._process)
-
-    def wait(self) -> None:
-        """Wait until it has ended."""
-        self._thread.join()
 
     def _run(self) -> None:
         words: list[str] = []

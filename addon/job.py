@@ -37,6 +37,7 @@ from ..lib.settings.words import repeating_command
 from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
+from .background import Background
 from .cycles.renderer import CyclesRenderer, neutral
 from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
@@ -196,7 +197,7 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
     return bool(unexplained(found))
 
 
-class BackgroundJob:
+class BackgroundJob(Background):
     """A comparison that leaves the window alone: export and Cycles in a second Blender, the reference in a thread.
 
     Made and read by the main thread. `stage` is the name of what is under way, `fraction` the share of the time that is spent, `bounds`
@@ -207,6 +208,7 @@ class BackgroundJob:
 
     def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path, program: str | None = None) -> None:
         """Compare `scene`, and leave the report in `folder`; `program` is another Blender than this one."""
+        super().__init__()
         self.folder = folder
         self.fraction = 0.0
         self.stage = "reading the scene"
@@ -221,7 +223,6 @@ class BackgroundJob:
         self._name = name_of_file(scene)
         self._may_shrink = not scene.render.use_border
         self._transform = export_view_transform(scene)
-        self._cancel = threading.Event()
         self._temporary = ExitStack()
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
         copy = self._temporary.enter_context(temporary_folder()) / "scene.blend"
@@ -229,16 +230,6 @@ class BackgroundJob:
         self._blender = SecondBlender(copy, scene.name, settings, program)
         self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
         self._thread.start()
-
-    @property
-    def done(self) -> bool:
-        """Whether the thread has ended."""
-        return not self._thread.is_alive()
-
-    @property
-    def is_cancelled(self) -> bool:
-        """Whether it was told to end."""
-        return self._cancel.is_set()
 
     @property
     def seconds_left(self) -> float | None:
@@ -251,10 +242,6 @@ class BackgroundJob:
         """End it: the second Blender at once, the reference after the tile at hand. What both sides finished is kept."""
         self._cancel.set()
         self._blender.stop()
-
-    def wait(self) -> None:
-        """Wait until the thread has ended."""
-        self._thread.join()
 
     def _run(self) -> None:
         try:

@@ -6,6 +6,7 @@ Each is sampled by a density of h, which as a density of wi is divided by 4 (h.o
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Self
 
 import numpy as np
@@ -27,17 +28,17 @@ class HalfVector(Lobe):
         self._wo, self._alpha = wo, (alpha_x, alpha_y)
         self._above = wo[2] > 0.0
 
+    @abstractmethod
     def _half_density(self, m: np.ndarray) -> np.ndarray:
         """p(h) at unit `m` (3, n), m.z > 0, (n,)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _sample_half(self, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
         """Half vectors of that density, (3, n)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _over_density(self, cos_i: np.ndarray, m: np.ndarray, cos_om: np.ndarray) -> np.ndarray:
         """Value f |cos theta_i| over the density of wi, (n,), for positive cosines."""
-        raise NotImplementedError
 
     def _lobe(self, wi: np.ndarray, m: np.ndarray, cos_om: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weight and density where wi is the reflection of wo about m, whose cosine with both is `cos_om`."""

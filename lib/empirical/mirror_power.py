@@ -8,6 +8,7 @@ alpha = sqrt(alpha_x alpha_y). The lobes of Phong and modified Phong are white a
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from copy import copy
 from typing import Self
 
@@ -36,9 +37,9 @@ class MirrorPower(Lobe):
         """The unit axis, (3, n), and a factor on the value, () or (n,): the mirror direction and 1."""
         return np.stack([-wo[0], -wo[1], wo[2]]), 1.0
 
+    @abstractmethod
     def _over_density(self, wi: np.ndarray) -> np.ndarray:
         """Value f |cos theta_i| over the density at `wi` (3, n) above the surface, (n,)."""
-        raise NotImplementedError
 
     def _density(self, cosine: np.ndarray) -> np.ndarray:
         """Density at a cosine to the axis, (n,)."""

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What runs beside a window that stays alive: a thread of its own, and the wish that it ends."""
+
+from __future__ import annotations
+
+import threading
+
+
+class Background:
+    """Work in a thread; made, asked and ended by the main thread."""
+
+    _thread: threading.Thread
+
+    def __init__(self) -> None:
+        self._cancel = threading.Event()
+
+    @property
+    def done(self) -> bool:
+        """Whether the thread has ended."""
+        return not self._thread.is_alive()
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether it was told to end."""
+        return self._cancel.is_set()
+
+    def wait(self) -> None:
+        """Wait until the thread has ended."""
+        self._thread.join()
