@@ -38,6 +38,7 @@ from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import Role, State
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.render import ReferenceRenderer
+from etalon.lib.wavefront.subsurface import SHORT_WALKS
 from etalon.tests import scenes
 
 ANGLES = np.radians([64.0, 78.0, 87.1])
@@ -352,8 +353,8 @@ def test_a_departure_of_another_blender_is_refused():
     assert len(relevant(replace(scene, blender=None))) == 2
 
 
-def test_every_switch_is_planted():
-    assert {name for case in cases() for name in case.values[1]} == SWITCHES
+def test_every_switch_is_planted_or_has_a_proof_without_noise():
+    assert {name for case in cases() for name in case.values[1]} == SWITCHES - {SHORT_WALKS}
 
 
 def test_nothing_is_named_where_nothing_was_planted(seed):
