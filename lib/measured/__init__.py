@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measured materials: readers of MERL and RGL files, which give the BRDF for pairs of directions."""
