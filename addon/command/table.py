@@ -7,7 +7,14 @@ from dataclasses import dataclass
 
 from ...lib.exit_codes import ExitCode
 from ...lib.settings.audit import AuditOptions
-from ...lib.settings.commands import BatchOptions, CompletionOptions, PlanOutput, ScenesOptions, StabilityOptions
+from ...lib.settings.commands import (
+    BatchOptions,
+    CompletionOptions,
+    MicrosurfaceOptions,
+    PlanOutput,
+    ScenesOptions,
+    StabilityOptions,
+)
 from ...lib.settings.common import PageTerminal, Target, Terminal
 from ...lib.settings.comparison import Settings
 from ...lib.settings.cost import CostOptions
@@ -143,6 +150,13 @@ COMMANDS = (
         "measure the rounding errors of the reference, and those of the same equations in float32",
         "Every equation against 50 digits over its whole domain, identities, and scenes at the edge; one line each.",
         _codes((ExitCode.HELD, "every bound held"), (ExitCode.BROKEN, "the reference broke one"), FAILED),
+    ),
+    Command(
+        "microsurface",
+        (MicrosurfaceOptions, Terminal),
+        "trace rough surfaces facet by facet, beside what masking formulas say of them",
+        "Height fields with Gaussian slopes: which facets one direction or two see, and what white mirrors reflect once, beside\n"
+        "separable and height-correlated masking and V-cavities. Needs no Blender.",
     ),
     Command(
         "doctor",

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options of `etalon plan`, `scenes`, `batch` and `stability`."""
+"""The options of `etalon plan`, `scenes`, `batch`, `stability`, `microsurface` and `completion`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from ..errors import EtalonError
+from .common import Seeded
 from .declaration import Declared, option, required
-from .units import Choice, FilePath, Flag, Pair, Unit, Whole
+from .units import Alpha, Choice, FilePath, Flag, Pair, Unit, Whole
 
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
 
@@ -65,6 +67,35 @@ class StabilityOptions(Declared):
     points: int = option(200, Whole("N", 1), "number of points at which each equation is measured", advanced=True)
     scenes: bool = option(True, Flag(), "render the scenes at the edge too, which needs Blender")
     out: Path = option(Path("etalon-out/stability"), FilePath("FOLDER"), "folder for stability.html and stability.json")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MicrosurfaceOptions(Seeded):
+    """The surface whose facets are traced, and from where.
+
+    `correlation` is the length over which heights are alike, in cells of the grid: the longer, the smoother are facets, and the fewer of
+    them are on a field.
+    """
+
+    TITLE: ClassVar[str] = ""
+    STEEPEST: ClassVar[int] = 88
+    LONGEST: ClassVar[int] = 32
+
+    alpha: float = option(0.6, Alpha(), "alpha of Beckmann's distribution: roughness squared")
+    angle: int | None = option(
+        None, Whole("DEGREES", 0), "angle from the normal, up to 88", absent="30, 60, 75 and 82 degrees"
+    )
+    fields: int = option(8, Whole("N", 2), "independent height fields, whose differences give the errors")
+    correlation: int = option(
+        8, Whole("CELLS", 4), "length of correlation in cells of the grid, up to 32", advanced=True
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.angle is not None and self.angle > self.STEEPEST:
+            raise EtalonError(f"--angle: {self.angle} is out of range; give 0 to {self.STEEPEST} degrees")
+        if self.correlation > self.LONGEST:
+            raise EtalonError(f"--correlation: {self.correlation} is out of range; give 4 to {self.LONGEST} cells")
 
 
 @dataclass(frozen=True)

@@ -100,6 +100,17 @@ class Share(Unit):
 
 
 @dataclass(frozen=True)
+class Alpha(Share):
+    """The alpha of a microfacet distribution, between 0 and 1, both excluded."""
+
+    metavar: str = "ALPHA"
+
+    def show(self, value: float) -> str:
+        """Alpha as a number."""
+        return f"{value:g}"
+
+
+@dataclass(frozen=True)
 class Seconds(Unit):
     """A time in seconds above 0, such as 90; as a text also 90s, 2m or 1h30m."""
 
