@@ -111,7 +111,7 @@ def _partial(comparison: Comparison, why: Explanation) -> list[str]:
     one = len(why.named) == 1
     channel = int(worst_channel(why.rest[k]))
     over = f"{format_percent(why.rest[k, channel])} is left over there, in {'RGB'[channel]}"
-    does = _explains(why, left, len(why.named))
+    does = _explains(comparison, left, len(why.named))
     head = f"Partial {'cause' if one else 'causes, together'}: {listed(why.named)}."
     return [
         f"{head} {'It accounts' if one else 'They account'} for {_of_named(comparison, why, True)}; {over}.{does}",
@@ -120,9 +120,9 @@ def _partial(comparison: Comparison, why: Explanation) -> list[str]:
     ]
 
 
-def _explains(why: Explanation, left: int, names: int) -> str:
-    """How many of the regions that differ are explained; nothing where none is."""
-    count = sum(bool(causes) for causes in why.causes)
+def _explains(comparison: Comparison, left: int, names: int) -> str:
+    """How many of the regions that differ are explained, without those that are open; nothing where none is."""
+    count = comparison.verdict.count(Outcome.EXPLAINED)
     whole = plural(count + left, "region")
     return f" {'It explains' if names == 1 else 'They explain'} {count} of the {whole} that differ." if count else ""
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..comparison.compare import Comparison
 from ..comparison.run import Stop
-from ..pages.formats import format_bound, format_duration, format_percent
+from ..pages.formats import format_bound, format_duration, format_part, format_percent
 from ..plural import plural
 from ..relative import worst_channel
 from ..scene.findings import Finding
@@ -47,7 +47,7 @@ def whole_picture(comparison: Comparison) -> str:
         channel = int(worst_channel(verdict.difference[0]))
         off = float(verdict.difference[0, channel])
         brighter = "brighter" if off > 0 else "darker"
-        size = f"{format_percent(abs(off), sign=False)}" if abs(off) < 1e-3 else f"{100 * abs(off):.3g} %"
+        size = format_part(abs(off))
         return f"{head} The whole picture is {size} {brighter} in {candidate} than in {reference}, most in {_CHANNELS[channel]}."
     if not math.isfinite(bound):
         return f"{head} There are too few samples to say anything about the whole picture."
@@ -142,7 +142,7 @@ def _next_of_noise(comparison: Comparison) -> str:
     if ends is None or forecast is None:
         return "Next: allow much more time, or accept a larger tolerance; so few samples tell no more."
     low, median, high, _ = ends
-    goal = format_percent(forecast.bound, sign=False)
+    goal = format_bound(forecast.bound)
     span = f"{format_duration(low)} to {format_duration(high)}"
     return f"Next: allow about {format_duration(median)} ({span}) to know it to within {goal} everywhere."
 

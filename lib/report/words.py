@@ -8,7 +8,7 @@ import numpy as np
 from ..blender_versions import describe_unchecked
 from ..comparison.compare import Comparison, Side
 from ..comparison.run import Stop
-from ..pages.formats import format_bound, format_duration, format_percent
+from ..pages.formats import format_bound, format_duration, format_part, format_percent
 from ..plural import plural
 from ..relative import worst_channel
 from ..verdict.forecast import MOST_GROWTH
@@ -77,7 +77,7 @@ def _left_out(comparison: Comparison) -> str:
     """What of the image is not compared, and the materials that are to blame."""
     count, total = int(comparison.left_out.sum()), comparison.left_out.size
     named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
-    share = format_percent(count / total, sign=False)
+    share = format_part(count / total)
     why = "they show materials that are" if comparison.passive else "light reaches them from materials that are"
     said = (
         f"{count} of {plural(total, 'pixel')} ({share}) are not compared: {why} not simulated: {listed(tuple(named))}."
@@ -191,7 +191,7 @@ def _forecast(comparison: Comparison) -> str:
     low, median, high, nearly = ends
     count, bound = forecast.regions, forecast.bound
     samples = comparison.candidate.film.samples * comparison.candidate.replicates * forecast.factor
-    what = f"{format_percent(bound, sign=False)} everywhere"
+    what = f"{format_bound(bound)} everywhere"
     before = f"; for nine in ten of the {count} open regions after {format_duration(nearly)}" if count >= 10 else ""
     return (
         f"Forecast: {what} after about {format_duration(median)} ({format_duration(low)} to {format_duration(high)}), "
