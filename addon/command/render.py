@@ -28,8 +28,13 @@ def run(target: Target, settings: RenderOutput, terminal: Terminal) -> int:
     if terminal.json:
         height, width = film.shape
         figures = {"scene": scene.name, "file": settings.out, "width": width, "height": height}
-        print_json(figures | {"replicates": film.moments.n, "samples": film.samples, "seconds": film.seconds})
+        print_json(
+            figures
+            | {"replicates": film.moments.n, "samples": film.samples, "seconds": film.seconds, "remarks": film.remarks}
+        )
     else:
         replicates, samples = plural(film.moments.n, "replicate"), plural(film.samples, "sample")
         print(f"{one_line(str(settings.out))}: {replicates} of {samples}, {film.seconds:.1f} s")
+        for remark in film.remarks:
+            print(f"  {remark}")
     return 0

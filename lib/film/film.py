@@ -18,7 +18,7 @@ class Film:
 
     A pixel that a non-finite sample ever reached has mean NaN from then on; `nonfinite` (height, width) counts those
     samples. `samples` is the number of samples per pixel in a replicate of weight 1, `seconds` the time of all of them, `stages`
-    the same by stage, `camera_samples` and `rays` their totals.
+    the same by stage, `camera_samples` and `rays` their totals. `remarks` are sentences that whoever looks at the image must know.
     """
 
     moments: Moments
@@ -28,6 +28,7 @@ class Film:
     stages: dict[str, float] = field(default_factory=dict)
     camera_samples: int = 0
     rays: int = 0
+    remarks: tuple[str, ...] = ()
 
     @classmethod
     def empty(cls, height: int, width: int, samples: int) -> Film:

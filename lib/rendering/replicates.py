@@ -8,10 +8,11 @@ from dataclasses import replace
 from ..errors import Cancelled
 from ..film.film import Film
 from ..light_tracing.render import LightTracingRenderer
+from ..photon_mapping.render import PhotonMappingRenderer
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
-from ..settings.reference import LIGHT_TRACING, STRATEGIES, Options, RenderOptions
+from ..settings.reference import LIGHT_TRACING, PHOTON_MAPPING, STRATEGIES, Options, RenderOptions
 from ..wavefront.render import ReferenceRenderer
 
 
@@ -29,11 +30,14 @@ def render_film(
             film.add(renderer.render(COUNTED.number(k), options.samples, part))
         except Cancelled:
             break
+    if isinstance(renderer, PhotonMappingRenderer) and film.moments.n:
+        film.remarks = (str(renderer.bias),)
     return film
 
 
-def _renderer(scene: Scene, options: RenderOptions) -> ReferenceRenderer | LightTracingRenderer:
-    """Path tracing or light tracing, by the strategy."""
-    if options.strategy == LIGHT_TRACING:
-        return LightTracingRenderer(scene, replace(options, strategy=STRATEGIES[0]).part(Options))
+def _renderer(scene: Scene, options: RenderOptions) -> ReferenceRenderer | LightTracingRenderer | PhotonMappingRenderer:
+    """The estimator that the strategy names."""
+    others = {LIGHT_TRACING: LightTracingRenderer, PHOTON_MAPPING: PhotonMappingRenderer}
+    if options.strategy in others:
+        return others[options.strategy](scene, replace(options, strategy=STRATEGIES[0]).part(Options))
     return ReferenceRenderer(scene, options.part(Options))

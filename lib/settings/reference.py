@@ -15,7 +15,8 @@ from .models import EMPIRICAL_MODELS, FRESNELS, MODELS, ModelName, describe_mode
 from .units import Choice, FilePath, Flag, Names, Whole
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
-LIGHT_TRACING = "light-tracing"
+LIGHT_TRACING, PHOTON_MAPPING = "light-tracing", "photon-mapping"
+OTHER_ESTIMATORS = (LIGHT_TRACING, PHOTON_MAPPING)
 DIRECT = ("mis", "lights", "bsdf")
 MASKING = ("correlated", "separable", "torrance_sparrow")
 SAMPLERS = ("sobol", "random")
@@ -107,7 +108,7 @@ class Options(Run):
         if self.model is None or split_model(self.model, MODELS, "model")[0] not in EMPIRICAL_MODELS:
             return
         for flag, value, default in (("strategy", self.strategy, STRATEGIES[0]), ("masking", self.masking, MASKING[0])):
-            if value not in (default, LIGHT_TRACING):
+            if value not in (default, *OTHER_ESTIMATORS):
                 raise EtalonError(
                     f"--{flag} {value} is for distributions of microfacets, and '{self.model}' has none; leave one of them out"
                 )
@@ -117,15 +118,17 @@ class Options(Run):
 class RenderOptions(Options):
     """Options of `etalon render` and `etalon.render`: those of the reference, and how much of it is rendered.
 
-    samples: samples per pixel in each replicate. replicates: number of independent scramblings. strategy: as in Options, or 'light-tracing',
-        which starts paths at the lights, `samples` for every pixel.
+    samples: samples per pixel in each replicate. replicates: number of independent scramblings. strategy: as in Options, or another
+        estimator of the image: 'light-tracing' starts paths at the lights, `samples` for every pixel; 'photon-mapping' makes a map of
+        photons for each sample, and the film's `remarks` state its bias.
     """
 
     strategy: str = again(
         Options,
         "strategy",
-        unit=Choice("NAME", "strategy", (*STRATEGIES, LIGHT_TRACING)),
-        help=f"sampling of glossy lobes: {', '.join(STRATEGIES)}; or {LIGHT_TRACING}: paths from the lights",
+        unit=Choice("NAME", "strategy", (*STRATEGIES, *OTHER_ESTIMATORS)),
+        help=f"sampling of glossy lobes: {', '.join(STRATEGIES)}; or {LIGHT_TRACING}: paths from the lights; "
+        f"{PHOTON_MAPPING}: photons, with a stated bias",
     )
 
     samples: int = option(64, Whole("N", 1), "samples per pixel in each replicate")

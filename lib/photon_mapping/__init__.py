@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Progressive photon mapping: an estimator with a stated bias, which falls with the radius."""
