@@ -36,7 +36,7 @@ def assert_near(means, exact, bias=BIAS):
 def box(bounces=2):
     """A closed box whose walls shine and reflect, and the sum of its geometric series."""
     walls = material(Diffuse(color(0.6)), Emission(color(2.0)))
-    the_scene = scene(cube(1.0), walls, perspective(4, 4, 0.8, (0.03, -0.9, 0.1), (0.1, 1.0, -0.2)), bounces=bounces)
+    the_scene = scene(cube(1.0), walls, perspective(16, 16, 0.8, (0.03, -0.9, 0.1), (0.1, 1.0, -0.2)), bounces=bounces)
     return the_scene, 2.0 * sum(0.6**k for k in range(bounces + 2))
 
 
@@ -44,14 +44,14 @@ def test_a_lamp_over_a_floor(seed):
     """I cos / D^2."""
     light = PointLight("point", (0.3, 0.2, 0.8), (1.0, 1.0, 1.0))
     exact = over_pixels(lambda x, y: 0.8 / ((x - 0.3) ** 2 + (y - 0.2) ** 2 + 0.64) ** 1.5).mean()
-    means, _ = photon_mapped(lit([light]), 4, 8, seed)
+    means, _ = photon_mapped(lit([light]), 6, 16, seed)
     assert_near(means, exact)
 
 
 def test_a_sphere_that_mirrors_half_and_scatters_half_vanishes_in_a_white_world(seed):
     """Camera paths see the world by the Dirac lobe, photons bring the other half."""
     coat = material(Diffuse(color(0.5)), Glossy("GGX", color(0.5)))
-    sphere = scene(icosphere(1.5, 3, 0, True), coat, perspective(6, 6, 0.8, (0.0, 0.0, 4.0)), world=1.0)
+    sphere = scene(icosphere(1.5, 3, 0, True), coat, perspective(12, 12, 0.8, (0.0, 0.0, 4.0)), world=1.0)
     means, _ = photon_mapped(sphere, 4, 3, seed)
     assert_near(means, 1.0)
 
@@ -61,7 +61,7 @@ def test_a_mirror_shows_the_photons_behind_it(monkeypatch, seed):
     monkeypatch.setattr(photon_render, "LEAST_PATHS", 4096)
     ball = icosphere(0.3, 2, 1, True)
     walls = material(Diffuse(color(0.2)), Emission(color(1.0)))
-    camera = perspective(4, 4, 0.2, (0.03, -0.9, 0.1), (-0.03, 0.9, -0.1))
+    camera = perspective(12, 12, 0.2, (0.03, -0.9, 0.1), (-0.03, 0.9, -0.1))
     the_scene = scene([cube(1.0), ball], [walls, glossy(0.0, 1.0, 1.0, 1.0)], camera, bounces=3)
     means, _ = photon_mapped(the_scene, 4, 8, seed)
     assert_near(means, 1.25, 0.02)
