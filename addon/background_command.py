@@ -14,7 +14,8 @@ from typing import Any
 import bpy
 
 from ..lib.batch.process import end, find_blender, start
-from ..lib.comparison.compare import BoundAt, Comparison
+from ..lib.comparison.compare import Comparison
+from ..lib.comparison.interim import BoundAt
 from ..lib.errors import EtalonError, Refusal
 from ..lib.files.ownership import temporary_folder
 from ..lib.settings.declaration import Declared

@@ -14,8 +14,9 @@ from pathlib import Path
 import bpy
 
 from ..lib.comparison.caustics import scout
-from ..lib.comparison.compare import BoundAt, Comparison, Interim, Renderer, compare
+from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
+from ..lib.comparison.interim import BoundAt, Interim
 from ..lib.comparison.memory import require_memory
 from ..lib.comparison.parts import asked_parts
 from ..lib.comparison.run import Stop, TimedRun
@@ -28,6 +29,7 @@ from ..lib.film.view_transform import ViewTransform
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
 from ..lib.report.words import unexplained
+from ..lib.report.write import EXRS
 from ..lib.scene.scene import Scene
 from ..lib.scene_check.check import check_scene
 from ..lib.settings.common import Target
@@ -77,6 +79,7 @@ def judge(
     name: str = "",
     transform: ViewTransform | None = None,
     conclude: Callable[[Comparison], None] = _pass_by,
+    keep_exrs: bool = True,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
 
@@ -84,9 +87,9 @@ def judge(
 
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
     `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene wants its images shown in the report.
-    `conclude` is told of the comparison before the report is written.
+    `conclude` is told of the comparison before the report is written. Without `keep_exrs` the report comes without float images.
     """
-    with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL,)) as beside:
+    with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL, *EXRS)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
         passes = asked_parts(reference, settings)
         reference, candidate = reference.with_passes(passes), candidate.with_passes(passes)
@@ -124,7 +127,7 @@ def judge(
         conclude(comparison)
         if beside is not None:
             progress.begin("writing the report")
-            write_report(comparison, reference.plan, beside, repeat, transform)
+            write_report(comparison, reference.plan, beside, repeat, transform, keep_exrs)
     return comparison
 
 
@@ -206,10 +209,18 @@ class BackgroundJob(Background):
     was anything to compare.
     """
 
-    def __init__(self, scene: bpy.types.Scene, settings: Settings, folder: Path, program: str | None = None) -> None:
-        """Compare `scene`, and leave the report in `folder`; `program` is another Blender than this one."""
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        settings: Settings,
+        folder: Path,
+        program: str | None = None,
+        keep_exrs: bool = True,
+    ) -> None:
+        """Compare `scene`, and leave the report in `folder`; `program` is another Blender than this one, `keep_exrs` as for `judge`."""
         super().__init__()
         self.folder = folder
+        self._keep_exrs = keep_exrs
         self.fraction = 0.0
         self.stage = "reading the scene"
         self.bounds: list[BoundAt] = []
@@ -258,6 +269,7 @@ class BackgroundJob(Background):
                 self._name,
                 self._transform,
                 self._conclude,
+                self._keep_exrs,
             )
             self._is_written = True
             if self.comparison.stopped is not Stop.CANCELLED:

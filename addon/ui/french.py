@@ -230,10 +230,12 @@ FRENCH: dict[str, str] = {
     "Verdict": "Verdict",
     "The reference's image": "L'image de la référence",
     "Cycles' image": "L'image de Cycles",
-    "Red where Cycles is brighter, blue where it is darker; full colour at five times the tolerance": (
-        "Rouge où Cycles est plus clair, bleu où il est plus sombre ; pleine couleur à cinq fois la tolérance"
+    "Red where Cycles is brighter, blue where it is darker; full colour (1) at five times the tolerance": (
+        "Rouge où Cycles est plus clair, bleu où il est plus sombre ; pleine couleur (1) à cinq fois la tolérance"
     ),
-    "The difference in standard errors; full colour at five": "La différence en erreurs types ; pleine couleur à cinq",
+    "The difference in standard errors: red above, blue below; full colour (1) at five": (
+        "La différence en erreurs types : rouge au-dessus, bleu au-dessous ; pleine couleur (1) à cinq"
+    ),
     "Green agrees, red differs, yellow is undecided, blue differs for a known reason": (
         "Vert : concorde, rouge : diffère, jaune : indécis, bleu : diffère pour une raison connue"
     ),
@@ -257,6 +259,10 @@ FRENCH: dict[str, str] = {
     "Results": "Résultats",
     "Folder for results where a scene does not name one; empty: beside the file": (
         "Dossier pour les résultats si une scène n'en nomme pas ; vide : à côté du fichier"
+    ),
+    "Keep EXRs": "Garder les EXR",
+    "Leave float images beside the report: reference.exr, cycles.exr and difference.exr": (
+        "Laisser des images à virgule flottante à côté du rapport : reference.exr, cycles.exr et difference.exr"
     ),
     "Blender to use": "Blender à utiliser",
     "Another Blender program that renders Cycles' side; empty: this one": (

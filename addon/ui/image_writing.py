@@ -8,7 +8,8 @@ from pathlib import Path
 
 import bpy
 
-from ...lib.comparison.compare import Comparison, Interim
+from ...lib.comparison.compare import Comparison
+from ...lib.comparison.interim import Interim
 from ...lib.errors import EtalonError
 from ...lib.report.views import View, write_interim, write_views
 
@@ -79,7 +80,7 @@ def load_view(view: View, folder: Path) -> bpy.types.Image | None:
         image.name, image[_MARK] = f"Étalon {LABELS[view]}", view.name
     elif bpy.path.abspath(image.filepath) != str(path):
         image.filepath = str(path)
-    image.colorspace_settings.name = "Linear Rec.709" if path.suffix == ".exr" else "sRGB"
+    image.colorspace_settings.name = "Linear Rec.709"
     image.reload()
     return image
 

@@ -27,8 +27,8 @@ BOX = (1.0, 0.35, 0.0, 0.9)
 DESCRIPTIONS = {
     View.REFERENCE: "The reference's image",
     View.CYCLES: "Cycles' image",
-    View.DIFFERENCE: "Red where Cycles is brighter, blue where it is darker; full colour at five times the tolerance",
-    View.SIGNIFICANCE: "The difference in standard errors; full colour at five",
+    View.DIFFERENCE: "Red where Cycles is brighter, blue where it is darker; full colour (1) at five times the tolerance",
+    View.SIGNIFICANCE: "The difference in standard errors: red above, blue below; full colour (1) at five",
     View.VERDICT: "Green agrees, red differs, yellow is undecided, blue differs for a known reason",
 }
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE")

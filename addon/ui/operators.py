@@ -12,7 +12,7 @@ from ...lib.files.atomic import replace_files
 from ...lib.settings.presets import PRESETS
 from .. import job
 from .places import objects_with, select_only
-from .preferences import preferred_blender
+from .preferences import keeps_exrs, preferred_blender
 from .properties import apply_preset, output_folder, read_settings
 from .session import session
 from .text import translate
@@ -39,7 +39,8 @@ class CompareWithCycles(Watched, bpy.types.Operator):
             folder = output_folder(scene)
             with replace_files(folder):  # says at once when the folder cannot be written
                 pass
-            session.begin(scene, job.BackgroundJob(scene, read_settings(scene), folder, preferred_blender()))
+            started = job.BackgroundJob(scene, read_settings(scene), folder, preferred_blender(), keeps_exrs())
+            session.begin(scene, started)
         except EtalonError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

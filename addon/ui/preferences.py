@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension's preferences: threads, the folder for results, the Blender that renders."""
+"""The extension's preferences: threads, the folder for results, what is kept there, the Blender that renders."""
 
 from __future__ import annotations
 
@@ -21,6 +21,11 @@ class EtalonPreferences(bpy.types.AddonPreferences):
             description="Folder for results where a scene does not name one; empty: beside the file",
             subtype="DIR_PATH",
         ),
+        "keep_exrs": bpy.props.BoolProperty(
+            name="Keep EXRs",
+            description="Leave float images beside the report: reference.exr, cycles.exr and difference.exr",
+            default=True,
+        ),
         "blender": bpy.props.StringProperty(
             name="Blender to use",
             description="Another Blender program that renders Cycles' side; empty: this one",
@@ -29,9 +34,9 @@ class EtalonPreferences(bpy.types.AddonPreferences):
     }
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the three."""
+        """Draw all of them."""
         self.layout.use_property_split = True
-        for name in ("threads", "folder", "blender"):
+        for name in self.__annotations__:
             self.layout.prop(self, name)
 
 
@@ -51,6 +56,12 @@ def preferred_folder() -> str:
     """The folder that was chosen for results, or an empty text."""
     chosen = _preferences()
     return chosen.folder if chosen is not None else ""
+
+
+def keeps_exrs() -> bool:
+    """Whether float images are to lie beside reports."""
+    chosen = _preferences()
+    return chosen.keep_exrs if chosen is not None else True
 
 
 def preferred_blender() -> str | None:

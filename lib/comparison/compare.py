@@ -33,6 +33,7 @@ from ..verdict.verdict import Verdict, conclude
 from .caustics import caustics_in
 from .departures import Alternatives
 from .focus import focus, weigh_round
+from .interim import BoundAt, Interim
 from .meter import Meter
 from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
@@ -46,28 +47,6 @@ __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versi
 # What is set aside of the time to find out why regions differ at the last look, where there are departures to ask; before that, a
 # search takes more, and sampling as much less.
 ASIDE_SHARE = 0.05
-
-
-@dataclass(frozen=True)
-class BoundAt:
-    """What was shown after so many `seconds`, from so many `replicates` of both sides: all regions agree to within `bound`.
-
-    `first` marks the first look, on a coarse grid, whose samples the verdict does not use.
-    """
-
-    seconds: float
-    replicates: int
-    bound: float
-    first: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Interim:
-    """What a comparison has found at a look: the bound, and both sides, whose films change when the next replicate is added."""
-
-    bound: BoundAt
-    reference: Side
-    candidate: Side
 
 
 @dataclass(frozen=True)
@@ -293,7 +272,7 @@ class _Loop:
         bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)
         self._meter.progress.tell(_describe(bound))
-        self._meter.progress.show(Interim(bound, *self._sides))
+        self._meter.progress.show(self._interim(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
         differs = (self._test.outcomes == Outcome.DIFFERENT).any()
         self._open = self._test.undecided & (~self._test.within | differs)
@@ -304,6 +283,12 @@ class _Loop:
             elif self._search.complete:
                 self._open = np.zeros_like(self._open)
         self._open = self._open & (self._sides[0].regions.sizes > 0) & ~self._test.blocked
+
+    def _interim(self, bound: BoundAt) -> Interim:
+        test = self._test
+        return Interim(
+            bound, *self._sides, self._regions, test.outcomes, test.floor, self._options.tolerance, self._left_out
+        )
 
     def _room_for_rare_light(self) -> np.ndarray:
         """The relative difference (K,) that light may make which no sample has met."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from markupsafe import Markup, escape
 
-from ..comparison.compare import BoundAt
+from ..comparison.interim import BoundAt
 from ..pages.formats import format_bound, format_duration
 from ..plural import plural
 

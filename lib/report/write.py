@@ -18,17 +18,27 @@ from ..relative import relative_difference
 from .document import document
 from .page import DIFFERENCE_LIMIT, render_report, shown_means
 
+EXRS = ("reference.exr", "cycles.exr", "difference.exr")
+
 
 def write_report(
-    comparison: Comparison, plan: Plan, folder: Path, command: str = "", transform: ViewTransform | None = None
+    comparison: Comparison,
+    plan: Plan,
+    folder: Path,
+    command: str = "",
+    transform: ViewTransform | None = None,
+    keep_exrs: bool = True,
 ) -> None:
     """Write all files into `folder`, which is made if it is not there; each is complete or not there at all.
 
     `plan` is what the reference ran of its effects, `command` what repeats the comparison, shown as text; `transform` is the view transform of
-    the user's scene, which the page offers beside plain sRGB. Raises EtalonError where the folder cannot be written.
+    the user's scene, which the page offers beside plain sRGB. Without `keep_exrs` there are no float images, also no older ones.
+    Raises EtalonError where the folder cannot be written.
     """
-    with replace_files(folder) as beside:
+    with replace_files(folder, without=EXRS) as beside:
         _write_all(comparison, plan, beside, command, transform)
+        if keep_exrs:
+            _write_exrs(comparison, beside)
 
 
 def pixel_differences(comparison: Comparison) -> np.ndarray:
@@ -44,10 +54,7 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str, t
     figures = document(comparison, plan, command)
     write_json(folder / "verdict.json", figures)
     (folder / "report.html").write_text(render_report(comparison, figures, transform), encoding="utf-8")
-    write_film(folder / "reference.exr", comparison.reference.film)
-    write_film(folder / "cycles.exr", comparison.candidate.film)
     difference = pixel_differences(comparison)
-    write_exr(folder / "difference.exr", {name: difference[..., c] for c, name in enumerate("RGB")}, DIFFERENCE)
     means = shown_means(comparison)
     exposure = middle_exposure(means[0])
     limit = DIFFERENCE_LIMIT * comparison.verdict.tolerance
@@ -59,3 +66,11 @@ def _write_all(comparison: Comparison, plan: Plan, folder: Path, command: str, t
     }
     for name, view in views.items():
         write_png(folder / f"{name}.png", hatched(view, comparison.left_out))
+
+
+def _write_exrs(comparison: Comparison, folder: Path) -> None:
+    reference, cycles, difference = (folder / name for name in EXRS)
+    write_film(reference, comparison.reference.film)
+    write_film(cycles, comparison.candidate.film)
+    channels = np.moveaxis(pixel_differences(comparison), 2, 0)
+    write_exr(difference, dict(zip("RGB", channels, strict=True)), DIFFERENCE)

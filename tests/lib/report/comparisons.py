@@ -71,11 +71,12 @@ def made(
     by_rounding=False,
     finding="",
     passes=None,
+    show=None,
 ):
     """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference.
 
     `by_rounding`: rounding decides how much of them acts. `finding` is the check of the scene check that they come from.
-    `passes` are parts of the image, by light pass: the reference's and Cycles'.
+    `passes` are parts of the image, by light pass: the reference's and Cycles'. `show` is called at each look.
     """
     passes = passes or {}
     truth = grey() if truth is None else truth
@@ -105,7 +106,7 @@ def made(
         candidate,
         coverage,
         options,
-        Progress(is_cancelled=lambda: any(stopped)),
+        Progress(is_cancelled=lambda: any(stopped), **({} if show is None else {"show": show})),
         among,
         passes=tuple(passes),
     )

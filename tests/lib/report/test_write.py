@@ -52,3 +52,9 @@ def test_large_images_are_averaged_block_by_block(rng):
     assert small.shape == (3, 2, 3)
     np.testing.assert_allclose(small[2, 1], image[6:, 3:].mean(axis=(0, 1)), rtol=1e-12)
     np.testing.assert_allclose(averaged(image, 1), image, rtol=1e-12)
+
+
+def test_without_exrs_older_ones_go_too(tmp_path):
+    write_report(made(), PLAN, tmp_path)
+    write_report(made(), PLAN, tmp_path, keep_exrs=False)
+    assert {path.name for path in tmp_path.iterdir()} == {name for name in FILES if not name.endswith(".exr")}
