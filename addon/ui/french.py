@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The interface in French: each text that is shown, and what it is called. Messages of errors and reports are English."""
+"""The interface in French: each text that is shown, and what it is called. Reports, and what refusals name, are English."""
 
 from __future__ import annotations
 
@@ -86,6 +86,49 @@ FRENCH: dict[str, str] = {
     "a point cloud": "un nuage de points",
     "a volume": "un volume",
     "grease pencil": "crayon gras",
+    # Errors.
+    "{path}: cannot be written ({reason}); make room or name another folder": (
+        "{path} : écriture impossible ({reason}) ; faites de la place ou choisissez un autre dossier"
+    ),
+    "{place} cannot be written ({reason}); make room or name another folder": (
+        "Impossible d'écrire {place} ({reason}) ; faites de la place ou choisissez un autre dossier"
+    ),
+    "{folder} cannot be written ({reason}); name another folder": (
+        "Impossible d'écrire dans {folder} ({reason}) ; choisissez un autre dossier"
+    ),
+    "{folder} is a file, not a folder; name another folder": "{folder} est un fichier, pas un dossier ; choisissez un autre dossier",
+    "{title} ended early ({words}); compare from the command line to see more": (
+        "{title} s'est arrêté trop tôt ({words}) ; comparez en ligne de commande pour en savoir plus"
+    ),
+    "the second Blender": "le second Blender",
+    "etalon {command}: the second Blender ended early": "etalon {command} : le second Blender s'est arrêté trop tôt",
+    "{name}: cancelled before both sides had an image; there is nothing to compare": (
+        "{name} : annulé avant que les deux côtés aient une image ; il n'y a rien à comparer"
+    ),
+    "{name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces": (
+        "{name} : la lumière de matériaux non simulés atteint chaque pixel ; simplifiez-les ou réduisez les rebonds"
+    ),
+    "{name}: light passes cannot be compared beside unsupported materials; leave out --passes": (
+        "{name} : pas de passes de lumière à côté de matériaux non pris en charge ; choisissez Passes : Aucune"
+    ),
+    "{name}: was saved by Blender {needed}, and this is {here}, which loses what is new in it; open it with Blender {newer} or newer": (
+        "{name} : enregistré par Blender {needed}, dont {here} perd les nouveautés ; ouvrez-le avec Blender {newer} ou plus récent"
+    ),
+    "this machine has {size} GB; {remedy}": "cette machine a {size} Go ; {remedy}",
+    "lower the resolution, or give a time and let a smaller image be compared": (
+        "réduisez la résolution, ou donnez une durée et laissez comparer une image plus petite"
+    ),
+    "{kind}: {error}; please report it with the console's text": "{kind} : {error} ; merci de le signaler avec le texte de la console",
+    "{owner}: {what} is not simulated; {remedy}": "{owner} : {what} n'est pas simulé ; {remedy}",
+    "switch it off": "désactivez-le",
+    "convert it to a mesh, or do not render it": "convertissez-le en maillage, ou excluez-le du rendu",
+    "unlink it": "retirez ce lien",
+    "include it again": "incluez-le à nouveau",
+    "{kind} '{name}'": "{kind} « {name} »",
+    "light": "lumière",
+    "world": "monde",
+    "scene": "scène",
+    "collection": "collection",
     # Buttons.
     "Compare with Cycles": "Comparer à Cycles",
     "Render this scene with the reference and with Cycles, and say where the two agree. Esc cancels": (

@@ -11,6 +11,7 @@ from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_files
 from ...lib.settings.presets import PRESETS
 from .. import job
+from .errors import translate_error
 from .places import objects_with, select_only
 from .preferences import keeps_exrs, preferred_blender
 from .properties import apply_preset, output_folder, read_settings
@@ -35,14 +36,14 @@ class CompareWithCycles(Watched, bpy.types.Operator):
         scene = context.scene
         try:
             if scene.camera is None:
-                raise EtalonError(f"{scene.name}: the scene has no camera; add one and make it the active camera")
+                raise EtalonError(translate("There is no camera: add one and make it active"))
             folder = output_folder(scene)
             with replace_files(folder):  # says at once when the folder cannot be written
                 pass
             started = job.BackgroundJob(scene, read_settings(scene), folder, preferred_blender(), keeps_exrs())
             session.begin(scene, started)
         except EtalonError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translate_error(str(error)))
             return {"CANCELLED"}
         return self.wait_for_end(context)
 

@@ -14,6 +14,7 @@ from ...lib.pages.formats import format_percent
 from ...lib.settings.presets import PRESETS
 from ...lib.verdict.outcome import Outcome
 from . import preflight
+from .errors import translate_error
 from .images import ShowImage
 from .operators import ApplyPreset, CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
 from .properties import SHOWN
@@ -40,7 +41,7 @@ class _Main:
         if result is not None:
             draw_result(layout, context, result)
         for error in session.errors.get(scene.session_uid, ()):
-            draw_text(layout.box(), context, error, icon="ERROR")
+            draw_text(layout.box(), context, translate_error(error), icon="ERROR")
         if session.running is None:
             draw_start(layout, context)
         else:

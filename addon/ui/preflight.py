@@ -19,6 +19,7 @@ from ...lib.pages.formats import format_duration
 from ..export.nodes.declarations import DECLARATIONS
 from ..export.refusals import unsupported_kind
 from ..host.frame import full_frame, rendered_region
+from .errors import translate_error
 from .properties import output_folder
 from .text import translate
 from .watching import redraw
@@ -69,7 +70,7 @@ def notice_of(refusal: Refusal) -> Notice:
     """A refusal of the export, with the thing that a button selects."""
     owner = _OWNER.fullmatch(refusal.owner)
     kind, name = owner.groups() if owner else ("", "")
-    return Notice(str(refusal), stops=True, kind=kind, name=name)
+    return Notice(translate_error(str(refusal)), stops=True, kind=kind, name=name)
 
 
 _surveys: dict[int, list[Notice]] = {}
@@ -134,7 +135,7 @@ def survey(scene: bpy.types.Scene) -> list[Notice]:
             found.append(_unsupported(kind, name, ", ".join(unknown)))
     *_, width, height = rendered_region(scene.render, *full_frame(scene.render))
     lacks = lacking_memory(width, height)
-    return [*found, Notice(lacks, stops=True)] if lacks else found
+    return [*found, Notice(translate_error(lacks), stops=True)] if lacks else found
 
 
 def _unsupported(kind: str, name: str, what: str) -> Notice:

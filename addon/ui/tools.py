@@ -20,6 +20,7 @@ from ...lib.settings.declaration import Declared
 from ...reference_scenes import build
 from ..background_command import BackgroundCommand
 from ..cycles.audit_settings import CATALOGUE, neutral_assignments
+from .errors import translate_error
 from .properties import output_folder, read_settings
 from .session import session
 from .text import translate
@@ -76,7 +77,7 @@ class _Ask(Watched):
             settings, seconds = _SETTINGS[self.command](scene)
             session.begin(scene, BackgroundCommand(self.command, settings, seconds))
         except EtalonError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translate_error(str(error)))
             return {"CANCELLED"}
         return self.wait_for_end(context)
 

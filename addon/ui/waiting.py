@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from .errors import translate_error
 from .session import session
 from .text import phrase_text, translate
 from .watching import TICK, watch_job
@@ -40,7 +41,7 @@ class Watched:
     def _report_end(self) -> None:
         ended = self._watched
         for error in ended.job.errors:
-            self.report({"ERROR"}, error)
+            self.report({"ERROR"}, translate_error(error))
         if ended.result is not None:
             self.report({"INFO"}, f"Étalon: {phrase_text(ended.result.headline)}")
         elif ended.job.is_cancelled:
