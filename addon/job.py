@@ -68,6 +68,14 @@ def _pass_by(comparison: Comparison) -> None:
     pass
 
 
+def _shrink(
+    scene: Scene, reference: ReferenceRenderer, candidate: Renderer, divisor: int
+) -> tuple[ReferenceRenderer, Renderer]:
+    """Both renderers with an image that is so many times narrower and lower."""
+    size = scene.camera.width // divisor, scene.camera.height // divisor
+    return reference.at_size(*size), candidate.at_size(*size)
+
+
 def judge(
     scene: Scene,
     candidate: Renderer,
@@ -98,8 +106,7 @@ def judge(
         if may_shrink and settings.size == "auto" and settings.samples is None:
             divisor = choose_divisor((reference, candidate), scene.camera, run)
         if divisor > 1:
-            size = scene.camera.width // divisor, scene.camera.height // divisor
-            reference, candidate = reference.at_size(*size), candidate.at_size(*size)
+            reference, candidate = _shrink(scene, reference, candidate, divisor)
         require_memory(reference.scene.camera.width, reference.scene.camera.height, len(passes))
         progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
@@ -122,8 +129,8 @@ def judge(
             passes,
             unsupported,
         )
-        about = {"options": settings.part(CompareOptions), "findings": check_scene(scene)}
-        comparison = replace(comparison, **about, scene=name or comparison.scene)
+        about = {"options": settings.part(CompareOptions), "findings": check_scene(scene), "scene": name or scene.name}
+        comparison = replace(comparison, **about)
         conclude(comparison)
         if beside is not None:
             progress.begin("writing the report")
