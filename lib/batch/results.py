@@ -126,7 +126,7 @@ def write_results(results: Results) -> None:
 
 
 def _document(results: Results, names: list[str]) -> dict[str, Any]:
-    """batch.json as a dictionary."""
+    """batch.json as a dictionary; its published form is batch.schema.json beside this file."""
     plan = results.plan
     comparisons = [
         {"label": label, **asdict(row), "values": dict(zip(names, row.values, strict=True))}

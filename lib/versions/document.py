@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All figures of `etalon versions` as plain data: versions.json."""
+"""All figures of `etalon versions` as plain data: versions.json, whose published form is versions.schema.json beside this file."""
 
 from __future__ import annotations
 

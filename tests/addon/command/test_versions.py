@@ -4,8 +4,10 @@
 import json
 import os
 import sys
+from pathlib import Path
 
 import bpy
+import etalon.lib.versions as package
 import pytest
 from etalon.addon.command import cli, versions
 from etalon.addon.versions import SceneResult
@@ -13,6 +15,7 @@ from etalon.lib.errors import Cancelled
 from etalon.lib.exit_codes import ExitCode
 from etalon.lib.versions.document import scene_figures
 from etalon.reference_scenes import building
+from jsonschema import Draft202012Validator
 
 PYTHON = """#!/bin/sh
 exec {python} "$@"
@@ -106,6 +109,8 @@ def test_one_blender_twice_renders_the_same_bit_for_bit_and_what_it_refuses_is_a
     hair = tmp_path / "hair.blend"
     assert run(floor, hair, *pythons, "--tolerance=0.5", f"--out={out}") == ExitCode.BAD_INPUT
     figures = json.loads((out / "versions.json").read_text(encoding="utf-8"))
+    schema = Path(package.__file__).parent / "versions.schema.json"
+    Draft202012Validator(json.loads(schema.read_text(encoding="utf-8"))).validate(figures)
     same, refused = figures["scenes"]
     assert same["changes"][0]["is_same"]
     assert same["is_same_scene"]

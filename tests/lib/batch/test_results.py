@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from xml.etree import ElementTree
 
+import etalon.lib.batch as package
 import pytest
 from etalon.lib.batch.against import find_changes, read_batch
 from etalon.lib.batch.plan import BatchPlan, Variation
@@ -14,8 +15,10 @@ from etalon.lib.exit_codes import ExitCode
 from etalon.lib.report.batch import Row
 from etalon.lib.report.document import FORMAT
 from etalon.lib.report.document import VERSION as VERDICT
+from jsonschema import Draft202012Validator
 
 ROUGHNESS = Variation("rough", "x", (0.1, 0.3, 0.5, 0.7), ((),) * 4)
+SCHEMA = json.loads((Path(package.__file__).parent / "batch.schema.json").read_text(encoding="utf-8"))
 VERDICTS = ("EQUIVALENT", "DIFFERENT", "UNDECIDED", "EXPLAINED")
 
 
@@ -66,6 +69,23 @@ def test_json_and_junit_say_the_same_as_the_rows(tmp_path):
     }
     assert [[child.tag for child in case] for case in suite] == [[], ["failure"], ["skipped"], ["error"]]
     assert suite[3][0].get("message") == "refused: no such <node>\\x00"
+
+
+def test_batch_json_is_what_its_schema_says(tmp_path):
+    Draft202012Validator.check_schema(SCHEMA)
+    write(tmp_path / "before", 0.01)
+    write(
+        tmp_path / "now",
+        0.02,
+        verdicts=("EQUIVALENT", "DIFFERENT", "refused", "not run"),
+        end=End(read_fail_on("changed"), read_batch(tmp_path / "before")),
+    )
+    figures = json.loads((tmp_path / "now" / "batch.json").read_text())
+    assert figures["changes"][0]["moved"]
+    assert figures["failing"]
+    Draft202012Validator(SCHEMA).validate(figures)
+    for amiss in ({"version": 2}, {"comparisons": [{}]}, {"more": 1}):
+        assert not Draft202012Validator(SCHEMA).is_valid(figures | amiss)
 
 
 def test_maps_show_every_number_with_its_share_of_the_colour(tmp_path):

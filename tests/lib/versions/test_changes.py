@@ -3,7 +3,9 @@
 
 import json
 import math
+from pathlib import Path
 
+import etalon.lib.versions as package
 import numpy as np
 import pytest
 from etalon.lib.comparison import run as run_module
@@ -21,7 +23,9 @@ from etalon.lib.versions.measure import Measured
 from etalon.lib.versions.page import pictures_of, write_versions
 from etalon.lib.versions.programs import Blender
 from etalon.lib.versions.rounds import Contestant, pairs_of, render_rounds
+from jsonschema import Draft202012Validator
 
+SCHEMA = json.loads((Path(package.__file__).parent / "versions.schema.json").read_text(encoding="utf-8"))
 SHAPE = (40, 48)
 LEFT = np.arange(SHAPE[1]) < 16
 COVERAGE = {"material": [("Wall", np.broadcast_to(LEFT, SHAPE)), ("Floor", np.broadcast_to(~LEFT, SHAPE))]}
@@ -154,6 +158,7 @@ def test_page_and_json_say_the_same(clock, seed, tmp_path):
         "bound": 0.004,
         "report": "a/b/report.html",
     }
+    version |= {"image": {}, "causes": {"state": None, "names": []}}
     versions = [{"label": label, **version} for label in found.labels]
     name = "<b>room</b>"
     figures = document(
@@ -167,6 +172,9 @@ def test_page_and_json_say_the_same(clock, seed, tmp_path):
     write_versions(figures, {name: pictures_of(found, options.tolerance)}, tmp_path)
     page = (tmp_path / "versions.html").read_text(encoding="utf-8")
     assert json.loads((tmp_path / "versions.json").read_text(encoding="utf-8")) == figures
+    Draft202012Validator.check_schema(SCHEMA)
+    Draft202012Validator(SCHEMA).validate(figures)
+    assert not Draft202012Validator(SCHEMA).is_valid(figures | {"scenes": [{}]})
     assert figures["summary"].replace("<b>room</b>", "&lt;b&gt;room&lt;/b&gt;") in page
     assert "<b>room</b>" not in page
     for change in figures["scenes"][0]["changes"]:
