@@ -8,11 +8,12 @@ from dataclasses import replace
 from ..errors import Cancelled
 from ..film.film import Film
 from ..light_tracing.render import LightTracingRenderer
+from ..metropolis.render import MetropolisRenderer
 from ..photon_mapping.render import PhotonMappingRenderer
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
 from ..scene.scene import Scene
-from ..settings.reference import LIGHT_TRACING, PHOTON_MAPPING, STRATEGIES, Options, RenderOptions
+from ..settings.reference import LIGHT_TRACING, METROPOLIS, PHOTON_MAPPING, STRATEGIES, Options, RenderOptions
 from ..wavefront.render import ReferenceRenderer
 
 
@@ -35,9 +36,15 @@ def render_film(
     return film
 
 
-def _renderer(scene: Scene, options: RenderOptions) -> ReferenceRenderer | LightTracingRenderer | PhotonMappingRenderer:
+def _renderer(
+    scene: Scene, options: RenderOptions
+) -> ReferenceRenderer | LightTracingRenderer | PhotonMappingRenderer | MetropolisRenderer:
     """The estimator that the strategy names."""
-    others = {LIGHT_TRACING: LightTracingRenderer, PHOTON_MAPPING: PhotonMappingRenderer}
+    others = {
+        LIGHT_TRACING: LightTracingRenderer,
+        PHOTON_MAPPING: PhotonMappingRenderer,
+        METROPOLIS: MetropolisRenderer,
+    }
     if options.strategy in others:
         return others[options.strategy](scene, replace(options, strategy=STRATEGIES[0]).part(Options))
     return ReferenceRenderer(scene, options.part(Options))

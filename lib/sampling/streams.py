@@ -73,8 +73,8 @@ ENTER, ENTRY, WALK_KEY = 0, 1, 2
 FIRST_VOLUME_STEP = 1 << 27
 VOLUME_PLACE, VOLUME_LIGHT, VOLUME_CHOICES, VOLUME_FLIGHT, VOLUME_PHASE, VOLUME_FATE = range(6)
 
-# Keys beside the dimensions: how pixels pick and shift point sets, and the generator of plain random numbers.
-PIXEL_KEYS, RANDOM_NUMBERS = -2, -1
+# Keys beside the dimensions: how pixels pick and shift point sets, the generator of plain random numbers, and those of Markov chains.
+PIXEL_KEYS, RANDOM_NUMBERS, METROPOLIS = -2, -1, -3
 
 
 def step_dimension(step: int, decision: int) -> int:

@@ -15,8 +15,8 @@ from .models import EMPIRICAL_MODELS, FRESNELS, MODELS, ModelName, describe_mode
 from .units import Choice, FilePath, Flag, Names, Whole
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
-LIGHT_TRACING, PHOTON_MAPPING = "light-tracing", "photon-mapping"
-OTHER_ESTIMATORS = (LIGHT_TRACING, PHOTON_MAPPING)
+LIGHT_TRACING, PHOTON_MAPPING, METROPOLIS = "light-tracing", "photon-mapping", "metropolis"
+OTHER_ESTIMATORS = (LIGHT_TRACING, PHOTON_MAPPING, METROPOLIS)
 DIRECT = ("mis", "lights", "bsdf")
 MASKING = ("correlated", "separable", "torrance_sparrow")
 SAMPLERS = ("sobol", "random")
@@ -120,7 +120,8 @@ class RenderOptions(Options):
 
     samples: samples per pixel in each replicate. replicates: number of independent scramblings. strategy: as in Options, or another
         estimator of the image: 'light-tracing' starts paths at the lights, `samples` for every pixel; 'photon-mapping' makes a map of
-        photons for each sample, and the film's `remarks` state its bias.
+        photons for each sample, and the film's `remarks` state its bias; 'metropolis' mutates the random numbers of
+        paths, whatever `sampler` says.
     """
 
     strategy: str = again(
@@ -128,7 +129,7 @@ class RenderOptions(Options):
         "strategy",
         unit=Choice("NAME", "strategy", (*STRATEGIES, *OTHER_ESTIMATORS)),
         help=f"sampling of glossy lobes: {', '.join(STRATEGIES)}; or {LIGHT_TRACING}: paths from the lights; "
-        f"{PHOTON_MAPPING}: photons, with a stated bias",
+        f"{PHOTON_MAPPING}: photons, with a stated bias; {METROPOLIS}: Markov chains",
     )
 
     samples: int = option(64, Whole("N", 1), "samples per pixel in each replicate")

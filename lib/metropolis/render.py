@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Replicates of an image by Metropolis light transport: groups of chains over a pool of threads."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from ..effects.plan import Plan
+from ..errors import Refusal, Refused
+from ..film.rendering import Rendering
+from ..lights.light import luminance
+from ..progress import NO_PROGRESS, Progress
+from ..sampling.sobol import stream_key
+from ..sampling.streams import METROPOLIS
+from ..scene.scene import Scene
+from ..settings.reference import Options
+from ..wavefront.render import ReferenceRenderer
+from ..wavefront.sums import PixelSums, StageClock
+from ..wavefront.trace import Tracer
+from .chains import ChainUniforms
+
+# Paths of a group of chains, which is an estimator by itself; they share one thread.
+GROUP_PATHS = 1 << 17
+# Chains of a group that run side by side: with fewer, the interpreter takes more of the time.
+CHAINS = 1024
+# One path in so many is an independent sample: of their mean brightness, and for the chains to start from.
+SHARE = 4
+
+
+@dataclass(frozen=True)
+class _Values:
+    """What paths bring: radiance (3, n), its luminance (n,), the pixel (n,) of the image; which of them are not finite, (n,) bool."""
+
+    radiance: np.ndarray
+    brightness: np.ndarray
+    pixel: np.ndarray
+    bad: np.ndarray
+
+    def take(self, index: np.ndarray) -> _Values:
+        """Those at `index`."""
+        return _Values(*(np.take(array, index, axis=-1) for array in vars(self).values()))
+
+    def replaced(self, other: _Values, where: np.ndarray) -> _Values:
+        """These, with the `other` ones where (n,) bool says so."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return _Values(*(np.where(where, new, old) for old, new in pairs))
+
+
+class MetropolisRenderer:
+    """The scene by Metropolis light transport in the space of the random numbers of the path tracer (Kelemen et al. 2002).
+
+    Each group of chains first traces independent samples. Their mean brightness is the normalisation b, and the chains start at some of
+    them, picked by brightness. So the image is unbiased, however short the chains are (Veach 1997, section 11.3.1). Replicates
+    share nothing. Raises Refused for unsupported materials.
+    """
+
+    name = "Metropolis"
+
+    def __init__(self, scene: Scene, options: Options, plan: Plan | None = None) -> None:
+        self.scene, self.options = scene, options
+        self._kernel = ReferenceRenderer(scene, options, plan).kernel
+        unknown = [(material.name, material.unknown) for material in scene.materials if material.unknown]
+        if unknown:
+            remedy = "replace it, or render with another strategy"
+            raise Refused([Refusal(f"material '{name}'", what, remedy) for name, what in unknown])
+
+    def render(self, replicate: int, samples: int, progress: Progress = NO_PROGRESS) -> Rendering:
+        """One independent replicate of `samples` paths for every pixel, those of the normalisation included; raises Cancelled."""
+        begin = perf_counter()
+        camera = self.scene.camera
+        shape = (camera.height, camera.width)
+        paths = camera.width * camera.height * samples
+        groups = -(-paths // GROUP_PATHS)
+        image = PixelSums(camera.width * camera.height)
+        rays = 0
+
+        def run(group: int) -> tuple[PixelSums, int]:
+            key = int(stream_key(self.options.seed, replicate, METROPOLIS, group))
+            with np.errstate(invalid="ignore"):  # what is not finite is counted
+                return self._run_group(np.random.default_rng(key), -(-paths // groups), progress)
+
+        with ThreadPoolExecutor(self.options.threads) as pool:
+            for done, (sums, traced) in enumerate(pool.map(run, range(groups))):
+                image.radiance += sums.radiance / groups
+                image.nonfinite += sums.nonfinite
+                rays += traced
+                progress.report((done + 1) / groups)
+        radiance = image.radiance.T.reshape(*shape, 3)
+        nonfinite = image.nonfinite.reshape(shape).astype(np.int32)
+        return Rendering(radiance, nonfinite, perf_counter() - begin, {}, paths, rays)
+
+    def _run_group(self, generator: np.random.Generator, paths: int, progress: Progress) -> tuple[PixelSums, int]:
+        """The image by one group of chains, and its rays."""
+        camera = self.scene.camera
+        sums = PixelSums(camera.width * camera.height)
+        first = max(paths // SHARE, 1)
+        count = min(CHAINS, max(paths - first, 1))
+        length = max((paths - first) // count, 1)
+        uniforms = ChainUniforms(generator, first, camera.width, camera.height)
+        found, rays = self._trace(uniforms, first)
+        sums.nonfinite += np.bincount(found.pixel[found.bad], minlength=sums.nonfinite.size)
+        total = found.brightness.sum()
+        if total == 0.0:
+            return sums, rays
+        scale = total / first * sums.nonfinite.size / (count * length)
+        chosen = _resample(found.brightness, generator.random(), count)
+        chains, now = uniforms.start(chosen), found.take(chosen)
+        for _ in range(length):
+            chains.propose()
+            new, traced = self._trace(chains, count)
+            rays += traced
+            chance = np.minimum(new.brightness / np.maximum(now.brightness, 1e-300), 1.0)
+            for values, share in ((new, chance), (now, 1.0 - chance)):
+                share = share * scale / np.where(values.brightness > 0.0, values.brightness, 1.0)
+                sums.add(values.pixel, values.radiance * share)
+            sums.nonfinite += np.bincount(new.pixel[new.bad], minlength=sums.nonfinite.size)
+            accepted = generator.random(count) < chance
+            chains.accept(accepted)
+            now = now.replaced(new, accepted)
+            progress.check()
+        return sums, rays
+
+    def _trace(self, uniforms: ChainUniforms, count: int) -> tuple[_Values, int]:
+        """What the proposals of all chains bring, and the rays traced. What is not finite is 0 here."""
+        camera = self.scene.camera
+        sums, chain = PixelSums(count), np.arange(count)
+        tracer = Tracer(self._kernel, uniforms, sums, StageClock())
+        corner = np.zeros(count, np.intp)  # the raster's, to which the pair of the pixel is added
+        tracer.trace(corner, corner + (camera.height - 1), chain, corner)
+        x, y = uniforms.place()
+        column = np.minimum(x.astype(np.intp), camera.width - 1)
+        row = camera.height - 1 - np.minimum(y.astype(np.intp), camera.height - 1)
+        bad = ~np.isfinite(sums.radiance).all(axis=0)
+        radiance = np.where(bad, 0.0, sums.radiance)
+        return _Values(radiance, luminance(np.abs(radiance)), row * camera.width + column, bad), tracer.rays
+
+
+def _resample(weight: np.ndarray, uniform: float, count: int) -> np.ndarray:
+    """Indices (count,), each picked in proportion to its weight (n,), by one uniform and even steps."""
+    edges = np.cumsum(weight)
+    return np.searchsorted(edges, (np.arange(count) + uniform) / count * edges[-1], side="right").clip(
+        0, weight.size - 1
+    )
