@@ -61,7 +61,7 @@ CASES = {
     "Principled, all below": principled("RANDOM_WALK", **{"Subsurface Weight": 1.0, "Specular IOR Level": 0.3}),
     **({"node, backward": scattering("RANDOM_WALK", -0.5)} if NEW else {}),
 }
-DEFAULT = ("node, RANDOM_WALK, forward", "node, bright", "Principled, RANDOM_WALK_SKIN")
+DEFAULT = ("Principled, RANDOM_WALK_SKIN",)
 
 
 def body(build):

@@ -64,6 +64,7 @@ def test_one_object_and_one_light_are_left(two_floors, tmp_path):
     assert unexplained(again)
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_there_is_none_where_all_agrees(two_floors, tmp_path):
     (tmp_path / job.MINIMAL).write_bytes(b"of another comparison")

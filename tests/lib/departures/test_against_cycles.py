@@ -203,7 +203,7 @@ POOR = {furnace: [(2, 2)]}
 # Layers take longest, and test_without_noise.py has them for each release.
 @pytest.mark.parametrize(
     "build",
-    [pytest.param(case, marks=pytest.mark.slow if case is layers else ()) for case in CASES],
+    [pytest.param(case, marks=pytest.mark.slow if case in (layers, furnace, soft_box) else ()) for case in CASES],
     ids=lambda case: case.__name__,
 )
 def test_the_reference_departs_as_cycles_does(build):

@@ -51,6 +51,9 @@ LONG = (
     ("rational Beckmann Lambda",),
     ("texture interpolation",),
     ("thin film series",),
+    ("thin film from inside",),
+    ("multiple-scattering tables",),
+    ("refraction from behind",),
     ("Oren-Nayar colour", "narrow spread"),
 )
 

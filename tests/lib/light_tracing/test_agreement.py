@@ -34,17 +34,17 @@ def test_every_light_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS["glossy"], [LIGHTS[name]]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("name", of(MATERIALS, "rough_glass", "layers"))
+@pytest.mark.parametrize("name", of(MATERIALS, "rough_glass"))
 def test_every_lobe_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS[name]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("name", of(CAMERAS, "perspective_with_lens", "orthographic_with_lens"))
+@pytest.mark.parametrize("name", of(CAMERAS, "perspective_with_lens"))
 def test_every_camera_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS["diffuse"], camera=CAMERAS[name]), seed, precision=0.08)
 
 
-@pytest.mark.parametrize("lighting", of(["lamp", "behind_a_veil", "all"], "behind_a_veil", "all"))
+@pytest.mark.parametrize("lighting", of(["lamp", "behind_a_veil", "all"], "behind_a_veil"))
 def test_worlds_lamps_and_veils_give_the_same_image(lighting, seed):
     assert_agree(stage(**LIGHTINGS[lighting]), seed, precision=0.08)
 
@@ -97,6 +97,7 @@ def assert_seen(the_scene, seed, **more):
         assert_agree(the_scene, seed, **more)
 
 
+@pytest.mark.slow
 def test_a_forgotten_factor_of_refraction_is_seen(monkeypatch, seed):
     """A lamp within glass: without 1 / eta^2 the floor is 2.25 times too bright. Two crossings of a closed body would cancel it."""
     lamp = replace(icosphere(0.4, 1, 2), vertices=icosphere(0.4, 1).vertices + np.array([[0.0], [0.0], [1.0]]))
@@ -108,6 +109,7 @@ def test_a_forgotten_factor_of_refraction_is_seen(monkeypatch, seed):
     assert_seen(the_scene, seed)
 
 
+@pytest.mark.slow
 def test_a_forgotten_factor_of_shading_normals_is_seen(monkeypatch, seed):
     """Veach 1997, section 5.3, on a sphere of 20 faces that is shaded smooth; forgotten, |on.n| stands in the weight, as in path tracing."""
     sun = SunLight("sun", (0.8, 0.0, 0.6), 0.0, (1.0, 1.0, 1.0))
@@ -123,6 +125,7 @@ def test_a_forgotten_factor_of_shading_normals_is_seen(monkeypatch, seed):
     assert_seen(the_scene, seed, samples=1024, size=1)
 
 
+@pytest.mark.slow
 def test_lobes_of_the_wrong_side_are_seen(monkeypatch, seed):
     """Lobes are asked for the direction to the camera: those that are made for the light's side weigh something else."""
     the_scene = ball_on_floor(MATERIALS["rough_glass"])

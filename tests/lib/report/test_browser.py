@@ -145,6 +145,7 @@ def test_the_divider_is_dragged_in_the_picture_and_moved_by_keys(opened):
     assert opened.evaluate("document.getElementById('divider').getAttribute('aria-valuenow')") == "0"
 
 
+@pytest.mark.slow
 def test_keys_choose_views_and_regions_and_move_the_picture(opened):
     opened.press("3", "3")
     assert opened.evaluate("document.querySelector('[data-mode=difference]').getAttribute('aria-pressed')") == "true"
@@ -159,6 +160,7 @@ def test_keys_choose_views_and_regions_and_move_the_picture(opened):
     assert opened.evaluate("document.getElementById('reading').textContent").startswith("x ")
 
 
+@pytest.mark.slow
 def test_every_view_channel_and_colour_is_painted(opened):
     seen = set()
     for mode in ("beside", "split", "difference", "map", "eye"):
@@ -195,6 +197,7 @@ def page_with_passes(tmp_path_factory):
     return folder / "report.html"
 
 
+@pytest.mark.slow
 def test_a_pass_is_shown_in_place_of_the_image(browser, page_with_passes):
     """Its pictures, its significance and its rows; verdicts of blocks and FLIP stay with the whole image."""
     browser.problems.clear()

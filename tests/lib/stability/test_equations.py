@@ -28,14 +28,14 @@ CYCLES_LOSES_ALL = (
 
 @EVERY
 def test_last_digits(name):
-    case = measure(FUNCTIONS[name], 60)
+    case = measure(FUNCTIONS[name], 30)
     assert case.passed, case
 
 
 @EVERY
 @pytest.mark.slow
 def test_last_digits_at_many_places(name):
-    case = measure(FUNCTIONS[name], 600)
+    case = measure(FUNCTIONS[name], 300)
     assert case.passed, case
 
 

@@ -23,7 +23,7 @@ def test_all_sets_together_spend_no_more_than_the_level():
         assert spent <= 1.0 + 1e-12
 
 
-@pytest.mark.parametrize("runs", [15, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [5, pytest.param(100, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("tails", [None, 3])
 def test_agreement_on_the_very_edge_is_claimed_no_more_often_than_allowed(rng, tails, runs):
     """Region 0 lies on the edge of the tolerance with every set of departures, region 1 far outside, which starts the search."""
@@ -55,7 +55,7 @@ def test_the_edge_is_seen_where_nothing_is_paid_for(rng, monkeypatch):
     assert wrong > binom.ppf(0.999, 60, ATTRIBUTION_SHARE * 0.5)
 
 
-@pytest.mark.parametrize("runs", [15, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [5, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("planted", [("a",), ("c",), ("a", "b"), ("b", "c"), ("a", "b", "c")])
 def test_the_smallest_set_is_found(rng, planted, runs):
     steps = {"a": [0.2, 0.1, 0.0, 0.0], "b": [0.0, 0.15, -0.2, 0.0], "c": [0.0, 0.0, 0.1, 0.3]}

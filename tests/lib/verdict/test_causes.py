@@ -80,6 +80,7 @@ def test_a_true_cause_is_named_alone_and_in_pairs(rng):
         assert np.mean(shares) == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.slow
 def test_a_wrong_departure_with_a_similar_pattern_is_never_the_cause(rng):
     """Within the tolerance it agrees everywhere, and in the whole image its share is 1: only the pattern speaks against it."""
     wrong = share_of([1.0, 1.3, 0.7, 1.3, 0.7])
@@ -157,6 +158,7 @@ def test_a_noisy_true_cause_is_likely_and_its_proof_has_a_price(rng):
     assert np.mean([why.state is State.CAUSE for why in far]) <= 0.3
 
 
+@pytest.mark.slow
 def test_no_known_reason_is_said_only_where_all_shares_are_shown_to_be_small(rng):
     gap = np.full(5, 0.3)
     assert found(rng, {}, gap).state is State.NO_REASON

@@ -2,6 +2,7 @@
 """False claims on light passes, counted over simulated comparisons."""
 
 import numpy as np
+import pytest
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.film.regions import RegionMoments, image_regions
 from etalon.lib.verdict import passes as module
@@ -35,6 +36,7 @@ def false_claims(rng, off, wrong):
     return count
 
 
+@pytest.mark.slow
 def test_false_claims_stay_within_the_level_of_passes(rng):
     """At the edge of the tolerance each claim is false; together they may be made in a twentieth of 1 - confidence of the runs."""
     most = binom.ppf(0.9999, RUNS, module.PASSES_SHARE * (1.0 - CONFIDENCE))
@@ -42,6 +44,7 @@ def test_false_claims_stay_within_the_level_of_passes(rng):
     assert false_claims(rng, 0.9999 * TOLERANCE, Outcome.DIFFERENT) <= most
 
 
+@pytest.mark.slow
 def test_claims_at_fifty_times_the_level_would_be_seen(rng, monkeypatch):
     """The error planted: claims that passes differ spend all of 1 - confidence."""
     most = binom.ppf(0.9999, RUNS, module.PASSES_SHARE * (1.0 - CONFIDENCE))

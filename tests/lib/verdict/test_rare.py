@@ -17,8 +17,8 @@ from etalon.lib.verdict.rare import (
 from etalon.tests.lib.verdict.simulated import HEAVY, decided_on_heavy_tails, decided_on_samples
 from scipy import stats
 
-RUNS = [8, pytest.param(60, marks=pytest.mark.slow)]
-FEW = [2, pytest.param(25, marks=pytest.mark.slow)]
+RUNS = [3, pytest.param(30, marks=pytest.mark.slow)]
+FEW = [1, pytest.param(15, marks=pytest.mark.slow)]
 
 
 def test_one_bright_sample_is_a_jump_of_its_worth(rng):

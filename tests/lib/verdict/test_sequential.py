@@ -12,7 +12,7 @@ from etalon.tests.lib.verdict.simulated import decided, fireflies, gaussian
 from scipy import stats
 
 TOLERANCE = 0.01
-RUNS = [20, pytest.param(120, marks=pytest.mark.slow)]
+RUNS = [6, pytest.param(60, marks=pytest.mark.slow)]
 
 
 def test_holms_procedure_step_by_step(rng):
@@ -60,7 +60,7 @@ def test_looks_that_are_not_paid_for_raise_false_alarms(rng, monkeypatch, noise)
     assert wrong(rng, 100, noise, TOLERANCE, 0.9) > stats.binom.ppf(0.999, 100, 0.1)
 
 
-@pytest.mark.parametrize("runs", [10, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [5, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("bias", [0.005, 0.01, 0.02, 0.05])
 def test_a_planted_bias_on_one_material_is_found(rng, runs, bias):
     """At half its size as tolerance, in at least 95 of 100 runs, at the cost that the normal distribution foretells.
@@ -151,6 +151,7 @@ def test_room_for_rare_light_is_left_by_every_claim():
     assert test.outcomes.tolist() == [Outcome.EQUIVALENT, Outcome.UNDECIDED]
 
 
+@pytest.mark.slow
 def test_the_bound_is_wrong_no_more_often_than_its_level(rng):
     """The truth is 2 % off in one region of 20; the bound must not fall below that, at any look."""
     truth, runs, confidence = np.ones(20), 300, 0.9

@@ -218,7 +218,7 @@ def assert_film(scene, strategy):
     assert not rendering.nonfinite.any()
 
 
-@settings(max_examples=60, **KEPT)
+@settings(max_examples=25, **KEPT)
 @given(scenes(), st.sampled_from(STRATEGIES))
 def test_any_valid_scene_gives_a_finite_film(scene, strategy):
     validate(scene)
@@ -226,7 +226,7 @@ def test_any_valid_scene_gives_a_finite_film(scene, strategy):
 
 
 @pytest.mark.slow
-@settings(max_examples=500, **KEPT)
+@settings(max_examples=250, **KEPT)
 @given(scenes(), st.sampled_from(STRATEGIES))
 def test_any_of_many_valid_scenes_gives_a_finite_film(scene, strategy):
     validate(scene)
@@ -282,14 +282,14 @@ def assert_refused(scene, owner):
         validate(scene)
 
 
-@settings(max_examples=50, **KEPT)
+@settings(max_examples=20, **KEPT)
 @given(broken())
 def test_any_broken_scene_gives_an_error_that_names_it(case):
     assert_refused(*case)
 
 
 @pytest.mark.slow
-@settings(max_examples=120, **KEPT)
+@settings(max_examples=60, **KEPT)
 @given(broken())
 def test_any_of_many_broken_scenes_gives_an_error_that_names_it(case):
     assert_refused(*case)

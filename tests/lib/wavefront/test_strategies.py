@@ -58,7 +58,7 @@ def image(the_scene, seed, offset, samples=64, count=10, **options):
     return blocks(replicates(the_scene, count, samples, seed=seed + offset, **options), 5)
 
 
-@pytest.mark.parametrize("distribution", ["GGX", "BECKMANN"])
+@pytest.mark.parametrize("distribution", ["GGX", pytest.param("BECKMANN", marks=pytest.mark.slow)])
 def test_strategies_agree(distribution, seed):
     """An area light, a bright sky, glossy and mixed surfaces, two bounces."""
     the_scene = stage([AREA], 0.5, distribution=distribution)
@@ -78,7 +78,14 @@ LIGHTINGS = {
 }
 
 
-@pytest.mark.parametrize("lighting", LIGHTINGS)
+# The last two have all that the others have.
+@pytest.mark.parametrize(
+    "lighting",
+    [
+        *(pytest.param(name, marks=pytest.mark.slow) for name in list(LIGHTINGS)[:-2]),
+        *list(LIGHTINGS)[-2:],
+    ],
+)
 def test_direct_light_agrees(lighting, seed):
     """Every kind of light by light sampling alone and by BSDF sampling alone, against both together."""
     the_scene = stage(**LIGHTINGS[lighting])
@@ -124,12 +131,11 @@ PRODUCTS = [
 ]
 
 
-# Masking changes a lobe's value, not how light is found: the other two forms are tried with one way of finding it.
-MASKED = [
-    (masking, *product)
-    for masking in ("correlated", "separable", "torrance_sparrow")
-    for product in PRODUCTS
-    if masking == "correlated" or product[1] == "mis"
+# Masking changes a lobe's value, not how light is found: the other two forms are tried where they change it most.
+MASKED = [("correlated", *product) for product in PRODUCTS] + [
+    (masking, 1.0, "mis", strategy)
+    for masking in ("separable", "torrance_sparrow")
+    for strategy in ("visible", "d_cos")
 ]
 
 

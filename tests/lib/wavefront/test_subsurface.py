@@ -87,6 +87,7 @@ def lit(parts, materials, **more):
     return scene(parts, materials, **{**options, **more})
 
 
+@pytest.mark.slow
 def test_light_and_lobe_sampling_find_the_same_light_where_walks_leave(seed):
     images = [
         replicates(lit(cube(), WAX), 8, 128, direct=direct, seed=seed + k) for k, direct in enumerate(("lights", "mis"))
@@ -94,6 +95,7 @@ def test_light_and_lobe_sampling_find_the_same_light_where_walks_leave(seed):
     assert_same(*images, 0.1)
 
 
+@pytest.mark.slow
 def test_walks_stay_inside_their_own_object(seed):
     """A black core inside the wax, another object, changes nothing; as a part of the same object it takes light."""
     coats = [WAX, diffuse(0.0)]

@@ -40,9 +40,10 @@ def wide(part, factor):
     return replace(part, vertices=part.vertices * np.array([[factor], [factor], [1.0]]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "phases",
-    [pytest.param((0.0,), marks=pytest.mark.slow), pytest.param((0.8,), marks=pytest.mark.slow), (-0.5, 0.9)],
+    [(0.0,), (0.8,), (-0.5, 0.9)],
 )
 def test_a_white_furnace(phases, seed):
     """Nothing is absorbed: a cube is not to be seen, in whatever colours and directions it scatters."""
@@ -85,7 +86,8 @@ def test_a_lamp_in_fog(g, beside, end, seed):
     assert_mean(replicates(foggy, 12, 512, seed=seed), exact, 0.01, rounding=1e-4)
 
 
-@pytest.mark.parametrize("g", [pytest.param(0.0, marks=pytest.mark.slow), 0.6])
+@pytest.mark.slow
+@pytest.mark.parametrize("g", [0.0, 0.6])
 def test_all_ways_of_finding_a_lamp_in_smoke_agree(g, seed):
     """A broad lamp and a ball of light over a cube of smoke on a floor, with two bounces."""
     lamp = AreaLight("a", (0, 0, 3.0), (6.0, 0, 0), (0, -6.0, 0), (0, 0, -1.0), "RECTANGLE", (1.0,) * 3, np.pi)
@@ -126,6 +128,7 @@ def chandrasekhar(albedo, mu):
     return 1.0 / (root + 0.5 * albedo * (node * h * weight / (node + mu)).sum())
 
 
+@pytest.mark.slow
 def test_a_half_space_reflects_by_chandrasekhars_h(seed):
     """albedo E / (4 pi) mu0 / (mu + mu0) H(mu) H(mu0) for sunlight E across its direction; a block of optical depth 200 for all space."""
     albedo, mu, mu0 = np.array([0.5, 0.7, 0.9]), 0.8, 0.6
