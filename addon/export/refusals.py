@@ -19,6 +19,12 @@ UNSUPPORTED_TYPES = {
     "GREASEPENCIL": "grease pencil",
     "GPENCIL": "grease pencil",
 }
+_CONVERT = "convert it to a mesh, or do not render it"
+# Blender converts these to loose points and edges, which no renderer shows.
+_REMEDIES = {
+    "CURVES": "give them faces (geometry nodes: Curve to Mesh with a Curve Circle as its profile), or do not render them",
+    "POINTCLOUD": "put spheres in its place (geometry nodes: Instance on Points with an Ico Sphere), or do not render it",
+}
 
 
 def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals: list[Refusal]) -> None:
@@ -67,14 +73,14 @@ def refuse_object(
     owner = f"object '{thing.name}'"
     if instance.show_particles and _has_strands(thing):
         # The emitter may have faces that are to be rendered: what leaves out the hair alone depends on its modifiers.
-        refusals.append(Refusal(owner, "particle hair", "convert it to a mesh, or do not render it"))
+        refusals.append(Refusal(owner, "particle hair", _CONVERT))
     if not instance.show_self:
         return
     _refuse_properties(instance, owner, checked, refusals)
     kind = unsupported_kind(thing)
-    if kind:
+    if kind and not _is_empty(thing):
         hidden = f"{_path(thing)}.hide_render=true" if instance.parent is None else ""
-        refusals.append(Refusal(owner, kind, "convert it to a mesh, or do not render it", hidden))
+        refusals.append(Refusal(owner, kind, _REMEDIES.get(thing.type, _CONVERT), hidden))
     elif isinstance(thing.data, bpy.types.Mesh):
         refusals.extend(Refusal(owner, *flag) for flag in _object_flags(instance, depsgraph))
 
@@ -188,6 +194,11 @@ def unsupported_kind(thing: bpy.types.Object) -> str | None:
     if thing.type in UNSUPPORTED_TYPES:
         return UNSUPPORTED_TYPES[thing.type]
     return "smoke" if _is_smoke(thing) else None
+
+
+def _is_empty(thing: bpy.types.Object) -> bool:
+    """Whether an evaluated object of curves or points has none left: its modifiers made something else of them."""
+    return isinstance(thing.data, bpy.types.Curves | bpy.types.PointCloud) and not len(thing.data.points)
 
 
 def refuse_smoke(scene: bpy.types.Scene) -> None:

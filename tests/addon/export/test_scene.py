@@ -151,11 +151,40 @@ def test_no_faces_is_bad_input(studio):
 
 
 def curves(studio):
-    studio.add("thing", bpy.data.hair_curves.new("thing"))
+    strands = bpy.data.hair_curves.new("thing")
+    strands.add_curves([2])
+    strands.points[1].position = (0.0, 0.0, 1.0)
+    return studio.add("thing", strands)
 
 
 def point_cloud(studio):
-    studio.add("thing", bpy.data.pointclouds.new("thing"))
+    thing = studio.add("thing", studio.mesh("thing", [(0, 0, 0), (1, 0, 0)], []))
+    through_nodes(thing, ("GeometryNodeMeshToPoints", "Mesh"))
+    return thing
+
+
+def through_nodes(thing, *nodes):
+    """Give a thing a modifier of these geometry nodes, (type, input) each, one after the other."""
+    tree = bpy.data.node_groups.new("nodes", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    last = tree.nodes.new("NodeGroupInput").outputs[0]
+    for kind, name in nodes:
+        node = tree.nodes.new(kind)
+        tree.links.new(last, node.inputs[name])
+        if kind in SHAPES:
+            shape, into = SHAPES[kind]
+            tree.links.new(tree.nodes.new(shape).outputs[0], node.inputs[into])
+        last = node.outputs[0]
+    tree.links.new(last, tree.nodes.new("NodeGroupOutput").inputs[0])
+    thing.modifiers.clear()
+    thing.modifiers.new("nodes", "NODES").node_group = tree
+
+
+SHAPES = {
+    "GeometryNodeCurveToMesh": ("GeometryNodeCurvePrimitiveCircle", "Profile Curve"),
+    "GeometryNodeInstanceOnPoints": ("GeometryNodeMeshIcoSphere", "Instance"),
+}
 
 
 def volume(studio):
@@ -232,6 +261,17 @@ def test_objects_that_are_not_simulated_are_refused_by_name(studio, what):
     OBJECTS[what](studio)
     with pytest.raises(Refused, match=f"^object 'thing': {re.escape(what)} is not simulated; "):
         studio.export()
+
+
+def test_hair_and_points_are_exported_once_they_have_faces(studio):
+    """The two remedies that their refusals name."""
+    tubes = curves(studio)
+    through_nodes(tubes, ("GeometryNodeCurveToMesh", "Curve"))
+    assert studio.export().mesh.triangle_count >= 2 * 32
+    bpy.data.objects.remove(tubes)
+    points = point_cloud(studio)
+    through_nodes(points, ("GeometryNodeMeshToPoints", "Mesh"), ("GeometryNodeInstanceOnPoints", "Points"))
+    assert studio.export().mesh.triangle_count == 2 * 20
 
 
 def test_a_holdout_collection_is_refused(studio):
