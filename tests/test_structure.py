@@ -2,6 +2,7 @@
 """The lines that docs/architecture.md draws: who may import whom, and how long a function may be."""
 
 import ast
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -15,6 +16,12 @@ LONGEST = 60
 SLOW_TO_LOAD = {
     f"scipy.{name}" for name in ("stats", "interpolate", "optimize", "ndimage", "integrate", "signal", "fft")
 }
+
+
+@cache
+def parsed(path):
+    """The syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def sources():
@@ -41,7 +48,7 @@ def imports(name, known):
     path, is_package = known[name]
     package = name.split(".") if is_package else name.split(".")[:-1]
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = [*package[: len(package) - (node.level - 1)], *(node.module or "").split(".")]
             target = ".".join(filter(None, base))
@@ -97,7 +104,7 @@ def test_imports_in_functions_and_for_type_checkers_count(tmp_path, text):
 
 def test_lib_imports_no_blender():
     for path in (ROOT / "lib").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             assert not BLENDER & {name.split(".")[0] for name in names}, path
@@ -105,7 +112,7 @@ def test_lib_imports_no_blender():
 
 def test_no_file_loads_a_slow_part_of_scipy_before_it_is_used():
     for path in sources():
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in parsed(path).body:
             if isinstance(node, ast.ImportFrom) and not node.level:
                 names = {node.module, *(f"{node.module}.{one.name}" for one in node.names)}
             else:
@@ -117,7 +124,7 @@ def test_no_function_is_longer_than_60_lines():
     long = [
         (path.name, node.name)
         for path in sources()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(parsed(path))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.end_lineno - node.lineno >= LONGEST
     ]
     assert long == []

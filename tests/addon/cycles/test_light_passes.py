@@ -183,14 +183,14 @@ def test_only_passes_that_can_hold_light_are_asked_for():
 
 
 @pytest.mark.compares_with_cycles
-@pytest.mark.parametrize("samples", [24, pytest.param(128, marks=pytest.mark.slow)])
-def test_the_reference_parts_light_as_cycles_does(seed, samples):
+@pytest.mark.slow
+def test_the_reference_parts_light_as_cycles_does(seed):
     """Every pass of every surface agrees within five standard errors and 1 % of the patch's light."""
     scene = samples_of_surfaces(list(SURFACES))
     passes = tuple(LightPass)
     reference = ReferenceRenderer(export(scene), Options(seed=seed), passes=passes)
     cycles = CyclesRenderer(scene, seed=seed).with_passes(passes)
-    found = compare_patches(reference, cycles, replicates=8, samples=samples)
+    found = compare_patches(reference, cycles, replicates=8, samples=128)
     assert not found, found
 
 

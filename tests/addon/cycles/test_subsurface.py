@@ -61,7 +61,6 @@ CASES = {
     "Principled, all below": principled("RANDOM_WALK", **{"Subsurface Weight": 1.0, "Specular IOR Level": 0.3}),
     **({"node, backward": scattering("RANDOM_WALK", -0.5)} if NEW else {}),
 }
-DEFAULT = ("Principled, RANDOM_WALK_SKIN",)
 
 
 def body(build):
@@ -78,9 +77,8 @@ def body(build):
     return scene
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in DEFAULT else pytest.mark.slow) for name in CASES]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(CASES))
 def test_the_reference_shows_what_cycles_shows(name, seed):
     """The mean of the image, each channel by a t test of all three together; errors are below 1.2 % of the light."""
     scene = body(CASES[name])

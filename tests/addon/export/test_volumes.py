@@ -218,6 +218,7 @@ def test_fog_and_a_camera_inside_a_volume_against_cycles(studio):
     assert apart(cycles_images(studio), exported) < 1.5
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_scattering_against_cycles(studio):
     """Smoke, a glowing cloud and thin fog; and scattering forwards for backwards is told apart."""

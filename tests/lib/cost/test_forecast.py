@@ -17,7 +17,10 @@ def run(*ways, **options):
     return measure("synthetic", list(ways), ways[0].key, **{"budget": 30.0, "most_samples": 16, **options})
 
 
-@pytest.mark.parametrize(("rate", "known"), [(1.0, 1.0), (1.0, None), (1.3, None)])
+@pytest.mark.parametrize(
+    ("rate", "known"),
+    [pytest.param(1.0, 1.0, marks=pytest.mark.slow), (1.0, None), pytest.param(1.3, None, marks=pytest.mark.slow)],
+)
 def test_coverage(rate, known, seed):
     """Seconds of a run to come, sixteen times as far as the pilots went, in 90 of 100 cases inside the interval."""
     hits = 0

@@ -106,7 +106,10 @@ def hemisphere(nodes, around):
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), mu]).reshape(3, -1), measure
 
 
-@pytest.mark.parametrize(("roughness", "least"), [(0.5, 0.06), (0.7, 0.35), (0.9, 0.6)])
+@pytest.mark.parametrize(
+    ("roughness", "least"),
+    [(0.5, 0.06), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.7, 0.35), (0.9, 0.6)))],
+)
 def test_half_vectors_that_face_away_from_the_viewer_give_no_light(roughness, least):
     """In a uniform world the mean weight of samples is the integral of the lobe, Ashikhmin and Shirley 2000, eq. 4, over directions.
 

@@ -53,5 +53,6 @@ def test_claims_at_fifty_times_the_level_would_be_seen(rng, monkeypatch):
     assert false_claims(rng, 0.9999 * TOLERANCE, Outcome.DIFFERENT) > most
 
 
+@pytest.mark.slow
 def test_a_clear_difference_is_claimed(rng):
     assert false_claims(rng, 5.0 * TOLERANCE, Outcome.DIFFERENT) == RUNS

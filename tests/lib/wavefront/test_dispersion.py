@@ -124,7 +124,7 @@ def test_light_that_meets_no_dispersion_carries_no_noise_of_it(seed):
     np.testing.assert_allclose(image, 0.5, rtol=1e-12)
 
 
-@pytest.mark.parametrize("tint", [(1.0, 0.0, 0.0), (0.2, 0.9, 0.4)])
+@pytest.mark.parametrize("tint", [(1.0, 0.0, 0.0), pytest.param((0.2, 0.9, 0.4), marks=pytest.mark.slow)])
 def test_roulette_spares_colours_that_are_negative(tint, seed):
     """Tinted glass under one sky: the colour as without dispersion, however long paths grow."""
     plate = [floor(500.0), quad((-500.0, 500.0, -0.1), (1000.0, 0.0, 0.0), (0.0, -1000.0, 0.0))]
@@ -139,6 +139,7 @@ def test_roulette_spares_colours_that_are_negative(tint, seed):
     assert_mean(images[0][:, None, None], images[1].mean(axis=0), 0.01)
 
 
+@pytest.mark.slow
 def test_lost_light_is_given_back_at_each_wavelength():
     """Multiscatter GGX, white, from outside: 1 / E of the index at the wavelength, E by quadrature over visible normals."""
     wavelength = np.array([400.0, 460.0, 520.0, 590.0, 660.0, 750.0])

@@ -127,7 +127,9 @@ REACH = {"visible": (0, 9, 0.01), "d_cos": (0, 6, 0.02), "cosine": (3, 6, 0.04),
 
 @pytest.mark.parametrize("distribution", ["GGX", "BECKMANN"])
 @pytest.mark.parametrize("masking", MASKING)
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize(
+    "strategy", [pytest.param(name, marks=() if name == "visible" else pytest.mark.slow) for name in STRATEGIES]
+)
 def test_directional_albedo(distribution, masking, strategy, seed):
     """By facing angle, for every roughness that the strategy can resolve at all."""
     first, last, precision = REACH[strategy]

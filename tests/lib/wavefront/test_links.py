@@ -61,7 +61,7 @@ def test_faces_light_what_is_linked_to_them(direct, seed):
         assert not render([floor(3.0), lower], {"receiver": number}, {"links": Links(bits ^ 3), **UNSEEN}).any()
 
 
-@pytest.mark.parametrize("source", ["lamp", "faces"])
+@pytest.mark.parametrize("source", ["lamp", pytest.param("faces", marks=pytest.mark.slow)])
 def test_sets_that_part_the_objects_part_the_light(source, seed):
     """Two walls of different sets, a glossy floor and two bounces: the light of the three sets adds up to all of it."""
     walls = [

@@ -104,6 +104,7 @@ def test_a_number_of_samples_that_is_no_power_of_two(seed):
     assert_same(image(the_scene, seed, 0), image(the_scene, seed, 1, samples=37), 0.02)
 
 
+@pytest.mark.slow
 def test_direct_light_inside_a_box(seed):
     """All light is indirect but for what the lamp shows: the strategies agree after many scatterings too."""
     box = scene(

@@ -25,7 +25,13 @@ def assert_same(light, read_materials, defined):
     np.testing.assert_allclose(got, expected, rtol=1e-9, atol=1e-15)
 
 
-@pytest.mark.parametrize("light", sorted({probe.light for probe in probes_of(RELEASE)} & set(SUNS)))
+@pytest.mark.parametrize(
+    "light",
+    [
+        pytest.param(light, marks=pytest.mark.slow if light == "back" else ())
+        for light in sorted({probe.light for probe in probes_of(RELEASE)} & set(SUNS))
+    ],
+)
 def test_probes_are_exported_as_they_are_defined(light):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     probes = [probe for probe in probes_of(RELEASE) if probe.light == light]

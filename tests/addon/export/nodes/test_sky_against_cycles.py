@@ -15,6 +15,7 @@ NEWEST = "MULTIPLE_SCATTERING" if bpy.app.version >= (5, 0) else "NISHITA"
 PLATES = (("BsdfDiffuse", {"Color": (0.7, 0.6, 0.5, 1.0)}), ("BsdfGlossy", {"Roughness": 0.7}))
 
 
+@pytest.mark.slow
 def test_plates_under_a_sky_agree(tmp_path):
     scene = prepare("ORTHO", 16, 8)
     scene.camera.location, scene.camera.data.ortho_scale = (0.0, 0.0, 5.0), 2.0
