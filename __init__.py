@@ -26,6 +26,8 @@ if TYPE_CHECKING:
         CostOptions,
         EtalonError,
         Film,
+        FitSettings,
+        Identification,
         Outcome,
         Plan,
         Refused,
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
         batch,
         compare,
         cost,
+        fit,
         plan,
         render,
     )
@@ -48,6 +51,8 @@ __all__ = [
     "CostOptions",
     "EtalonError",
     "Film",
+    "FitSettings",
+    "Identification",
     "Outcome",
     "Plan",
     "Refused",
@@ -58,6 +63,7 @@ __all__ = [
     "batch",
     "compare",
     "cost",
+    "fit",
     "plan",
     "render",
 ]

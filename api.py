@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from .addon.command.exported import read_scene
+from .addon.command.observed import observe_file
 from .lib.batch.plan import BatchPlan, read_plan, read_words
 from .lib.comparison.compare import Comparison
 from .lib.cost.result import Cost
@@ -23,11 +24,13 @@ from .lib.errors import Cancelled
 from .lib.errors import EtalonError as EtalonError
 from .lib.errors import Refused as Refused
 from .lib.film.film import Film
+from .lib.fit.identify import Identification, identify
 from .lib.progress import NO_PROGRESS, Progress
 from .lib.rendering.replicates import render_film
 from .lib.settings.common import REFERENCE_SCENES, Target
 from .lib.settings.comparison import Settings
 from .lib.settings.cost import CostOptions
+from .lib.settings.fit import FitSettings
 from .lib.settings.reference import RenderOptions
 from .lib.settings.words import repeating_command
 from .lib.verdict.outcome import Outcome as Outcome
@@ -125,6 +128,26 @@ def cost(
 
     repeat = repeating_command("cost", as_opened(target), chosen)
     return measure_cost(name, opened, chosen, chosen.out, repeat, lambda words: nullcontext(progress))
+
+
+def fit(file: str | Path, settings: FitSettings | None = None, progress: Progress = NO_PROGRESS) -> Identification:
+    """Find the model and the parameters behind a measured BRDF, or behind a sphere that Cycles renders.
+
+    `file` is a MERL .binary, an RGL .bsdf, or a .blend with one sphere under one sun of angle 0; only the last needs Blender, and
+    replaces the file that is open.
+
+    Returns the Identification: `best` is a model with its parameters, `intervals` are their 95 % intervals, `fits` says whether the
+    model explains the data, `equivalent` has the models that the data cannot tell apart. Raises EtalonError or Refused.
+
+    >>> import etalon
+    >>> try:
+    ...     etalon.fit("gold.binary")
+    ... except etalon.EtalonError as error:
+    ...     print(error)
+    gold.binary: no such file; check the path
+    """
+    chosen = settings or FitSettings()
+    return identify(observe_file(Path(file), chosen, progress.within(0.0, 0.5)), progress.within(0.5, 1.0))
 
 
 @dataclass(frozen=True)

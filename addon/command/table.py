@@ -19,6 +19,7 @@ from ...lib.settings.common import PageTerminal, Target, Terminal
 from ...lib.settings.comparison import Settings
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.declaration import Declared
+from ...lib.settings.fit import FitOptions
 from ...lib.settings.probe import ProbeOptions
 from ...lib.settings.reference import RenderOutput
 from ...lib.settings.versions import VersionsSettings, VersionsTarget
@@ -115,6 +116,14 @@ COMMANDS = (
         "The light of a pixel by light pass, by bounce and by light, with standard errors on both sides; and every lamp in watts,\n"
         "W/sr, W/m2, candela and lumens.",
         blender=True,
+    ),
+    Command(
+        "fit",
+        (FitOptions, Terminal),
+        "find the model and the parameters behind a measured material, or a sphere that Cycles renders",
+        "FILE is a MERL .binary, an RGL .bsdf, or a .blend file in which one sphere stands under one sun of angle 0 and a black world.\n"
+        "Fitted are Beckmann, GGX and Student-t distributions with three maskings and three Fresnel terms, with 95 % intervals.\n"
+        "The answer may be that none of them explains the data, or that the data cannot tell some of them apart.",
     ),
     Command(
         "audit",
