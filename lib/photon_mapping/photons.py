@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ..light_tracing.emitters import Emitters
 from ..light_tracing.select import Everything
@@ -34,7 +34,7 @@ class Photons:
     front: np.ndarray
     scatterings: np.ndarray
     rays: int
-    tree: cKDTree
+    tree: KDTree
 
 
 class _PhotonTracer(LightTracer):
@@ -66,5 +66,5 @@ def trace_photons(
     position, light, weight, front, scatterings = (
         np.concatenate(arrays, axis=-1) for arrays in zip(*tracer.met, strict=True)
     )
-    tree = cKDTree(position.T, balanced_tree=False, compact_nodes=False)
+    tree = KDTree(position.T, balanced_tree=False, compact_nodes=False)
     return Photons(position, light, weight / count, front, scatterings, tracer.rays, tree)
