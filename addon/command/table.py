@@ -10,6 +10,7 @@ from ...lib.settings.audit import AuditOptions
 from ...lib.settings.commands import (
     BatchOptions,
     CompletionOptions,
+    IllustrateOptions,
     MicrosurfaceOptions,
     PlanOutput,
     ScenesOptions,
@@ -166,6 +167,13 @@ COMMANDS = (
         "trace rough surfaces facet by facet, beside what masking formulas say of them",
         "Height fields with Gaussian slopes: which facets one direction or two see, and what white mirrors reflect once, beside\n"
         "separable and height-correlated masking and V-cavities. Needs no Blender.",
+    ),
+    Command(
+        "illustrate",
+        (IllustrateOptions, PageTerminal),
+        "make one page, in English and French, of what the lecture's slides show",
+        "Distributions, facets, four strategies, inversions, the five slips, and masking: each figure with its numbers, the command\n"
+        "that remakes it and the test that holds it. One file that loads nothing. Needs no Blender.",
     ),
     Command(
         "doctor",

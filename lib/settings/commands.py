@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options of `etalon plan`, `scenes`, `batch`, `stability`, `microsurface` and `completion`."""
+"""The options of `etalon plan`, `scenes`, `batch`, `stability`, `microsurface`, `illustrate` and `completion`."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from .common import Seeded
 from .declaration import Declared, option, required
 from .units import Alpha, Choice, FilePath, Flag, Pair, Unit, Whole
 
+FIGURES = ("densities", "facets", "uniform", "inversions", "slips", "masking")
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
 
 
@@ -96,6 +97,18 @@ class MicrosurfaceOptions(Seeded):
             raise EtalonError(f"--angle: {self.angle} is out of range; give 0 to {self.STEEPEST} degrees")
         if self.correlation > self.LONGEST:
             raise EtalonError(f"--correlation: {self.correlation} is out of range; give 4 to {self.LONGEST} cells")
+
+
+@dataclass(frozen=True, kw_only=True)
+class IllustrateOptions(Seeded):
+    """Which figures are made, and where the page goes."""
+
+    TITLE: ClassVar[str] = ""
+
+    out: Path = option(Path("etalon-out/lecture.html"), FilePath("FILE.html"), "the page, one file")
+    only: str | None = option(
+        None, Choice("FIGURE", "figure", FIGURES), f"one figure alone: {', '.join(FIGURES)}", absent="all figures"
+    )
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the page says around its figures, in English and French."""
+
+from __future__ import annotations
+
+from .figure import Caption, Words
+
+TITLE = Words("The lecture, computed", "Le cours, calculé")
+INTRODUCTION = Words(
+    "What the slides of D. Meneveaux and M. Ribardière (XLIM, Poitiers) show about importance sampling, computed by the reference "
+    "integrator. Every figure names its slide, the command that remakes it and the test that holds its numbers, which lie in this page "
+    "as JSON.",
+    "Ce que montrent les diapositives de D. Meneveaux et M. Ribardière (XLIM, Poitiers) sur l'échantillonnage d'importance, calculé par "
+    "l'intégrateur de référence. Chaque figure nomme sa diapositive, la commande qui la refait et le test qui garantit ses nombres, "
+    "inclus dans cette page en JSON.",
+)
+REMADE = Words("Remake", "Refaire")
+HELD = Words("Test", "Test")
+
+CAPTIONS = {
+    "densities": Caption(
+        "Distributions (D) utilisées habituellement",
+        Words("D for the four sigmas", "D pour les quatre sigmas"),
+        Words(
+            "D of Beckmann (full lines) and GGX (dashed) for sigma = 0.01, 0.1, 0.3 and 0.5, against the angle of the facet. Beside each "
+            "name stands the integral of D cos over the hemisphere, which must be 1. GGX has more facets far from the normal.",
+            "D de Beckmann (traits pleins) et de GGX (tirets) pour sigma = 0,01, 0,1, 0,3 et 0,5, selon l'angle de la facette. À côté de "
+            "chaque nom, l'intégrale de D cos sur l'hémisphère, qui doit valoir 1. GGX a davantage de facettes loin de la normale.",
+        ),
+        "tests/lib/lecture/test_numbers.py::test_each_density_integrates_to_one",
+    ),
+    "facets": Caption(
+        "Echantillonnage d'importance",
+        Words("Facets drawn by D cos, and those that are seen", "Facettes tirées selon D cos, et celles que l'on voit"),
+        Words(
+            "Facets of Beckmann's distribution, sigma = 0.5, seen from above; the observer is at 75 degrees on the right. Red facets are "
+            "wasted: they face away from the observer, or reflect below the surface. Above: drawn by D cos. Below or beside: drawn among "
+            "the facets that the observer sees. The share of useful facets stands below each disc.",
+            "Facettes de la distribution de Beckmann, sigma = 0,5, vues de dessus ; l'observateur est à 75 degrés, à droite. Les facettes "
+            "rouges sont perdues : elles tournent le dos à l'observateur, ou réfléchissent sous la surface. D'abord : tirées selon D cos. "
+            "Ensuite : tirées parmi les facettes que voit l'observateur. La part des facettes utiles est sous chaque disque.",
+        ),
+        "tests/lib/lecture/test_numbers.py::test_visible_normals_all_face_the_observer",
+    ),
+    "uniform": Caption(
+        "Uniforme ?",
+        Words("Uniform? One point by four strategies", "Uniforme ? Un point par quatre stratégies"),
+        Words(
+            "The light that one point of a GGX surface (sigma = 0.1) reflects to an observer at 45 degrees, under a sky with a broad light. "
+            "Relative error (root mean square over 64 replicates) against the number of samples; the slope stands beside each name. "
+            "Independent samples (full lines) fall with slope -1/2. Owen-scrambled Sobol' points (dashed) fall faster where the integrand is "
+            "smooth in them. The table has the time of a sample on this machine, and the error after the same millisecond.",
+            "La lumière qu'un point d'une surface GGX (sigma = 0,1) réfléchit vers un observateur à 45 degrés, sous un ciel avec une large "
+            "source. Erreur relative (moyenne quadratique sur 64 répétitions) selon le nombre de tirages ; la pente est à côté de chaque "
+            "nom. Les tirages indépendants (traits pleins) suivent la pente -1/2. Les points de Sobol' brouillés selon Owen (tirets) "
+            "convergent plus vite là où l'intégrande en dépend de façon lisse. Le tableau donne le temps d'un tirage sur cette machine, et "
+            "l'erreur après la même milliseconde.",
+        ),
+        "tests/lib/lecture/test_numbers.py::test_every_strategy_estimates_the_integral_with_slope_one_half",
+    ),
+    "inversions": Caption(
+        "Exemple 2 – distribution de Beckmann",
+        Words("From (xi1, xi2) to m to i", "De (xi1, xi2) à m, puis à i"),
+        Words(
+            "The unit square in 144 cells, the same cells as normals m by theta = atan(sqrt(-sigma² log(1 - xi2))), and as directions i by "
+            "reflection of an observer at 30 degrees; cells that reach below the surface are not drawn. All cells of the square are "
+            "equally likely. The last step widens the coloured cell by the factor 4 |o.m|, which the slides leave out of the density.",
+            "Le carré unité en 144 cellules, les mêmes cellules comme normales m par theta = atan(sqrt(-sigma² log(1 - xi2))), et comme "
+            "directions i par réflexion d'un observateur à 30 degrés ; les cellules qui passent sous la surface ne sont pas tracées. Toutes "
+            "les cellules du carré sont équiprobables. La dernière étape élargit la cellule colorée du facteur 4 |o.m|, que les "
+            "diapositives omettent dans la densité.",
+        ),
+        "tests/lib/lecture/test_numbers.py::test_reflection_widens_a_cell_by_four_cosines",
+    ),
+    "slips": Caption(
+        "Distributions, Echantillonnage d'importance, Exemple 1, Ombrage et Masquage",
+        Words("Five slips, and the number that decides each", "Cinq lapsus, et le nombre qui tranche"),
+        Words(
+            "Where the slides contradict themselves. The integrals must be 1. In the fifth row it is the number of places, of four, where "
+            "the formula is 0/0 in floating point.",
+            "Là où les diapositives se contredisent. Les intégrales doivent valoir 1. À la cinquième ligne : le nombre d'endroits, sur "
+            "quatre, où la formule donne 0/0 en virgule flottante.",
+        ),
+        "tests/lib/microfacets/test_slips.py, tests/lib/lecture/test_numbers.py::test_each_slip_is_decided_by_its_number",
+    ),
+    "masking": Caption(
+        "Choix de F, D et G",
+        Words("Which geometry underlies G?", "Quelle géométrie sous-jacente à G ?"),
+        Words(
+            "Height fields with Beckmann's slopes (sigma = 0.6), traced: the share of level facets that see both a direction and its mirror "
+            "image, with the standard error over four independent fields, beside three formulas. V-cavities are another surface.",
+            "Champs de hauteurs aux pentes de Beckmann (sigma = 0,6), tracés : la part des facettes horizontales qui voient à la fois une "
+            "direction et son image miroir, avec l'erreur type sur quatre champs indépendants, à côté de trois formules. Les cavités en V "
+            "sont une autre surface.",
+        ),
+        "tests/lib/microsurface/test_height_field.py",
+    ),
+}
+"""One row for each figure, by the name that `--only` takes, in the order of the page."""

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One figure of the page: its texts in two languages, its drawing, its numbers, and what holds them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+
+@dataclass(frozen=True)
+class Words:
+    """A text in both languages of the page."""
+
+    english: str
+    french: str
+
+
+@dataclass(frozen=True)
+class Caption:
+    """What stands around a figure: the lecture's slide, a title, an explanation, and the test that holds the numbers."""
+
+    slide: str
+    title: Words
+    text: Words
+    test: str
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A drawing (SVG or a table, as HTML that is safe), and `numbers`, plain data from which it was drawn."""
+
+    drawing: Markup
+    numbers: dict[str, Any]

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Computes the figures and writes the page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from markupsafe import Markup
+
+from ..files.atomic import replace_file
+from ..files.plain_data import make_plain
+from ..pages import render_page
+from ..progress import NO_PROGRESS, Progress
+from . import captions
+from .densities import illustrate_densities
+from .facets import illustrate_facets
+from .figure import Figure
+from .inversions import illustrate_inversions
+from .masking import illustrate_masking
+from .slips import illustrate_slips
+from .uniform import illustrate_uniform
+
+FIGURES: dict[str, Callable[[int], Figure]] = {
+    "densities": illustrate_densities,
+    "facets": illustrate_facets,
+    "uniform": illustrate_uniform,
+    "inversions": illustrate_inversions,
+    "slips": illustrate_slips,
+    "masking": illustrate_masking,
+}
+"""Each takes the seed of its random numbers."""
+
+
+def make_figures(names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS) -> dict[str, Figure]:
+    """The figures of these names, in their order; raises Cancelled when asked to stop."""
+    figures = {}
+    for k, name in enumerate(names):
+        progress.check()
+        figures[name] = FIGURES[name](seed)
+        progress.report((k + 1) / len(names))
+    return figures
+
+
+def make_page(figures: dict[str, Figure], seed: int) -> str:
+    """The whole page as HTML: it loads nothing and runs no script."""
+    rows = [
+        {
+            "name": name,
+            "caption": captions.CAPTIONS[name],
+            "drawing": figure.drawing,
+            "json": _embed(figure),
+            "command": f"etalon illustrate --only {name} --seed {seed}",
+        }
+        for name, figure in figures.items()
+    ]
+    values = {"figures": rows, "title": captions.TITLE, "introduction": captions.INTRODUCTION}
+    labels = {"remade": captions.REMADE, "held": captions.HELD}
+    return render_page(Path(__file__).with_name("lecture.html"), {**values, **labels})
+
+
+def illustrate(path: Path, names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS) -> dict[str, Figure]:
+    """Compute the figures and write the page to `path`, whole or not at all.
+
+    Raises Cancelled when asked to stop, and EtalonError where `path` cannot be written, before anything is computed.
+    """
+    with replace_file(path) as beside:
+        figures = make_figures(names, seed, progress)
+        beside.write_text(make_page(figures, seed), encoding="utf-8")
+    return figures
+
+
+def _embed(figure: Figure) -> Markup:
+    """The numbers as JSON that cannot end the element that it stands in."""
+    text = json.dumps(make_plain(figure.numbers), ensure_ascii=False, allow_nan=False)
+    return Markup(text.replace("<", "\\u003c"))
