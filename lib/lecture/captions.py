@@ -34,11 +34,11 @@ CAPTIONS = {
         Words("Facets drawn by D cos, and those that are seen", "Facettes tirées selon D cos, et celles que l'on voit"),
         Words(
             "Facets of Beckmann's distribution, sigma = 0.5, seen from above; the observer is at 75 degrees on the right. Red facets are "
-            "wasted: they face away from the observer, or reflect below the surface. Above: drawn by D cos. Below or beside: drawn among "
+            "wasted: they face away from the observer, or reflect below the surface. First disc: drawn by D cos. Second: drawn among "
             "the facets that the observer sees. The share of useful facets stands below each disc.",
             "Facettes de la distribution de Beckmann, sigma = 0,5, vues de dessus ; l'observateur est à 75 degrés, à droite. Les facettes "
-            "rouges sont perdues : elles tournent le dos à l'observateur, ou réfléchissent sous la surface. D'abord : tirées selon D cos. "
-            "Ensuite : tirées parmi les facettes que voit l'observateur. La part des facettes utiles est sous chaque disque.",
+            "rouges sont perdues : elles tournent le dos à l'observateur, ou réfléchissent sous la surface. Premier disque : tirées selon D cos. "
+            "Second : tirées parmi les facettes que voit l'observateur. La part des facettes utiles est sous chaque disque.",
         ),
         "tests/lib/lecture/test_numbers.py::test_visible_normals_all_face_the_observer",
     ),

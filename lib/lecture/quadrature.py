@@ -4,10 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
-_ALONG, _ROUND = 400, 128
+_ALONG, _ROUND = 128, 64
+
+
+@cache
+def _nodes() -> tuple[np.ndarray, np.ndarray]:
+    return np.polynomial.legendre.leggauss(_ALONG)
 
 
 def integrate_normals(function: Callable[[np.ndarray], np.ndarray], sigma: float) -> float:
@@ -16,7 +22,7 @@ def integrate_normals(function: Callable[[np.ndarray], np.ndarray], sigma: float
     `function` takes unit normals (3, n) and returns (n,) values per steradian. Gauss-Legendre in x, with tan(theta) = sigma x / (1 - x),
     times the trapezoidal rule in phi.
     """
-    node, weight = np.polynomial.legendre.leggauss(_ALONG)
+    node, weight = _nodes()
     x = 0.5 * (1.0 + node)
     tangent = sigma * x / (1.0 - x)
     cosine = 1.0 / np.sqrt(1.0 + tangent**2)

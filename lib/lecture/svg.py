@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup, escape
 
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 640, 320, 62, 150, 16, 40
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 700, 320, 62, 210, 16, 40
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,9 @@ class Axis:
 def plot_lines(lines: Sequence[Line], across: Axis, up: Axis, label: str) -> Markup:
     """A plot as SVG; what lies outside the vertical axis is cut off, and names stand in a column at the right."""
     x, y = across.place(_LEFT, _WIDTH - _RIGHT), up.place(_HEIGHT - _BOTTOM, _TOP)
-    parts = [f'<svg class="curve" viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(label)}">']
+    parts = [
+        f'<div class="plot"><svg class="curve" viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(label)}">'
+    ]
     for mark in up.marks:
         parts.append(
             f'<line class="grid" x1="{_LEFT}" x2="{_WIDTH - _RIGHT}" y1="{y(mark):.1f}" y2="{y(mark):.1f}"/>'
@@ -65,7 +67,7 @@ def plot_lines(lines: Sequence[Line], across: Axis, up: Axis, label: str) -> Mar
             f'<line class="{kind}" x1="{_WIDTH - _RIGHT + 6}" x2="{_WIDTH - _RIGHT + 24}" y1="{at - 4}" y2="{at - 4}"/>'
         )
         parts.append(f'<text x="{_WIDTH - _RIGHT + 29}" y="{at}">{escape(line.name)}</text>')
-    return Markup("".join([*parts, "</svg>"]))
+    return Markup("".join([*parts, "</svg></div>"]))
 
 
 def draw_disc(title: str, content: Sequence[str]) -> Markup:

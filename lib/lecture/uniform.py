@@ -39,7 +39,7 @@ def estimate(strategy: str, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     return radiance(wi) * weight[0]
 
 
-def integrate_reflected(nodes: int = 600) -> float:
+def integrate_reflected(nodes: int = 240) -> float:
     """The radiance that the estimators estimate: Gauss-Legendre in cos(theta), the trapezoidal rule in phi."""
     node, weight = np.polynomial.legendre.leggauss(nodes)
     cosine, phi = 0.5 * (1.0 + node), 2.0 * np.pi * np.arange(2 * nodes) / (2 * nodes)
