@@ -37,7 +37,7 @@ CAPTIONS = {
             "wasted: they face away from the observer, or reflect below the surface. First disc: drawn by D cos. Second: drawn among "
             "the facets that the observer sees. The share of useful facets stands below each disc.",
             "Facettes de la distribution de Beckmann, sigma = 0,5, vues de dessus ; l'observateur est à 75 degrés, à droite. Les facettes "
-            "rouges sont perdues : elles tournent le dos à l'observateur, ou réfléchissent sous la surface. Premier disque : tirées selon D cos. "
+            "rouges sont perdues : elles tournent le dos à l'observateur, ou réfléchissent sous la surface. Premier : tirées selon D cos. "
             "Second : tirées parmi les facettes que voit l'observateur. La part des facettes utiles est sous chaque disque.",
         ),
         "tests/lib/lecture/test_numbers.py::test_visible_normals_all_face_the_observer",
