@@ -123,4 +123,4 @@ def _times(rows: list[dict]) -> Markup:
         if row["error_after_1_ms"] is not None
     )
     head = '<tr><th></th><th class="number">1 sample / tirage</th><th class="number">error / erreur, 1 ms</th></tr>'
-    return Markup(f'<table class="narrow">{head}{cells}</table>')
+    return Markup(f'<div class="plot"><table class="narrow">{head}{cells}</table></div>')
