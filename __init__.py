@@ -30,6 +30,8 @@ if TYPE_CHECKING:
         Identification,
         Outcome,
         Plan,
+        ProbeOptions,
+        ProbeResult,
         Refused,
         RenderOptions,
         Settings,
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
         cost,
         fit,
         plan,
+        probe,
         render,
     )
 
@@ -55,6 +58,8 @@ __all__ = [
     "Identification",
     "Outcome",
     "Plan",
+    "ProbeOptions",
+    "ProbeResult",
     "Refused",
     "RenderOptions",
     "Settings",
@@ -65,6 +70,7 @@ __all__ = [
     "cost",
     "fit",
     "plan",
+    "probe",
     "render",
 ]
 

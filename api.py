@@ -25,12 +25,14 @@ from .lib.errors import EtalonError as EtalonError
 from .lib.errors import Refused as Refused
 from .lib.film.film import Film
 from .lib.fit.identify import Identification, identify
+from .lib.probe.result import ProbeResult
 from .lib.progress import NO_PROGRESS, Progress
 from .lib.rendering.replicates import render_film
 from .lib.settings.common import REFERENCE_SCENES, Target
 from .lib.settings.comparison import Settings
 from .lib.settings.cost import CostOptions
 from .lib.settings.fit import FitSettings
+from .lib.settings.probe import ProbeOptions
 from .lib.settings.reference import RenderOptions
 from .lib.settings.words import repeating_command
 from .lib.verdict.outcome import Outcome as Outcome
@@ -148,6 +150,32 @@ def fit(file: str | Path, settings: FitSettings | None = None, progress: Progres
     """
     chosen = settings or FitSettings()
     return identify(observe_file(Path(file), chosen, progress.within(0.0, 0.5)), progress.within(0.5, 1.0))
+
+
+def probe(
+    scene: str | Path | Target | None,
+    options: ProbeOptions,
+    progress: Progress = NO_PROGRESS,
+) -> ProbeResult:
+    """Take the light of a pixel apart by light pass, bounce and light, in the reference and in Cycles.
+
+    `options.pixel` is its column and row, counted from the upper left corner. No file is written. The settings of the scene come back.
+
+    Returns the ProbeResult: `probe.readings` have the radiances of both sides with their standard errors, `lights` every lamp in W, W/sr,
+    cd and lm, `figures` all of it as a dictionary, `lines` the table as text. Raises EtalonError or Refused.
+
+    >>> import etalon
+    >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=10",))
+    >>> found = etalon.probe(target, etalon.ProbeOptions(pixel=(2, 3), time=1, bounces=(0, 0)))
+    >>> found.probe.readings[0].name
+    'all of it'
+    >>> found.figures["box"]
+    (2, 3, 2, 3)
+    """
+    name, opened = _open(_target(scene))
+    from .addon.probe import probe_here
+
+    return probe_here(name, opened, options, progress)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ import bpy
 
 from ..lib.comparison.parts import asked_parts
 from ..lib.errors import EtalonError
-from ..lib.lights.units import LightUnits, light_units
-from ..lib.probe.measure import Probe, probe
+from ..lib.lights.units import light_units
+from ..lib.probe.measure import probe
+from ..lib.probe.result import ProbeResult
 from ..lib.progress import Progress
 from ..lib.settings.comparison import Settings
 from ..lib.settings.probe import ProbeOptions
@@ -21,10 +22,8 @@ from .job import export
 BOUNCES = 4
 
 
-def probe_here(
-    scene: bpy.types.Scene, options: ProbeOptions, progress: Progress
-) -> tuple[Probe, tuple[LightUnits, ...]]:
-    """Read pixels of `scene` in this process, and list its lights; the scene's own settings come back.
+def probe_here(name: str, scene: bpy.types.Scene, options: ProbeOptions, progress: Progress) -> ProbeResult:
+    """Read pixels of `scene`, called `name`, in this process, and list its lights; the scene's own settings come back.
 
     Raises Refused or EtalonError.
     """
@@ -45,4 +44,4 @@ def probe_here(
         cycles = CyclesRenderer(scene, seed=options.seed, threads=options.threads)
         progress.begin("rendering")
         found = probe((reference, cycles), (camera.height, camera.width), box, parts, options.time, progress)
-    return found, tuple(light_units(light) for light in exported.lights)
+    return ProbeResult(name, found, tuple(light_units(light) for light in exported.lights))

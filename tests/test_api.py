@@ -15,7 +15,7 @@ from etalon import api
 from etalon.lib.scene import archive
 
 ROOT = Path(__file__).resolve().parents[1]
-FUNCTIONS = ("batch", "compare", "cost", "fit", "plan", "render")
+FUNCTIONS = ("batch", "compare", "cost", "fit", "plan", "probe", "render")
 
 # What a script inside Blender finds: the package below bl_ext, and no other of that name on any path.
 LAYOUT = f"""

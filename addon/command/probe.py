@@ -6,7 +6,6 @@ from __future__ import annotations
 import bpy
 
 from ...lib.plain_text import one_line
-from ...lib.probe.words import light_lines, probe_figures, probe_lines
 from ...lib.progress import Progress
 from ...lib.settings.common import Target, Terminal
 from ...lib.settings.probe import ProbeOptions
@@ -22,9 +21,9 @@ def run(target: Target, options: ProbeOptions, terminal: Terminal) -> int:
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
     with interruptible() as interrupted, bar(name, terminal) as shown, quiet():
         progress = Progress(shown.report, interrupted, shown.tell, shown.begin)
-        found, lights = probe_here(bpy.context.scene, options, progress)
+        found = probe_here(name, bpy.context.scene, options, progress)
     if terminal.json:
-        print_json({"scene": name} | probe_figures(found, lights))
+        print_json(found.figures)
     else:
-        print("\n".join(map(one_line, [*probe_lines(name, found), "", *light_lines(lights)])))
+        print("\n".join(map(one_line, found.lines)))
     return 0
