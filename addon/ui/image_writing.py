@@ -24,7 +24,10 @@ _MARK = "etalon_view"
 
 
 class Writer:
-    """Writes the images of one comparison into `folder`, beside the window; `count` grows when they have changed."""
+    """Writes the images of one comparison into `folder`, beside the window; `count` grows when they have changed.
+
+    `error` says why they could not be written the last time; it is empty where they could.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -44,6 +47,7 @@ class Writer:
 
     def write_interim(self, interim: Interim) -> None:
         """Write the images as they are now; called by the thread of the job."""
+        self.error = ""
         try:
             write_interim(interim, self.folder)
         except (EtalonError, OSError) as error:
@@ -51,6 +55,7 @@ class Writer:
         self.count += 1
 
     def _write(self, comparison: Comparison) -> None:
+        self.error = ""
         try:
             write_views(comparison, self.folder)
         except (EtalonError, OSError) as error:

@@ -76,6 +76,7 @@ def _look() -> float | None:
         if writer.count != _seen[uid]:
             _seen[uid] = writer.count
             reload_views(writer.folder)
+            session.add_error(uid, writer.error)
         for address, (waiting_for, view) in list(_waiting.items()):
             if waiting_for == uid and writer.count and not writer.is_busy:
                 _show(address, load_view(view, writer.folder))

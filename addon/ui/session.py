@@ -113,8 +113,15 @@ class Session:
         if ended.job.refusals:
             self.refusals[ended.uid] = ended.job.refusals
         elif ended.job.errors:
-            self.errors[ended.uid] = ended.job.errors
+            for error in ended.job.errors:
+                self.add_error(ended.uid, error)
         return ended
+
+    def add_error(self, uid: int, error: str) -> None:
+        """Keep an error of a scene beside those of its job, once; an empty one is none."""
+        known = self.errors.get(uid, ())
+        if error and error not in known:
+            self.errors[uid] = (*known, error)
 
     def mark_changed(self) -> None:
         """The content of the file has changed: all results may be others by now."""

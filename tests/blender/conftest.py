@@ -75,6 +75,15 @@ def extension(debian):
     return "bl_ext.user_default.etalon"
 
 
+@pytest.fixture
+def pictures(request, tmp_path):
+    """The folder for a test's pictures of the screen: its own in the folder that ETALON_PICTURES names, where they are kept to look at."""
+    kept = os.environ.get("ETALON_PICTURES")
+    folder = Path(kept).resolve() / request.node.name if kept else tmp_path
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 class Window:
     """Blender in a window on an X server of its own, driven by window.py from inside and xdotool from outside."""
 

@@ -9,15 +9,15 @@ from etalon.tests.blender.hand import LIST_ROW, RUN, START, STOP, click, find, p
 pytestmark = pytest.mark.blender
 
 
-def test_the_button_compares_and_leaves_everything_as_it_was(window, debian, tmp_path):
+def test_the_button_compares_and_leaves_everything_as_it_was(window, debian, pictures):
     before = window.wait_for("ready", seconds=START)
-    press_button(window, before["box"], tmp_path / "panel.png")
+    press_button(window, before["box"], pictures / "panel.png")
     window.wait_for("started", seconds=START)
     assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
-    window.screenshot(tmp_path / "running.png")
+    window.screenshot(pictures / "running.png")
     ended = window.wait_for("ended", seconds=RUN)
     window.wait_for("shown", seconds=STOP)
-    window.screenshot(tmp_path / "ended.png")
+    window.screenshot(pictures / "ended.png")
     assert ended["errors"] == []
     assert ended["outcome"] in {"EQUIVALENT", "UNDECIDED"}
     assert ended["state"] == before["state"]
@@ -30,9 +30,15 @@ def folders_in(debian):
     return {path.name for path in debian.outside.glob("etalon-*") if path.is_dir()}
 
 
-def test_esc_cancels_and_the_button_works_again(window, debian, tmp_path):
+def workers_in(debian):
+    """The command lines of second Blenders."""
+    processes = debian.run("sh", "-c", "for p in /proc/[0-9]*/cmdline; do tr '\\0' ' ' <$p; echo; done").stdout
+    return [one for one in processes.split("\n") if "cycles/worker.py" in one and str(debian.home) in one]
+
+
+def test_esc_cancels_the_button_works_again_and_closing_blender_ends_the_comparison(window, debian, pictures):
     before, there = window.wait_for("ready", seconds=START), folders_in(debian)
-    press_button(window, before["box"], tmp_path / "panel.png")
+    press_button(window, before["box"], pictures / "panel.png")
     assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
     window.hand("key", "Escape")
     ended = window.wait_for("ended", seconds=STOP)
@@ -41,19 +47,22 @@ def test_esc_cancels_and_the_button_works_again(window, debian, tmp_path):
     assert folders_in(debian) - there <= {"etalon-out"}, "temporary files were left behind"
     assert ended["state"] == before["state"]
     window.wait_for("shown", seconds=STOP)
-    window.screenshot(tmp_path / "cancelled.png")
-    processes = debian.run("sh", "-c", "for p in /proc/[0-9]*/cmdline; do tr '\\0' ' ' <$p; echo; done").stdout
-    assert not [one for one in processes.split("\n") if "cycles/worker.py" in one and str(debian.home) in one]
-    press_button(window, before["box"], tmp_path / "panel.png")
-    window.wait_for("started", seconds=START)
+    window.screenshot(pictures / "cancelled.png")
+    assert workers_in(debian) == []
+    press_button(window, before["box"], pictures / "panel.png")
+    assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
+    assert workers_in(debian)
+    window.ask("bpy.app.timers.register(lambda: bpy.ops.wm.quit_blender() and None, first_interval=0.5)")
+    window.process.wait(timeout=STOP)
+    assert workers_in(debian) == []
 
 
-def test_a_click_on_a_region_shows_it_and_undo_takes_that_back(window, tmp_path):
+def test_a_click_on_a_region_shows_it_and_undo_takes_that_back(window, pictures):
     before = window.wait_for("ready", seconds=START)
-    press_button(window, before["box"], tmp_path / "panel.png")
+    press_button(window, before["box"], pictures / "panel.png")
     assert window.wait_for("ended", seconds=RUN)["errors"] == []
     window.wait_for("shown", seconds=STOP)
-    x, y = find(window, before["box"], tmp_path / "result.png", (0.0, 1.0, 0.0))
+    x, y = find(window, before["box"], pictures / "result.png", (0.0, 1.0, 0.0))
     state = """
 scene = bpy.context.scene
 render, result = scene.render, session.result_of(scene)
@@ -64,7 +73,7 @@ selected = sorted(thing.name for thing in bpy.context.view_layer.objects if thin
     assert not first["stale"]
     click(window, x - 40, y + LIST_ROW)
     after = window.ask(state)
-    window.screenshot(tmp_path / "region.png")
+    window.screenshot(pictures / "region.png")
     left, top, right, bottom = after["second"]["box"]
     assert after["border"][0]
     assert after["border"][1:] == pytest.approx([left, right, 1 - bottom, 1 - top])
