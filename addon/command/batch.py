@@ -6,7 +6,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from tqdm import tqdm
 
@@ -15,6 +16,7 @@ from ...lib.batch.plan import BatchPlan, read_plan
 from ...lib.batch.prepare import Host, How
 from ...lib.batch.results import CHANGED, End, read_fail_on
 from ...lib.batch.run import Outlook, preview_plan, run_plan
+from ...lib.cluster.client import LOCAL, Cluster, connect
 from ...lib.errors import EtalonError
 from ...lib.exit_codes import ExitCode
 from ...lib.memory import usable_memory
@@ -48,10 +50,10 @@ def run(settings: BatchOptions, terminal: PageTerminal) -> int:
     end = _end(settings, plan)
     blender = f"{bpy.app.version_string} {bpy.app.build_hash.decode(errors='replace')}"
     tell = _tell_nobody if terminal.json else _tell
-    with bar(settings.plan.stem, terminal) as shown:
-        jobs, threads = _share_processors(plan, settings.jobs)
+    with bar(settings.plan.stem, terminal) as shown, _workers(settings, plan, blender) as cluster:
+        jobs, threads = (cluster.slots, None) if cluster else _share_processors(plan, settings.jobs)
         hosts = _find_hosts(plan, shown.begin)
-        how = How(blender, hosts, jobs, threads, settings.force, settings.retry_failed)
+        how = How(blender, hosts, jobs, threads, settings.force, settings.retry_failed, cluster)
         progress = Progress(shown.report, begin=shown.begin)
         if settings.dry_run:
             outlook = preview_plan(plan, how, tell, progress)
@@ -68,6 +70,21 @@ def run(settings: BatchOptions, terminal: PageTerminal) -> int:
     if terminal.open:
         open_page(page)
     return code
+
+
+@contextmanager
+def _workers(settings: BatchOptions, plan: BatchPlan, blender: str) -> Iterator[Cluster | None]:
+    """The workers of the scheduler, which have this Étalon and this Blender; None where everything runs here."""
+    if settings.scheduler == LOCAL:
+        yield None
+        return
+    if plan.blenders:
+        raise EtalonError(f"--scheduler: 'blenders' of the plan are programs of this machine; leave it at {LOCAL}")
+    if settings.jobs is not None:
+        raise EtalonError("--jobs: workers say themselves how much runs side by side; use `dask worker --nthreads`")
+    with connect(settings.scheduler) as cluster:
+        cluster.check(blender)
+        yield cluster
 
 
 def _end(settings: BatchOptions, plan: BatchPlan) -> End:

@@ -47,6 +47,14 @@ class Hashes:
             self._scenes[target] = hashlib.sha256("\n".join(parts).encode()).hexdigest()
         return self._scenes[target]
 
+    def of_files(self, target: str) -> dict[str, str]:
+        """A .blend and the files that it refers to with their hashes, without those that are missing; none for a reference scene."""
+        if not target.endswith(".blend"):
+            return {}
+        paths = [target, *(self._journal.read_files(self.of_file(Path(target))) or ())]
+        found = {path: self.of_file(Path(path)) for path in paths}
+        return {path: digest for path, digest in found.items() if digest != "missing"}
+
     def learn(self, target: str, files: Sequence[str]) -> None:
         """Keep which files a scene refers to, by the content of its .blend."""
         if target.endswith(".blend"):

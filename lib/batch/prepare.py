@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..cluster.client import Cluster
 from ..errors import EtalonError
 from ..files.atomic import replace_files
 from ..progress import Progress
@@ -35,7 +36,8 @@ class How:
     """How a plan is run.
 
     `blender` names the release and the build at hand, `hosts` are the Blenders that the plan names. `jobs` comparisons run side by side, with
-    `threads` each (None: as the plan says). `force` runs all again, `retry` those that were refused or failed.
+    `threads` each (None: as the plan says); with a `cluster`, on its workers. `force` runs all again, `retry` those
+    that were refused or failed.
     """
 
     blender: str
@@ -44,17 +46,22 @@ class How:
     threads: int | None = None
     force: bool = False
     retry: bool = False
+    cluster: Cluster | None = None
 
 
 @dataclass(frozen=True)
 class Batch:
-    """A plan that was checked: its `units` by their keys, the keys of those that are `missing`, and the journal, which is open."""
+    """A plan that was checked: its `units` by their keys, the keys of those that are `missing`, and the journal, which is open.
+
+    `files` are, for each scene of a batch on a cluster, the paths of its files with their hashes.
+    """
 
     plan: BatchPlan
     how: How
     journal: Journal
     units: dict[str, Unit]
     missing: list[str]
+    files: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     def recorded(self) -> list[tuple[Unit, Entry | None]]:
         """Every unit with its entry, None where it has none."""
@@ -81,7 +88,8 @@ def prepare(plan: BatchPlan, how: How, tell: Tell, progress: Progress) -> Iterat
         if plan.variations:
             scenes = dict.fromkeys(units[key].scene for key in missing)
             _ask(plan, [scene for scene in scenes if scene not in new], hashes, progress)
-        yield Batch(plan, how, journal, units, missing)
+        targets = {units[key].target for key in missing} if how.cluster else ()
+        yield Batch(plan, how, journal, units, missing, {target: hashes.of_files(target) for target in targets})
 
 
 def _ask(plan: BatchPlan, scenes: Sequence[str], hashes: Hashes, progress: Progress) -> None:

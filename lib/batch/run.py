@@ -20,10 +20,13 @@ from .journal import Entry
 from .plan import BatchPlan, Unit
 from .prepare import Batch, How, Tell, prepare
 from .process import etalon_command
+from .remote import run_on_cluster
 from .results import End, Results, outcome_of, read_row, write_results
 
 # What a comparison takes beside its time budget, in seconds: to start Blender, to read the scene, to write the report.
 _START = 10.0
+# So many comparisons are handed to a scheduler at once; each waits in a thread.
+_AT_ONCE = 1024
 # The time budget of a comparison whose plan names none.
 _TIME = 120.0
 
@@ -82,7 +85,9 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
     if done:
         tell(f"{done} of {plural(total, 'comparison')} {'was' if done == 1 else 'were'} done before")
     begin, stop = time.monotonic(), threading.Event()
-    with ThreadPoolExecutor(max_workers=batch.how.jobs) as pool:
+    # A scheduler has a queue of its own, and workers may come later.
+    jobs = batch.how.jobs if batch.how.cluster is None else _AT_ONCE
+    with ThreadPoolExecutor(max_workers=jobs) as pool:
         waiting = [pool.submit(_run_unit, batch, key, stop, progress) for key in missing]
         try:
             for number, future in enumerate(as_completed(waiting), 1):
@@ -110,12 +115,17 @@ def _run_unit(batch: Batch, key: str, stop: threading.Event, progress: Progress)
     progress.begin(unit.label)
     folder = _folder_name(unit, key)
     begin = time.perf_counter()
-    threads = [] if how.threads is None else [f"--threads={how.threads}"]
-    words = ["compare", *unit.arguments(), *plan.options, *threads, f"--out={plan.out / folder}", "--quiet"]
+    words = ["compare", *unit.arguments(), *plan.options, "--quiet"]
     limits = Limits(plan.time_limit, plan.memory_limit, stop.is_set)
-    host = how.hosts.get(unit.blender or "")
-    command = [*etalon_command(), *words] if host is None else host.command(words)
-    status, code, message = run_comparison(command, plan.out / folder, limits)
+    if how.cluster is not None:
+        files = batch.files.get(unit.target, {})
+        status, code, message = run_on_cluster(how.cluster, words, files, plan.out / folder, limits)
+    else:
+        words += [] if how.threads is None else [f"--threads={how.threads}"]
+        words.append(f"--out={plan.out / folder}")
+        host = how.hosts.get(unit.blender or "")
+        command = [*etalon_command(), *words] if host is None else host.command(words)
+        status, code, message = run_comparison(command, plan.out / folder, limits)
     assignments = json.dumps({v.name: value for v, value in unit.assignments})
     return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
 

@@ -16,6 +16,8 @@ from ..scene.scene import Scene
 from ..settings.reference import LIGHT_TRACING, METROPOLIS, PHOTON_MAPPING, STRATEGIES, Options, RenderOptions
 from ..wavefront.render import ReferenceRenderer
 
+Estimator = ReferenceRenderer | LightTracingRenderer | PhotonMappingRenderer | MetropolisRenderer
+
 
 def render_film(
     scene: Scene,
@@ -24,7 +26,7 @@ def render_film(
 ) -> Film:
     """Render `options.replicates` independent replicates; cancelling keeps those that are done, which may be none."""
     film = Film.empty(scene.camera.height, scene.camera.width, options.samples)
-    renderer = _renderer(scene, options)
+    renderer = make_renderer(scene, options)
     for k in range(options.replicates):
         part = progress.within(k / options.replicates, (k + 1) / options.replicates)
         try:
@@ -36,9 +38,7 @@ def render_film(
     return film
 
 
-def _renderer(
-    scene: Scene, options: RenderOptions
-) -> ReferenceRenderer | LightTracingRenderer | PhotonMappingRenderer | MetropolisRenderer:
+def make_renderer(scene: Scene, options: RenderOptions) -> Estimator:
     """The estimator that the strategy names."""
     others = {
         LIGHT_TRACING: LightTracingRenderer,

@@ -45,6 +45,9 @@ class BatchOptions(Declared):
     jobs: int | None = option(
         None, Whole("N", 1), "comparisons that run side by side", absent="as many as processors and memory allow"
     )
+    scheduler: str = option(
+        "local", Unit("ADDRESS"), "run comparisons on the workers of a Dask scheduler, such as tcp://host:8786"
+    )
     force: bool = option(False, Flag(), "run all comparisons again")
     retry_failed: bool = option(False, Flag(), "run comparisons again that were refused or failed")
     against: Path | None = option(None, FilePath("EARLIER"), "folder of an earlier batch: say what has changed since")

@@ -12,7 +12,7 @@ from ..errors import EtalonError
 from .common import Run
 from .declaration import Panel, again, option, required
 from .models import EMPIRICAL_MODELS, FRESNELS, MODELS, ModelName, describe_models, split_model
-from .units import Choice, FilePath, Flag, Names, Whole
+from .units import Choice, FilePath, Flag, Names, Unit, Whole
 
 STRATEGIES = ("visible", "bounded", "d_cos", "cosine", "uniform")
 LIGHT_TRACING, PHOTON_MAPPING, METROPOLIS = "light-tracing", "photon-mapping", "metropolis"
@@ -141,3 +141,6 @@ class RenderOutput(RenderOptions):
     """Options of the command `etalon render`, which writes a file."""
 
     out: Path = required(FilePath("FILE.exr"), "image to write")
+    scheduler: str = option(
+        "local", Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"
+    )

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work on several machines: a scheduler of Dask hands calls to workers, which get the files that they lack by content."""
