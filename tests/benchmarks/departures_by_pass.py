@@ -7,7 +7,12 @@ The scenes are those of tests/lib/departures/test_planted.py. Each is rendered b
 same random numbers, so that what it does not act on is the same bit by bit.
 """
 
+from dataclasses import replace
+
+import bpy
 import numpy as np
+from etalon.addon.command.opening import open_target
+from etalon.addon.job import export
 from etalon.lib.departures.catalogue import DEPARTURES, relevant
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.settings.reference import Options
@@ -15,6 +20,9 @@ from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.lib.departures.test_planted import SCENES, masking
 
 SAMPLES = 256
+REFERENCE_SCENES, EDGE = ("cornell_glossy", "glossy_spheres", "veach_plates"), 48
+# The reference's form in these, so that Cycles' masking is a departure too.
+MASKING = "separable"
 
 HEAD = """\
 # Departures by light pass
@@ -24,6 +32,13 @@ of a pass in the pixel where it is largest, relative to the brightest pixel of t
 Made by `python tests/benchmarks/departures_by_pass.py`; random numbers are the same with the departure and without.
 
 | departure | scene | passes and their largest change |
+|---|---|---|"""
+
+BETWEEN = f"""
+The same in three reference scenes, {EDGE} pixels wide, with every departure of any release that applies to them. The reference has
+separable masking here, so that Cycles' correlated masking is one of them:
+
+| departure | reference scene | passes and their largest change |
 |---|---|---|"""
 
 FOOT = """
@@ -39,17 +54,24 @@ def change(plain, departed):
     return difference[at] / np.abs(plain).max() if plain.any() else np.inf
 
 
-def row(make, name):
-    """One line of the table: what the departure called `name` does to the scene that `make` gives."""
-    scene, options = make(), Options(threads=1, masking=masking(make))
-    departing = Options(threads=1, masking=masking(make), departures=frozenset([name]))
+def row(scene, title, mask, name):
+    """One line of a table: what the departure called `name` does to a scene, whose `title` it shows."""
+    options, departing = (Options(threads=1, masking=mask, departures=frozenset(some)) for some in ((), (name,)))
     images = [
         ReferenceRenderer(scene, one, passes=tuple(LightPass)).render(0, SAMPLES).passes for one in (options, departing)
     ]
     plain, departed = images
     changes = {one: change(plain[one], departed[one]) for one in LightPass if (plain[one] != departed[one]).any()}
     told = [f"{one} {'from black' if np.isinf(by) else f'{100 * by:+.3g} %'}" for one, by in changes.items()]
-    return f"| {name} | {make.__name__} | {', '.join(told)} |"
+    return f"| {name} | {title} | {', '.join(told) or 'none'} |"
+
+
+def reference_scene(name):
+    """A reference scene, EDGE pixels wide, to which the departures of all releases apply."""
+    open_target(name, None, None, ())
+    render = bpy.context.scene.render
+    render.resolution_percentage = max(100 * EDGE // render.resolution_x, 1)
+    return replace(export(bpy.context.scene), blender=None)
 
 
 def main():
@@ -57,7 +79,13 @@ def main():
     places = {departure.name: make for make in reversed(SCENES) for departure in relevant(make(), masking(make))}
     for departure in DEPARTURES:
         if departure.name in places:
-            print(row(places[departure.name], departure.name))
+            make = places[departure.name]
+            print(row(make(), make.__name__, masking(make), departure.name))
+    print(BETWEEN)
+    for name in REFERENCE_SCENES:
+        scene = reference_scene(name)
+        for departure in relevant(scene, MASKING):
+            print(row(scene, name, MASKING, departure.name))
     print(FOOT)
 
 
