@@ -53,6 +53,10 @@ def test_a_dry_run_lists_what_would_be_run_and_how_long_it_takes(plan, capsys):
         (["plan.toml", "--fail-on=bond"], "--fail-on: 'bond' is no rule; give different, changed or bound:2%"),
         (["plan.toml", "--fail-on=changed"], "--fail-on changed needs an earlier batch; add --against EARLIER"),
         (["plan.toml", "--against=nowhere"], "nowhere: cannot be read"),
+        (
+            ["plan.toml", "--scheduler=tcp://h:1", "--jobs=2"],
+            "--jobs: workers say themselves how much runs side by side",
+        ),
         (["plan.toml", "--jobs=0"], "0 is out of range; give at least 1"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
