@@ -128,7 +128,7 @@ def _explains(comparison: Comparison, left: int, names: int) -> str:
 
 
 def _rounded(comparison: Comparison, why: Explanation) -> list[str]:
-    count = int(why.rounded.sum())
+    count = int((why.rounded & (comparison.verdict.outcomes == Outcome.EXPLAINED)).sum())
     whole = comparison.verdict.count(Outcome.EXPLAINED)
     where = plural(count, "region") if count == whole else f"{count} of the {whole} regions that differ"
     names = {name for names, here in zip(why.causes, why.rounded, strict=True) if here for name in names}
