@@ -11,7 +11,9 @@ def test_what_a_refusal_says_to_set_makes_the_scene_pass(studio):
     studio.quad("floor")
     studio.quad('ho"ld').is_holdout = True
     studio.quad("catcher", z=1.0).is_shadow_catcher = True
-    studio.add("fur", bpy.data.hair_curves.new("fur"))
+    fur = bpy.data.hair_curves.new("fur")
+    fur.add_curves([2])
+    studio.add("fur", fur)
     studio.scene.render.use_simplify = True
     with pytest.raises(Refused) as caught:
         studio.export()

@@ -150,11 +150,11 @@ def test_no_faces_is_bad_input(studio):
         studio.export()
 
 
-def curves(studio):
-    strands = bpy.data.hair_curves.new("thing")
+def curves(studio, name="thing"):
+    strands = bpy.data.hair_curves.new(name)
     strands.add_curves([2])
     strands.points[1].position = (0.0, 0.0, 1.0)
-    return studio.add("thing", strands)
+    return studio.add(name, strands)
 
 
 def point_cloud(studio):
@@ -302,7 +302,7 @@ def test_settings_that_are_not_simulated_are_refused_by_name(studio, what):
 
 def test_all_refusals_come_at_once_and_each_once(studio):
     for i in range(3):
-        studio.add(f"hair {i}", bpy.data.hair_curves.new("hair"))
+        curves(studio, f"hair {i}")
     studio.scene.render.use_simplify = True
     studio.add("lamp", bpy.data.lights.new("lamp", "AREA")).data.cycles.is_caustics_light = True
     with pytest.raises(Refused) as caught:

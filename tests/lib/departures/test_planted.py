@@ -308,7 +308,8 @@ def test_departures_act_on_the_passes_that_the_catalogue_says(make):
 def test_the_table_of_departures_by_pass_has_every_switch():
     """docs/departures_by_pass.md is made by a benchmark; a departure that is missing there has not been measured."""
     table = (Path(__file__).parents[3] / "docs" / "departures_by_pass.md").read_text(encoding="utf-8")
-    assert [row.split(" | ")[0].removeprefix("| ") for row in table.splitlines() if row.startswith("| ")][1:] == [
+    planted_here = table.split("| departure |")[1]
+    assert [row.split(" | ")[0].removeprefix("| ") for row in planted_here.splitlines() if row.startswith("| ")] == [
         departure.name for departure in DEPARTURES if departure.name in SWITCHES
     ]
 
