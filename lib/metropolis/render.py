@@ -10,14 +10,14 @@ from time import perf_counter
 import numpy as np
 
 from ..effects.plan import Plan
-from ..errors import Refusal, Refused
+from ..errors import EtalonError, Refusal, Refused
 from ..film.rendering import Rendering
 from ..lights.light import luminance
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import stream_key
 from ..sampling.streams import METROPOLIS
 from ..scene.scene import Scene
-from ..settings.reference import Options
+from ..settings.reference import SAMPLERS, Options
 from ..wavefront.render import ReferenceRenderer
 from ..wavefront.sums import PixelSums, StageClock
 from ..wavefront.trace import Tracer
@@ -55,12 +55,14 @@ class MetropolisRenderer:
 
     Each group of chains first traces independent samples. Their mean brightness is the normalisation b, and the chains start at some of
     them, picked by brightness. So the image is unbiased, however short the chains are (Veach 1997, section 11.3.1). Replicates
-    share nothing. Raises Refused for unsupported materials.
+    share nothing. Raises Refused for unsupported materials, EtalonError for a sampler: the chains have random numbers of their own.
     """
 
     name = "Metropolis"
 
     def __init__(self, scene: Scene, options: Options, plan: Plan | None = None) -> None:
+        if options.sampler != SAMPLERS[0]:
+            raise EtalonError(f"sampler '{options.sampler}': Metropolis has a sampler of its own; leave --sampler out")
         self.scene, self.options = scene, options
         self._kernel = ReferenceRenderer(scene, options, plan).kernel
         unknown = [(material.name, material.unknown) for material in scene.materials if material.unknown]

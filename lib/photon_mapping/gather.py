@@ -30,7 +30,7 @@ INNER = 0.5
 class GatherTracer(Tracer):
     """Path tracing through Dirac lobes; at finite lobes, the estimate of density of the photons within `radius`.
 
-    L(wo) = sum over photons of f(light, wo) |light.n| / |light.ng| flux / (pi radius^2) (Jensen 1996). `sums` has the image, `inner` the
+    L(wo) = sum over photons of f(light, wo) |light.n| / |light.ng| flux / (pi radius^2) (Jensen 1996). `sums` has the image, `excess` the
     difference between it and the photons' part from discs of half the area, which tells the bias.
     """
 

@@ -121,7 +121,7 @@ class RenderOptions(Options):
     samples: samples per pixel in each replicate. replicates: number of independent scramblings. strategy: as in Options, or another
         estimator of the image: 'light-tracing' starts paths at the lights, `samples` for every pixel; 'photon-mapping' makes a map of
         photons for each sample, and the film's `remarks` state its bias; 'metropolis' mutates the random numbers of
-        paths, whatever `sampler` says.
+        paths and refuses a `sampler` that is not the default.
     """
 
     strategy: str = again(

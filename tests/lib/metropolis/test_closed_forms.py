@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from etalon.lib.errors import Refused
+from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.metropolis import render as metropolis_render
 from etalon.lib.metropolis.chains import ChainUniforms
 from etalon.lib.metropolis.render import MetropolisRenderer
@@ -31,6 +31,7 @@ def test_a_lamp_over_a_floor(seed):
     assert_mean(replicates(lit([light]), 8, 2048, MetropolisRenderer, seed=seed), exact, 0.05)
 
 
+@pytest.mark.slow
 def test_chains_of_one_mutation_are_unbiased(seed):
     """The start is picked by brightness among the samples of the normalisation itself."""
     the_scene, exact = box()
@@ -49,6 +50,7 @@ def test_it_gives_the_image_of_path_tracing(seed):
     assert_agree(seed)
 
 
+@pytest.mark.slow
 def test_chains_that_accept_every_proposal_are_seen(monkeypatch, seed):
     accept = ChainUniforms.accept
     monkeypatch.setattr(ChainUniforms, "accept", lambda self, accepted: accept(self, np.ones_like(accepted)))
@@ -83,6 +85,11 @@ def test_the_image_does_not_depend_on_the_number_of_threads(monkeypatch, seed):
 def test_unsupported_materials_are_refused_by_name():
     with pytest.raises(Refused, match="material 'Hair': a node is not simulated"):
         MetropolisRenderer(ball_on_floor(Material("Hair", (), "a node")), Options())
+
+
+def test_a_sampler_is_refused_with_the_remedy():
+    with pytest.raises(EtalonError, match="sampler 'random': Metropolis has a sampler of its own; leave --sampler out"):
+        MetropolisRenderer(ball_on_floor(MATERIALS["glossy"]), Options(sampler="random"))
 
 
 def test_the_strategy_renders_by_metropolis():
