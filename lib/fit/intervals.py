@@ -17,7 +17,7 @@ def profile_interval(solution: Solution, seen: Observations, index: int) -> tupl
 
     Residuals whose errors are estimated are larger by `inflation`, and so is the rise.
     """
-    from scipy.optimize import brentq
+    from scipy.optimize import root_scalar
     from scipy.stats import chi2
 
     level = solution.chi2 + float(chi2.ppf(CONFIDENCE, 1)) * seen.inflation
@@ -33,7 +33,9 @@ def profile_interval(solution: Solution, seen: Observations, index: int) -> tupl
         for _ in range(_DOUBLINGS):
             outside = min(max(best + sign * reach, low), high)
             if excess(outside) > 0.0:
-                ends.append(float(brentq(excess, inside, outside, xtol=1e-3 * step)))
+                ends.append(
+                    float(root_scalar(excess, bracket=(inside, outside), method="brentq", xtol=1e-3 * step).root)
+                )
                 break
             if outside == bound:
                 ends.append(bound)

@@ -21,7 +21,7 @@ def illustrate_masking(seed: int) -> Figure:
     lines = [Line(at, np.array([one.shared.mean for one in found]), "traced / tracé", 0)]
     for colour, name in enumerate(FORMULAS, 1):
         lines.append(Line(at, np.array([one.shared_by[name] for one in found]), name, colour, dashed=True))
-    marks = np.linspace(0.0, 1.0, 6)
+    marks = np.linspace(0.0, 1.0, 6).tolist()
     drawing = plot_lines(lines, Axis("θ (°)", 25.0, 85.0, ANGLES), Axis("G", 0.0, 1.001, marks), "G against angle")
     said = ", ".join(f"{one.angle:g}°: {one.shared.mean:.3f} ± {one.shared.error:.3f}" for one in found)
     return Figure(

@@ -52,7 +52,8 @@ def reference_at_ends() -> np.ndarray:
     beckmann = Beckmann()
     m = beckmann.sample_d_cos(SIGMA, SIGMA, np.full(1, 0.25), np.ones(1))
     pdf = pdf_d_cos(m, beckmann.density(m, SIGMA, SIGMA))
-    lobe = MicrofacetReflection(up, SIGMA, SIGMA, beckmann, "correlated", "visible").evaluate(flat)[0][0]
+    alpha = np.array(SIGMA)
+    lobe = MicrofacetReflection(up, alpha, alpha, beckmann, "correlated", "visible").evaluate(flat)[0][0]
     return np.concatenate([torrance_sparrow(back, flat, up), beckmann.density(flat, SIGMA, SIGMA), pdf / pdf, lobe])
 
 

@@ -30,7 +30,7 @@ def make_lobe(strategy: str, count: int) -> MicrofacetReflection:
     """The lobe of the figure: GGX, height-correlated masking, and one observer for all samples."""
     angle = np.radians(DEGREES)
     wo = np.repeat(np.array([[np.sin(angle)], [0.0], [np.cos(angle)]]), count, axis=1)
-    return MicrofacetReflection(wo, np.float64(SIGMA), np.float64(SIGMA), GGX(), "correlated", strategy)
+    return MicrofacetReflection(wo, np.array(SIGMA), np.array(SIGMA), GGX(), "correlated", strategy)
 
 
 def estimate(strategy: str, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:

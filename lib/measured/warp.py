@@ -31,7 +31,10 @@ class SquareTable:
             share = np.clip((value - knots[low]) / (knots[low + 1] - knots[low]), 0.0, 1.0)
             ends.append([(low * stride, 1.0 - share), ((low + 1) * stride, share)])
         return [
-            (sum((i for i, _ in corner), start=np.int64(0)), np.prod([w for _, w in corner], axis=0))
+            (
+                np.asarray(sum((i for i, _ in corner), start=np.int64(0))),
+                np.asarray(np.prod([w for _, w in corner], axis=0)),
+            )
             for corner in itertools.product(*ends)
         ]
 

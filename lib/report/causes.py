@@ -55,7 +55,8 @@ def cause_sentences(comparison: Comparison) -> list[str]:
     apart = tuple(name for name in why.chosen if name not in why.named)
     if apart:
         said.insert(
-            0, f"Partial {'cause' if len(apart) == 1 else 'causes'}: {listed(apart)}.{_explains(why, left, len(apart))}"
+            0,
+            f"Partial {'cause' if len(apart) == 1 else 'causes'}: {listed(apart)}.{_explains(comparison, left, len(apart))}",
         )
     number = {departure.name: departure for departure in why.departures}
     return [*said, *(f"{name}: {number[name].statement}" for name in (*apart, *why.named))]
