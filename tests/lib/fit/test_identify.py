@@ -32,8 +32,8 @@ def test_beckmann_and_ggx_are_told_apart_and_their_parameters_found(rng):
 
 
 def test_a_lobe_that_is_no_candidate_is_called_none_of_these(rng):
-    seen = planted(rng, ISOTROPIC_GGX, 0.3, count=60, colors=1)
-    other = planted(rng, ISOTROPIC_GGX, 0.05, count=60, colors=1)
+    seen = planted(rng, ISOTROPIC_GGX, 0.3, count=100, colors=1)
+    other = planted(rng, ISOTROPIC_GGX, 0.05, count=100, colors=1)
     two = replace(seen, values=seen.values + np.resize(other.values, seen.values.shape))
     found = identify(two)
     assert not found.fits
