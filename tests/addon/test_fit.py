@@ -67,7 +67,8 @@ def test_the_model_and_alpha_of_a_glossy_sphere_are_found_in_cycles_image(roughn
     assert "ggx" in [one.candidate.distribution for one in found.equivalent]
     assert low <= roughness**2 <= high
     assert high - low < width * roughness**2
-    assert found.reflectances() == pytest.approx([0.7], rel=0.01)
+    # The highlight's total goes with alpha squared, so the colour is known no better than twice alpha is.
+    assert found.reflectances() == pytest.approx([0.7], rel=0.01 + 2.0 * (high - low) / roughness**2)
 
 
 def spoil_sun(scene):
@@ -116,6 +117,7 @@ def test_the_command_refuses_bad_files_in_one_line(tmp_path, capfd):
         assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_the_command_prints_its_answer_as_json(tmp_path, capfd, monkeypatch):
     path = write_tensors(tmp_path / "waves.bsdf", wavy_fields([0.0], [0.0, 0.7, 1.4]))
     whole = observe_brdf(path)
