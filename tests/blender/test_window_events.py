@@ -17,6 +17,7 @@ def test_other_scenes_undo_saving_and_another_file_do_no_harm(window, debian, pi
     window.ask("bpy.context.scene.etalon.time, bpy.context.scene.etalon.tolerance = 120.0, 0.1")
     press_button(window, before["box"], pictures / "panel.png")
     assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
+    wait_until(window, "bool(session.running.job.bounds)", questions=600)  # there is something to keep
     assert window.ask("bpy.ops.etalon.compare.poll()") is False, "a second press"
     window.ask("bpy.context.window.scene = bpy.data.scenes.new('second')")
     window.ask("bpy.context.window.scene = bpy.data.scenes['lambert_analytic']")
