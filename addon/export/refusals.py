@@ -19,8 +19,9 @@ UNSUPPORTED_TYPES = {
     "GREASEPENCIL": "grease pencil",
     "GPENCIL": "grease pencil",
 }
-_CONVERT = "convert it to a mesh, or do not render it"
-# Blender converts these to loose points and edges, which no renderer shows.
+_LEAVE_OUT = "do not render it"
+_SHOW_OBJECTS = "set Render As of its particles to Object, or do not render it"
+# Blender converts hair, points and grease pencil to loose points and edges, which no renderer shows. These ways give faces.
 _REMEDIES = {
     "CURVES": "give them faces (geometry nodes: Curve to Mesh with a Curve Circle as its profile), or do not render them",
     "POINTCLOUD": "put spheres in its place (geometry nodes: Instance on Points with an Ico Sphere), or do not render it",
@@ -73,14 +74,14 @@ def refuse_object(
     owner = f"object '{thing.name}'"
     if instance.show_particles and _has_strands(thing):
         # The emitter may have faces that are to be rendered: what leaves out the hair alone depends on its modifiers.
-        refusals.append(Refusal(owner, "particle hair", _CONVERT))
+        refusals.append(Refusal(owner, "particle hair", _SHOW_OBJECTS))
     if not instance.show_self:
         return
     _refuse_properties(instance, owner, checked, refusals)
     kind = unsupported_kind(thing)
     if kind and not _is_empty(thing):
         hidden = f"{_path(thing)}.hide_render=true" if instance.parent is None else ""
-        refusals.append(Refusal(owner, kind, _REMEDIES.get(thing.type, _CONVERT), hidden))
+        refusals.append(Refusal(owner, kind, _REMEDIES.get(thing.type, _LEAVE_OUT), hidden))
     elif isinstance(thing.data, bpy.types.Mesh):
         refusals.extend(Refusal(owner, *flag) for flag in _object_flags(instance, depsgraph))
 

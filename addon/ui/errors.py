@@ -27,7 +27,8 @@ VALUES = (
     "the second Blender",
     "lower the resolution, or give a time and let a smaller image be compared",
     "switch it off",
-    "convert it to a mesh, or do not render it",
+    "do not render it",
+    "set Render As of its particles to Object, or do not render it",
     "unlink it",
     "include it again",
 )

@@ -121,7 +121,10 @@ FRENCH: dict[str, str] = {
     "{kind}: {error}; please report it with the console's text": "{kind} : {error} ; merci de le signaler avec le texte de la console",
     "{owner}: {what} is not simulated; {remedy}": "{owner} : {what} n'est pas simulé ; {remedy}",
     "switch it off": "désactivez-le",
-    "convert it to a mesh, or do not render it": "convertissez-le en maillage, ou excluez-le du rendu",
+    "do not render it": "excluez-le du rendu",
+    "set Render As of its particles to Object, or do not render it": (
+        "réglez le rendu de ses particules sur Objet, ou excluez-le du rendu"
+    ),
     "unlink it": "retirez ce lien",
     "include it again": "incluez-le à nouveau",
     "{kind} '{name}'": "{kind} « {name} »",

@@ -18,7 +18,7 @@ from ..rendering.replicates import Estimator, make_renderer
 from ..sampling.streams import COUNTED
 from ..scene import archive
 from ..scene.scene import Scene
-from ..settings.reference import RenderOptions
+from ..settings.reference import PHOTON_MAPPING, RenderOptions
 from ..version import VERSION
 from .client import Cluster
 from .worker import Lacks, digest_of, find_content, watch_task, worker_name
@@ -33,8 +33,11 @@ def render_film_on_cluster(
     """The film that `render_film` makes, bit for bit, with each replicate rendered by some worker.
 
     A replicate depends on its number and the seed alone, and the film takes replicate after replicate, whichever is done first. Cancelling
-    keeps those that are done before the first that is not. Raises EtalonError where workers fail.
+    keeps those that are done before the first that is not. Raises EtalonError where workers fail, and for photon mapping, whose stated
+    bias is measured over all replicates of one renderer.
     """
+    if options.strategy == PHOTON_MAPPING:
+        raise EtalonError(f"--strategy {PHOTON_MAPPING} states its bias on one machine only; leave out --scheduler")
     with tempfile.TemporaryDirectory() as made:
         path = Path(made) / "scene.npz"
         archive.save(scene, path)

@@ -80,6 +80,11 @@ def test_an_image_from_two_workers_is_that_of_one_machine_bit_for_bit(address, s
     assert ended.moments.n == 0
 
 
+def test_an_estimator_that_states_its_bias_is_not_spread(address):
+    with connect(address) as cluster, pytest.raises(EtalonError, match="photon-mapping states its bias on one machine"):
+        render_film_on_cluster(cluster, SCENE, RenderOptions(strategy="photon-mapping"))
+
+
 @pytest.fixture
 def plan(tmp_path, monkeypatch):
     """A batch of two scenes that share a texture, with a stand-in for `etalon`."""
