@@ -16,7 +16,7 @@ from ...lib.batch.plan import BatchPlan, read_plan
 from ...lib.batch.prepare import Host, How
 from ...lib.batch.results import CHANGED, End, read_fail_on
 from ...lib.batch.run import Outlook, preview_plan, run_plan
-from ...lib.cluster.client import LOCAL, Cluster, connect
+from ...lib.cluster.client import Cluster, connect
 from ...lib.errors import EtalonError
 from ...lib.exit_codes import ExitCode
 from ...lib.memory import usable_memory
@@ -25,7 +25,7 @@ from ...lib.plain_text import one_line
 from ...lib.plural import plural
 from ...lib.progress import Progress
 from ...lib.settings.commands import BatchOptions
-from ...lib.settings.common import PageTerminal, count_processors
+from ...lib.settings.common import LOCAL, PageTerminal, count_processors
 from ...lib.versions.programs import Blender, find_blenders
 from ..cycles.second_blender import WORKER
 from ..host.blender import load_blender

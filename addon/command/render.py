@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ...lib.cluster.client import LOCAL, connect
+from ...lib.cluster.client import connect
 from ...lib.cluster.replicates import render_film_on_cluster
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_file
@@ -14,7 +14,7 @@ from ...lib.plural import plural
 from ...lib.progress import Progress
 from ...lib.rendering.replicates import render_film
 from ...lib.scene.scene import Scene
-from ...lib.settings.common import Target, Terminal
+from ...lib.settings.common import LOCAL, Target, Terminal
 from ...lib.settings.reference import RenderOptions, RenderOutput
 from .console import bar, interruptible, print_json
 from .exported import read_scene

@@ -14,11 +14,10 @@ from threading import Event, Lock
 from typing import Any
 
 from ..errors import Cancelled, EtalonError
+from ..settings.common import LOCAL
 from ..version import VERSION
 from .worker import Lacks, describe_blender, keep
 
-LOCAL = "local"
-"""The scheduler that is none: everything runs on this machine."""
 _CONNECT = "10s"
 # Seconds between two questions whether the user wants the work to end.
 _LOOK = 0.5

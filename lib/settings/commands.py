@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..errors import EtalonError
-from .common import Seeded
+from .common import LOCAL, Seeded
 from .declaration import Declared, option, required
 from .units import Alpha, Choice, FilePath, Flag, Pair, Unit, Whole
 
@@ -46,7 +46,7 @@ class BatchOptions(Declared):
         None, Whole("N", 1), "comparisons that run side by side", absent="as many as processors and memory allow"
     )
     scheduler: str = option(
-        "local", Unit("ADDRESS"), "run comparisons on the workers of a Dask scheduler, such as tcp://host:8786"
+        LOCAL, Unit("ADDRESS"), "run comparisons on the workers of a Dask scheduler, such as tcp://host:8786"
     )
     force: bool = option(False, Flag(), "run all comparisons again")
     retry_failed: bool = option(False, Flag(), "run comparisons again that were refused or failed")

@@ -10,6 +10,8 @@ from typing import ClassVar
 from .declaration import Declared, option
 from .units import Flag, Texts, Unit, Whole
 
+# The scheduler that is none: everything runs on this machine.
+LOCAL = "local"
 # The names of the reference scenes; each is a file in `reference_scenes/`.
 REFERENCE_SCENES = (
     "glossy_spheres",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..errors import EtalonError
-from .common import Run
+from .common import LOCAL, Run
 from .declaration import Panel, again, option, required
 from .models import EMPIRICAL_MODELS, FRESNELS, MODELS, ModelName, describe_models, split_model
 from .units import Choice, FilePath, Flag, Names, Unit, Whole
@@ -142,5 +142,5 @@ class RenderOutput(RenderOptions):
 
     out: Path = required(FilePath("FILE.exr"), "image to write")
     scheduler: str = option(
-        "local", Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"
+        LOCAL, Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"
     )
