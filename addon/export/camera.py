@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The active camera as an affine map from the raster, with Cycles' rules for sensor fit, shift, border and lens."""
+"""The active camera as an affine map from the raster.
+
+Sensor fit, shift, border and lens follow Cycles' rules.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +27,10 @@ _LEAST_FOCUS = 1e-5
 
 
 def read_camera(camera: bpy.types.Object, render: bpy.types.RenderSettings, refusals: list[Refusal]) -> Camera | None:
-    """The evaluated object `camera` for the raster that `render` describes; None where it is refused.
+    """Read the evaluated object `camera` for the raster that `render` describes.
 
-    With a render border the raster is the border's region alone, cropped or not, so that no pixel outside is simulated.
-    Raises EtalonError when the object is no camera.
+    None where the camera is refused. With a render border the raster is the border's region alone, cropped or not, so
+    that no pixel outside is simulated. Raises EtalonError when the object is no camera.
     """
     if camera.type != "CAMERA":
         raise EtalonError(f"{camera.name}: the scene looks through an object that is no camera; choose a camera object")
@@ -91,7 +94,10 @@ def _pixel(data: bpy.types.Camera, render: bpy.types.RenderSettings, width: int,
 def _panorama_plane(
     data: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int, left: int, bottom: int
 ) -> np.ndarray:
-    """(2, 3): raster to what lib.scene.camera says of the kind; the sensor counts for two of the fisheyes, a shift of 1 is the frame."""
+    """(2, 3): raster to the plane that lib.scene.camera defines for the kind of panorama.
+
+    The sensor's size matters for two of the fisheyes. A shift of 1 is the size of the frame.
+    """
     size = np.array([width, height])
     sensor = _sensor(data) * _pixel(data, render, width, height) * size
     cylinder, half_fisheye = data.central_cylindrical_radius, 0.5 * data.fisheye_fov
@@ -114,7 +120,10 @@ def _panorama_plane(
 
 
 def _aperture(data: bpy.types.Camera, matrix: np.ndarray) -> Aperture | None:
-    """The lens; None where everything is in focus. Millimetres divide the f-number in perspective, metres otherwise."""
+    """The lens; None where everything is in focus.
+
+    The focal length that the f-number divides is in millimetres in perspective. For an orthographic camera it is 1 m.
+    """
     dof = data.dof
     if not dof.use_dof:
         return None

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light objects in radiometric units: Blender's watts, sizes and switches, by Cycles' rules."""
+"""Light objects in radiometric units.
+
+Blender's watts, sizes and switches are converted by Cycles' rules.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +27,9 @@ from .refusals import is_portal, refuse_light
 def read_light(
     light: bpy.types.Object, matrix: np.ndarray, rays: int, links: Links, refusals: list[Refusal]
 ) -> Light | None:
-    """The light object `light` with the (3, 4) `matrix`, seen by the `rays` of that mask, with its `links`.
+    """Read the light object `light`; None where it gives no light or is refused.
 
-    None where it gives no light or is refused.
+    `matrix` is (3, 4), `rays` the mask of the rays that see the light, and `links` its light linking.
     """
     data = light.data
     if is_portal(data):
@@ -53,7 +56,10 @@ def read_light(
 
 
 def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.ndarray:
-    """(3,) energy * colour * 2^exposure, times the temperature's colour and a plain Emission node's."""
+    """(3,) energy * colour * 2^exposure, times temperature and nodes.
+
+    These are the colour of the temperature and the emission of a plain Emission node.
+    """
     emission = np.array(data.color, dtype=np.float64) * data.energy
     # Exposure, normalise and temperature came to all lights in Blender 4.5; before, there is nothing to read.
     emission *= 2.0 ** getattr(data, "exposure", 0.0)
@@ -67,7 +73,10 @@ def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.
 
 
 def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]) -> np.ndarray:
-    """(3,) colour * strength of the one Emission node that a light's tree may end in; what feeds it must be the same everywhere."""
+    """(3,) colour * strength of the one Emission node that a light's tree may end in.
+
+    The inputs of that node must be the same everywhere.
+    """
     output = tree.get_output_node("CYCLES")
     if output is None:
         return np.zeros(3)
@@ -111,7 +120,10 @@ def _spot(name: str, data: bpy.types.SpotLight, matrix: np.ndarray, emission: np
 
 
 def _ball_emission(data: bpy.types.Light, emission: np.ndarray) -> np.ndarray:
-    """Radiance of a sphere, or intensity of a point: the flux of an isotropic emitter over 4 pi^2 r^2, or 4 pi."""
+    """Radiance of a sphere light, or intensity of a point light.
+
+    It is the flux of an isotropic emitter over 4 pi^2 r^2 for a sphere, over 4 pi for a point.
+    """
     if not getattr(data, "normalize", True):
         return emission / math.pi
     radius = data.shadow_soft_size

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking as Blender resolves it: collections of receivers and blockers become sets of objects, numbered as in Cycles.
+"""Light linking: collections of receivers and blockers become sets of objects.
 
-Within one collection the last statement about an object counts: its child collections first, with the state of the outermost one for all
-that they hold, then its own objects. A collection that includes something names all that is lit; one that only excludes lights the rest.
+Blender's rules resolve the collections, and the sets are numbered as in Cycles. Within one collection the last
+statement about an object counts: its child collections first, with the state of the outermost one for all that they
+hold, then its own objects. A collection that includes something names all that is lit; one that only excludes
+lights the rest.
 """
 
 from __future__ import annotations
@@ -21,7 +23,10 @@ _MOST = 63
 
 @dataclass(frozen=True)
 class _Table:
-    """Set of each named object, by its original, and the sets that each linked collection reaches."""
+    """The set of each named object, and the sets that each linked collection reaches.
+
+    Objects are the original ones.
+    """
 
     set_of: dict[bpy.types.Object, int]
     reached: dict[bpy.types.Collection, int]
@@ -44,7 +49,10 @@ class LinkTable:
         )
 
     def sets_of(self, instance: bpy.types.DepsgraphObjectInstance) -> tuple[int, int]:
-        """The sets of receivers and of blockers that an object is in: its instancer's, or its own where that is in none."""
+        """The sets of receivers and of blockers that an object is in.
+
+        They are its instancer's, or its own where the instancer is in none.
+        """
         owners = [one.original for one in (instance.parent, instance.object) if one is not None]
         found = [[table.set_of.get(one, 0) for one in owners] for table in (self._receivers, self._blockers)]
         receiver, blocker = (next(filter(None, numbers), 0) for numbers in found)
@@ -68,7 +76,10 @@ def _resolve(emitters: dict[bpy.types.Object, None], name: str, refusals: list[R
 
 
 def _reached(kinds: dict[tuple[str | None, ...], int], k: int) -> int:
-    """The sets that collection `k` reaches: those that it includes, or all that it does not exclude."""
+    """The sets that collection `k` reaches, one bit each.
+
+    They are the sets that it includes, or all that it does not exclude.
+    """
     included = sum(1 << number for kind, number in kinds.items() if kind[k] == "INCLUDE")
     excluded = sum(1 << number for kind, number in kinds.items() if kind[k] == "EXCLUDE")
     return included or EVERY_SET & ~excluded

@@ -46,7 +46,10 @@ _LARGEST_TABLE = (4096, 2048)
 
 
 def read_material(material: bpy.types.Material, images: ImageTable, refusals: list[Refusal]) -> Material:
-    """The material as lobes; what is not simulated is appended to `refusals`, images to `images`."""
+    """Read the material as lobes.
+
+    What is not simulated is appended to `refusals`, and images are added to `images`.
+    """
     if not _uses_nodes(material):
         r, g, b, _ = material.diffuse_color
         return Material(material.name, (WeightedClosure(Diffuse(ex.Constant((r, g, b)))),))
@@ -69,7 +72,10 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
 
 
 def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list[Refusal]) -> World:
-    """The world's radiance as an expression of direction; black without a world. The rest as read_material."""
+    """Read the world's radiance as an expression of direction; black without a world.
+
+    `images` and `refusals` are as for read_material.
+    """
     if world is None:
         return World(ex.BLACK, _NO_TABLE)
     owner = f"world '{world.name}'"
@@ -95,7 +101,10 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
 
 
 def _refuse_flags(owner: str, flags: set[str], where: str, refusals: list[Refusal]) -> None:
-    """Append the kinds of rays that light may not depend on: Cycles' light samples have none, so that its image depends on how it samples."""
+    """Append the kinds of rays that light may not depend on.
+
+    Cycles' light samples have no such kind, so that its image depends on how it samples.
+    """
     for flag in sorted(flags - set(STEADY_FLAGS)):
         what = f"'Is {flag.title()} Ray' of a Light Path node in {where}"
         refusals.append(Refusal(owner, what, "use Is Camera Ray or ray visibility"))
@@ -107,7 +116,10 @@ def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
 
 
 class _Tree(NamedTuple):
-    """The lobes of a surface or world, whether there is any that Cycles would keep, and the volume, if one is linked."""
+    """The lobes of a surface or world, and its volume if one is linked.
+
+    It also says whether there is any lobe that Cycles would keep.
+    """
 
     lobes: list[WeightedClosure]
     has_surface: bool
@@ -149,7 +161,10 @@ def _read_tree(
 
 
 def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int, int]:
-    """The size of the largest image in the radiance, within bounds: the table only steers where samples go."""
+    """The size of the largest image in the radiance, within bounds.
+
+    The table only steers where samples go.
+    """
     if is_constant(radiance):
         return _NO_TABLE
     indices = [n.image for n in walk(radiance) if isinstance(n, ex.EnvironmentTexture | ex.ImageTexture | Sky)]

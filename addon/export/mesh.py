@@ -58,7 +58,10 @@ def read_mesh(
 
 
 def require_indices(index: np.ndarray, count: int, name: str) -> None:
-    """Raise SceneError unless every index is one of `count`; in a damaged file they may be anything."""
+    """Raise SceneError unless every index is one of `count`.
+
+    In a damaged file indices may be anything.
+    """
     if index.size and (index.min() < 0 or index.max() >= count):
         raise SceneError(
             f"{name}: faces of its mesh use corners that are not there; remove the object, or make its mesh anew"
@@ -77,7 +80,10 @@ def _transposed(rows: np.ndarray) -> np.ndarray:
 
 
 def _attribute(mesh: bpy.types.Mesh, name: str, domain: str, kind: str) -> np.ndarray | None:
-    """(n,) the values of an attribute; None where the mesh has none of that name, domain and kind."""
+    """(n,) the values of an attribute of that name, domain and kind.
+
+    None where the mesh has none.
+    """
     attribute = mesh.attributes.get(name)
     if attribute is None or attribute.domain != domain or attribute.data_type != kind:
         return None
@@ -91,7 +97,10 @@ def _slots(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
 
 
 def _smooth(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
-    """(t,) whether a face is shaded smooth; as in Cycles, sharp edges count only where no face says whether it is sharp."""
+    """(t,) whether a face is shaded smooth.
+
+    As in Cycles, sharp edges count only where no face says whether it is sharp.
+    """
     sharp = _attribute(mesh, "sharp_face", "FACE", "BOOLEAN")
     return np.full(polygon.size, mesh.normals_domain != "FACE") if sharp is None else ~sharp[polygon]
 
@@ -104,7 +113,10 @@ def _corner_normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.nda
 
 
 def _splits_normals(mesh: bpy.types.Mesh) -> bool:
-    """Whether Cycles reads a normal for each corner. Before Blender 5.2, sharp faces alone did not make it do so."""
+    """Whether Cycles reads a normal for each corner.
+
+    Before Blender 5.2, sharp faces alone did not make it do so.
+    """
     if mesh.normals_domain != "CORNER":
         return False
     if bpy.app.version >= (5, 2, 0) or mesh.has_custom_normals:
@@ -122,7 +134,10 @@ def _uvs(mesh: bpy.types.Mesh, uv_map: str, corners: np.ndarray) -> np.ndarray:
 
 
 def _picked(rows: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """(3 corners, c, t) the `rows` (n, c) at `index` (t, 3); a corner at a time, for a million triangles weigh."""
+    """(3 corners, c, t) the `rows` (n, c) at `index` (t, 3).
+
+    It takes one corner at a time, to save memory with a million triangles.
+    """
     picked = np.empty((3, rows.shape[1], index.shape[0]), rows.dtype)
     for corner in range(3):
         picked[corner] = rows[index[:, corner]].T
@@ -130,7 +145,10 @@ def _picked(rows: np.ndarray, index: np.ndarray) -> np.ndarray:
 
 
 def _generated(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(3, v) generated coordinates: undeformed positions within the texture space, which maps to 0..1."""
+    """(3, v) generated coordinates.
+
+    They are undeformed positions within the texture space, which maps to 0..1.
+    """
     location = np.array(mesh.texspace_location, np.float32)[:, None]
     size = np.array(mesh.texspace_size, np.float32)[:, None]
     undeformed = _transposed(_read(mesh.vertices, "undeformed_co", np.float32, 3))

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attributes of a mesh that materials read: colours, vectors and values of points, edges, corners or faces, as Cycles reads them.
+"""Attributes of a mesh that materials read, as Cycles reads them.
 
-Measured in Blender 4.5, 5.2 and 5.3 for every type on every domain.
+They are colours, vectors and values of points, edges, corners or faces. Measured in Blender 4.5, 5.2 and 5.3 for
+every type on every domain.
 """
 
 from __future__ import annotations
@@ -31,7 +32,10 @@ _TANGENTS = (".tangent", ".tangent_sign", ".undisplaced_tangent", ".undisplaced_
 
 
 def unreadable(mesh: bpy.types.Mesh, name: str) -> tuple[str, str] | None:
-    """What of the attribute `name` ('': the active render colour) cannot be read, and the remedy; None where all can."""
+    """(what, remedy) where the attribute `name` cannot be read; None where it can.
+
+    '' is the active render colour.
+    """
     attribute = _find(mesh, name)
     if attribute is None:
         # Cycles makes tangents itself where a material asks for them by name.
@@ -47,10 +51,11 @@ def unreadable(mesh: bpy.types.Mesh, name: str) -> tuple[str, str] | None:
 def read_attribute(
     mesh: bpy.types.Mesh, name: str, corners: np.ndarray, triangles: np.ndarray, polygon: np.ndarray
 ) -> np.ndarray:
-    """(3, 6, t) red, green, blue, alpha, factor and presence (0 or 1) at the triangles' corners; alpha alone 1 where there is nothing.
+    """(3, 6, t) red, green, blue, alpha, factor and presence (0 or 1) at the corners.
 
-    '' is the active render colour. `corners` (t, 3) are the triangles' loops, `triangles` (3, t) their vertices, `polygon` (t,) their
-    faces. An `unreadable` attribute counts as absent: the export has refused the materials of this mesh that read it.
+    Where there is no attribute, alpha is 1 and the rest 0. '' is the active render colour. `corners` (t, 3) are the
+    triangles' loops, `triangles` (3, t) their vertices, `polygon` (t,) their faces. An `unreadable` attribute counts as
+    absent: the export has refused the materials of this mesh that read it.
     """
     attribute = _find(mesh, name)
     values = np.zeros((3, 6, corners.shape[0]), np.float32)
@@ -77,7 +82,10 @@ def read_attribute(
 
 
 def _at_points(mesh: bpy.types.Mesh, stored: np.ndarray) -> np.ndarray:
-    """(v, width) the mean of the edges (e, width) at each point: rounded for whole numbers, for booleans whether any is true."""
+    """(v, width) the mean at each point of its edges' values (e, width).
+
+    Means of whole numbers are rounded. A boolean is true where that of any edge is.
+    """
     ends = np.empty(2 * len(mesh.edges), np.int32)
     mesh.edges.foreach_get("vertices", ends)
     total = np.zeros((len(mesh.vertices), stored.shape[1]))

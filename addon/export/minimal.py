@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small scene in which a difference that nothing explains can still be seen: one object, one light, one block of pixels."""
+"""A small scene in which an unexplained difference can still be seen.
+
+It has one object, one light and one block of pixels.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +23,10 @@ Shows = Callable[[bpy.types.Scene], bool]
 
 
 def where(comparison: Comparison) -> Box | None:
-    """The block furthest off that no departure explains, as first column, first row, last column, last row; None if all is explained.
+    """The block with the largest difference that no departure explains.
 
-    It is in pixels of the images that were compared, which may have fewer of them than the scene asks for.
+    It is first column, first row, last column, last row; None if all is explained. Pixels are those of the images that
+    were compared, which may have fewer of them than the scene asks for.
     """
     left = set(unexplained(comparison))
     blocks = [k for k in comparison.regions.indices("block") if k in left]
@@ -43,10 +47,11 @@ def seen(comparison: Comparison, box: Box) -> list[str]:
 
 
 def write_minimal(scene: bpy.types.Scene, box: Box, names: list[str], shows: Shows, path: Path) -> None:
-    """Write the smallest part of `scene` in which `shows` still sees the difference, cut to `box`.
+    """Write the smallest part of `scene` in which `shows` sees the difference, cut to `box`.
 
     `names` are the objects in the box, the most important first. The user's own scene is not touched. Where no part
-    shows it, the file holds the whole scene, cut to the box. Raises EtalonError where the file cannot be written.
+    shows the difference, the file holds the whole scene, cut to the box. Raises EtalonError where the file cannot be
+    written.
     """
     part = scene.copy()
     try:
@@ -65,7 +70,10 @@ def write_minimal(scene: bpy.types.Scene, box: Box, names: list[str], shows: Sho
 
 
 def _parts(scene: bpy.types.Scene, names: list[str]) -> Iterator[tuple[list[bpy.types.Object], bpy.types.World | None]]:
-    """Objects and world: one object with one light, or the world, each; at last one object with all of them."""
+    """Yield the objects and the world of each part.
+
+    First come parts of one object with one light, or with the world; at last one object with all of them.
+    """
     shown = [scene.objects[name] for name in names[:1] if name in scene.objects]
     if not shown:
         return

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linked libraries that are not there: refused where an object's faces are missing, a finding of the scene check where anything else is."""
+"""Linked libraries that are missing.
+
+They are refused where an object's faces are missing, and a finding of the scene check where anything else is.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ _KINDS = ("materials", "node_groups", "worlds", "images", "textures", "actions")
 
 
 def refuse_missing(depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]) -> None:
-    """Append the collections and objects of the view layer that lack what a missing library holds of them."""
+    """Append collections and objects of the view layer whose data a missing library holds."""
     for collection in depsgraph.scene.collection.children_recursive:
         if collection.is_missing and not collection.hide_render:
             refusals.append(_refusal("collection", collection, collection))
@@ -27,7 +30,10 @@ def refuse_missing(depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]) -> N
 
 
 def _parts(thing: bpy.types.Object) -> Iterator[bpy.types.ID]:
-    """What an object cannot be rendered without: itself, its data and the collection that it shows."""
+    """Yield what an object cannot be rendered without.
+
+    That is the object itself, its data and the collection that it shows.
+    """
     yield thing
     if thing.data is not None:
         yield thing.data
@@ -41,7 +47,10 @@ def _refusal(kind: str, owner: bpy.types.ID, missing: bpy.types.ID) -> Refusal:
 
 
 def find_missing_libraries() -> tuple[Finding, ...]:
-    """The data-blocks of missing libraries that Blender has put empty ones in place of, beside those that are refused."""
+    """Find the data-blocks of missing libraries that Blender replaced by empty ones.
+
+    Those that are refused are not among them.
+    """
     missing = [one for kind in _KINDS for one in getattr(bpy.data, kind) if one.is_missing]
     if not missing:
         return ()

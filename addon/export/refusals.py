@@ -54,7 +54,7 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
 
 
 def _refuse_layer_collections(collection: bpy.types.LayerCollection, refusals: list[Refusal]) -> None:
-    """Append what of a collection's settings in the view layer is not known, and of those in it."""
+    """Append the unknown settings of a collection in the view layer, and of those in it."""
     refuse_undeclared(f"collection '{collection.name}'", "layer_collection", collection, refusals)
     for child in collection.children:
         _refuse_layer_collections(child, refusals)
@@ -89,7 +89,7 @@ def refuse_object(
 def _refuse_properties(
     instance: bpy.types.DepsgraphObjectInstance, owner: str, checked: set[tuple[int, ...]], refusals: list[Refusal]
 ) -> None:
-    """Append the properties of an object, its mesh and its instancer that are in no table and changed."""
+    """Append changed properties of an object, its mesh and its instancer that no table has."""
     thing = instance.object
     # Blender shows each instance as a temporary copy of its object: only the original and the data have addresses that last.
     lasting = (thing.original, thing.data, instance.parent and instance.parent.original)
@@ -106,7 +106,10 @@ def _refuse_properties(
 
 
 def read_rays(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> int:
-    """The mask of the rays that meet the object or light: it and its instancer say so, and its collections are not indirect only."""
+    """The mask of the rays that meet the object or light.
+
+    It and its instancer set the mask. Camera rays are removed where its collections are indirect only.
+    """
     both = (instance.object, instance.parent or instance.object)
     rays = sum(bit for name, bit in RAY_NAMES.items() if all(getattr(one, f"visible_{name}") for one in both))
     return rays & ~CAMERA if both[1].indirect_only_get(view_layer=layer) else rays
@@ -119,7 +122,10 @@ def is_invisible(instance: bpy.types.DepsgraphObjectInstance) -> bool:
 
 
 def refuse_unscattered(depsgraph: bpy.types.Depsgraph) -> None:
-    """Raise Refused where rays that volumes scatter would not meet all objects and lights, or not see the world."""
+    """Raise Refused where rays that volumes scatter would miss something.
+
+    They must meet all objects and lights, and see the world.
+    """
     remedy = "switch it on"
     refusals = []
     for instance in depsgraph.object_instances:
@@ -183,7 +189,10 @@ def _path(thing: bpy.types.Object) -> str:
 
 
 def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    """Whether Cycles dices the object itself: a switch of the modifier, before Blender 5.0 an experimental one of the object."""
+    """Whether Cycles dices the object itself.
+
+    That is a switch of the modifier; before Blender 5.0 it was an experimental one of the object.
+    """
     surfaces = [one for one in thing.modifiers if one.type == "SUBSURF" and one.show_render]
     if bpy.app.version >= (5, 0, 0):
         return any(one.use_adaptive_subdivision for one in surfaces)
@@ -191,19 +200,28 @@ def _is_adaptive(thing: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 
 
 def unsupported_kind(thing: bpy.types.Object) -> str | None:
-    """What kind of thing it is, when Cycles or Blender would show it and the reference would not."""
+    """The kind of a thing that Cycles or Blender would show and the reference would not.
+
+    None where there is no such difference.
+    """
     if thing.type in UNSUPPORTED_TYPES:
         return UNSUPPORTED_TYPES[thing.type]
     return "smoke" if _is_smoke(thing) else None
 
 
 def _is_empty(thing: bpy.types.Object) -> bool:
-    """Whether an evaluated object of curves or points has none left: its modifiers made something else of them."""
+    """Whether an evaluated object of curves or points has none left.
+
+    Its modifiers then made something else of them.
+    """
     return isinstance(thing.data, bpy.types.Curves | bpy.types.PointCloud) and not len(thing.data.points)
 
 
 def refuse_smoke(scene: bpy.types.Scene) -> None:
-    """Raise Refused where `scene` renders smoke. Ask before it is evaluated: Blender can crash on a simulation without its cache."""
+    """Raise Refused where `scene` renders smoke.
+
+    Call it before the scene is evaluated: Blender can crash on a simulation without its cache.
+    """
     smoky = [thing for thing in scene.objects if not thing.hide_render and _is_smoke(thing)]
     if smoky:
         raise Refused(

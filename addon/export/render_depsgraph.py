@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene as a render sees it: render levels of modifiers and what is hidden in viewports, but not in renders."""
+"""The scene as a render sees it.
+
+Modifiers have their render levels, and what is hidden in viewports but not in renders is there.
+"""
 
 from __future__ import annotations
 
@@ -30,10 +33,12 @@ def _render(scene: bpy.types.Scene) -> None:
 
 
 def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph], Result]) -> Result:
-    """Return `function(depsgraph)` for the depsgraph in render mode, which Blender hands to a render engine only.
+    """Return `function(depsgraph)` for the depsgraph in render mode.
 
-    An engine that renders nothing is registered for the time of the call. The scene's settings come back, and whatever
-    `function` raises is raised here; EtalonError where the scene renders no view layer.
+    Blender hands it to a render engine only, so one that renders nothing is registered for the time of the call. The
+    scene's settings come back, and whatever `function` raises is raised here. Raises EtalonError where the scene
+    renders no
+    view layer.
     """
     remember_defaults(DECLARATIONS)
     remember_properties()

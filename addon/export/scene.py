@@ -120,12 +120,18 @@ class MaterialTable:
         return tuple(self._materials)
 
     def of_slots(self, thing: bpy.types.Object) -> np.ndarray:
-        """(slots,) indices for a mesh object's material slots; without slots, one for Blender's default material."""
+        """(slots,) indices of the materials in a mesh object's slots.
+
+        Without slots there is one, for Blender's default material.
+        """
         slots = [slot.material for slot in thing.material_slots] or [None]
         return np.array([self._index(self._override or material) for material in slots], np.int32)
 
     def refuse_attribute(self, index: int, refusal: Refusal) -> None:
-        """Refuse an attribute that the material `index` reads; where only parts are compared, leave out the material."""
+        """Refuse an attribute that the material `index` reads.
+
+        Where only parts are compared, the material is left out instead.
+        """
         if self._partial:
             # Without its node tree, it is not known whether it emits.
             self._materials[index] = Material(self._materials[index].name, (), refusal.what)
@@ -224,7 +230,10 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable, links
 
 
 def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer, links: LinkTable) -> Object:
-    """What materials can ask of an object; an instance has its instancer's colour, and an index of its own."""
+    """The properties of an object that materials can read.
+
+    An instance has its instancer's colour, and an index of its own.
+    """
     thing = instance.object
     if instance.is_instance:
         random = np.array([instance.random_id & 0xFFFFFFFF], np.uint32)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Findings that only Blender's data show: settings that the neutral state sets aside on both sides."""
+"""Findings that only Blender's data show.
+
+They are settings that the neutral state sets aside on both sides.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,10 @@ def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding,
 
 
 def find_missing_images(missing: Sequence[str]) -> tuple[Finding, ...]:
-    """The images that are not there, each a sentence without its stop: both sides show magenta in their place."""
+    """The images that are missing, each a sentence without its full stop.
+
+    Both sides show magenta in their place.
+    """
     if not missing:
         return ()
     shown = "; ".join(missing[:_MOST_FILES]) + (
@@ -147,7 +153,10 @@ def _bump_filter(depsgraph: bpy.types.Depsgraph) -> Finding | None:
 
 
 def _wide_bumps(tree: bpy.types.NodeTree) -> Iterator[bpy.types.Node]:
-    """The Bump nodes of a node tree and its groups that do something and have another Filter Width than the neutral state."""
+    """Yield Bump nodes with another Filter Width than the neutral state.
+
+    Those of the tree's groups count too, those that do nothing do not.
+    """
     for node in tree.nodes:
         if node.mute:
             continue

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images whose files changed after Blender read them: Cycles reads the file, so Blender has to read it again."""
+"""Images whose files changed after Blender read them.
+
+Cycles reads the file, so Blender has to read it again.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,11 @@ _read: dict[int, tuple[int, int, int] | None] = {}
 
 
 def reload_stale_images() -> None:
-    """Have Blender read again the images that it holds and that may differ from their files; what is unsaved or packed stays.
+    """Have Blender read again the images that may differ from their files.
 
-    Blender does not say when it read a file, so each is read again once, and later only where its file has changed.
+    Images that are unsaved or packed stay. Blender does not say when it read a file, so each is read again once, and
+    later
+    only where its file has changed.
     """
     for image in bpy.data.images:
         if image.source != "FILE" or image.packed_file is not None or image.is_dirty or not image.has_data:

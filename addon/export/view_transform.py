@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a scene wants its images shown: the settings under Render Properties > Color Management."""
+"""How a scene wants its images shown.
+
+These are the settings under Render Properties > Color Management.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,9 @@ from ..host.color_configuration import color_configuration
 
 
 def export_view_transform(scene: bpy.types.Scene) -> ViewTransform:
-    """The view transform of `scene`, with the OpenColorIO configuration of the Blender that runs.
+    """The view transform of `scene`, with the running Blender's OpenColorIO configuration.
 
-    Curves and the white balance of the view are named as omitted. The verdict rests on nothing of it.
+    Curves and the white balance of the view are named as omitted. The verdict does not depend on them.
     """
     settings = scene.view_settings
     # Blender 4.2 has no white balance of the view.

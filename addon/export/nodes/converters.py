@@ -120,7 +120,10 @@ def _curves(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> e
 
 
 def _curve(mapping: bpy.types.CurveMapping, one: bpy.types.CurveMap) -> cv.Curve:
-    """A curve by Blender's own evaluation, which is linear between the nodes of its table and beyond its ends."""
+    """Tabulate a curve by Blender's own evaluation.
+
+    It is linear between the nodes of its table and beyond its ends.
+    """
     ends = [point.location[0] for point in one.points]
     low, high = min(mapping.clip_min_x, *ends), max(mapping.clip_max_x, *ends)
     table = tuple(mapping.evaluate(one, low + (high - low) * k / _CELLS) for k in range(_CELLS + 1))

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the readers know of each node type: one row per type, checked in Blender 4.5, 5.2 and 5.3.
+"""The parts of each node type that the readers know: one row per type.
 
-Idle inputs: those of a layer whose weight must be 0; what the node type shows only in another render engine.
+Checked in Blender 4.5, 5.2 and 5.3. Idle inputs are those of a layer whose weight must be 0, and those that the node
+type shows only in another render engine.
 """
 
 from __future__ import annotations

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The check that nothing of a node is ignored: what its reader does not declare must be as Blender makes it."""
+"""The check that no input and no property of a node is ignored.
+
+What its reader does not declare must be as Blender makes it.
+"""
 
 from __future__ import annotations
 
@@ -97,7 +100,10 @@ def has_unknown(node: bpy.types.Node, declarations: Mapping[str, Declaration]) -
 
 
 def changed_unknowns(node: bpy.types.Node, declaration: Declaration) -> Iterator[tuple[str, str]]:
-    """What of the node is unknown and not as Blender makes it, and the remedy; unlinked inputs and properties."""
+    """Yield unknown inputs and properties that are not as Blender makes them.
+
+    Each is (what, remedy). Inputs that are linked are not among them.
+    """
     fresh = _fresh.get(node.bl_idname, _Fresh({}, {}))
     for socket in node.inputs:
         name = socket.identifier

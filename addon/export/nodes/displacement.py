@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacement that only bumps (a material's setting Bump Only): it turns the normal of the whole surface."""
+"""Displacement that only bumps (the material's setting Bump Only).
+
+It turns the normal of the whole surface.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,10 @@ from .tree import Scope, TreeReader, valid_link
 
 
 def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) -> ex.Expression | None:
-    """The normal that a Displacement node linked to `socket` gives; None where something else is linked.
+    """Read the normal that a Displacement node linked to `socket` gives.
 
-    Height above the middle, times the scale, is a length along the normal in the object's space or in the world's.
+    None where something else is linked. Height above the middle, times the scale, is a length along the normal in the
+    object's space or in the world's.
     """
     source = values.trace(socket, scope)
     node = source.socket.node

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files behind images that have several: which one a frame shows, and how one of them is read."""
+"""The files of images that have several.
+
+This file finds which one a frame shows, and reads one of them.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ def frame_of_user(user: bpy.types.ImageUser, scene_frame: int) -> int:
 
 
 def numbered_path(path: str, number: int) -> str:
-    """`path` with the last digits of its name, before its suffix, replaced by `number`, which keeps as many places."""
+    """`path` with the last digits of its name, before its suffix, replaced by `number`.
+
+    The number keeps as many places.
+    """
     folder, name = Path(path).parent, Path(path)
     found = re.fullmatch(r"(.*?)(\d+)(\D*)", name.stem, re.DOTALL)
     head, digits, tail = found.groups() if found else (name.stem, "", "")
@@ -43,13 +49,19 @@ def tile_path(pattern: str, number: int) -> str | None:
 
 
 def path_of_image(image: bpy.types.Image) -> str:
-    """The image's path, absolute; of several files, the one (or the pattern) that it was given."""
+    """The image's absolute path.
+
+    An image of several files has the one, or the pattern, that it was given.
+    """
     return bpy.path.abspath(image.filepath, library=image.library)
 
 
 @contextmanager
 def read_file(path: str, image: bpy.types.Image) -> Iterator[bpy.types.Image | None]:
-    """One file with the settings of `image`, for a while; None where it cannot be read. Nothing is left in Blender's data."""
+    """Yield one file with the settings of `image`; None where it cannot be read.
+
+    Nothing is left in Blender's data afterwards.
+    """
     try:
         still = bpy.data.images.load(path)
     except RuntimeError:

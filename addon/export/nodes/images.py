@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images as lib.scene.images, each once, read so that their texels are those that Cycles sees."""
+"""Blender's images as lib.scene.images, each once.
+
+They are read so that their texels are those that Cycles sees.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,10 @@ Refuse = Callable[[str, str], None]
 
 @dataclass(frozen=True)
 class Entry:
-    """An image in the table, and what its colour has to do with its alpha (ImageTexture's `association`)."""
+    """An image in the table, and how its colour relates to its alpha.
+
+    The latter is the `association` of an ImageTexture.
+    """
 
     index: int
     association: str
@@ -64,9 +70,11 @@ class ImageTable:
         return tuple(self._images)
 
     def is_missing(self, node: bpy.types.Node, owner: str) -> bool:
-        """Whether an image node has no image that can be read: Cycles then shows MISSING. What is missing is noted.
+        """Whether an image node has no image that can be read.
 
-        A file in a colour space that is not read may be missing too: what Cycles shows then depends on the release.
+        Cycles then shows MISSING. What is missing is noted. A file in a colour space that is not read may be missing
+        too:
+        what Cycles shows then depends on the release.
         """
         image = node.image
         if image is None:
@@ -84,18 +92,21 @@ class ImageTable:
         return True
 
     def add(self, node: bpy.types.Node, alpha_linked: bool, refuse: Refuse) -> Entry | None:
-        """The entry of a node's image, read at its first use; None where it is refused, by `refuse(what, remedy)`.
+        """The entry of a node's image, read at its first use.
 
-        `alpha_linked` says whether the node's alpha is in use. The image is none that `is_missing`.
+        None where it is refused, by `refuse(what, remedy)`. `alpha_linked` says whether the node's alpha is in use.
+        The image
+        must not be one that `is_missing`.
         """
         image = node.image.original
         path = self._path(image, node) if _is_sequence(image) else ""
         return self._entry(image, path, alpha_linked, refuse)
 
     def add_tiles(self, node: bpy.types.Node, alpha_linked: bool, refuse: Refuse) -> dict[int, Entry]:
-        """The entries of a tiled image by number of tile, without those whose file cannot be read: Cycles shows MISSING there.
+        """The entries of a tiled image by number of tile.
 
-        What is refused has none.
+        Tiles whose file cannot be read are left out, since Cycles shows MISSING there. Tiles that are refused have no
+        entry.
         """
         image = node.image.original
         fault = _fault_of_tiles(image)
@@ -217,7 +228,10 @@ def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
 
 
 def _fault_of_space(image: bpy.types.Image, codes: np.ndarray, linear: np.ndarray) -> tuple[str, str] | None:
-    """(what, remedy) where Cycles makes something else of the image's colour space than its definition."""
+    """(what, remedy) where Cycles and its definition disagree on the image's colour space.
+
+    `codes` are the texels as stored, `linear` the same decoded. None where the two agree.
+    """
     packed = image.alpha_mode == "CHANNEL_PACKED" and np.any(codes[..., 3] != 1.0)
     if packed and bpy.app.version not in _PACKED_IN_ANY_SPACE:
         return "alpha Channel Packed", "set its Alpha to None"
@@ -277,7 +291,10 @@ def _holds_multiplied_codes(image: bpy.types.Image) -> bool:
 
 
 def _codes(image: bpy.types.Image) -> np.ndarray:
-    """The texels of the image's file as they are stored: Blender divides bytes by an alpha that is multiplied in, and rounds."""
+    """The texels of the image's file as they are stored.
+
+    Blender divides bytes by an alpha that is multiplied in, and rounds.
+    """
     plain = image.copy()
     try:
         plain.alpha_mode = "CHANNEL_PACKED"

@@ -37,9 +37,11 @@ _PASSIVE = frozenset(
 
 
 def is_passive(material: bpy.types.Material) -> bool:
-    """Whether a material only sends on light that it receives, from faces where the mesh has them.
+    """Whether a material only sends on light that it receives.
 
-    Colours are taken to be at most 1 where they are linked. Nodes of other kinds than those known may do anything.
+    It does so from faces where the mesh has them. Linked colours are taken to be at most 1. Nodes of unknown kinds
+    may do
+    anything.
     """
     if material.node_tree is None:
         return False

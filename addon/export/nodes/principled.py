@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reader of the Principled BSDF: a stack of layers becomes a flat list of lobes, each weighed by what the layers above leave.
+"""Reader of the Principled BSDF: a stack of layers becomes a flat list of lobes.
 
-From top to bottom: alpha, sheen, coat, emission, metal, transmission, specular, subsurface and diffuse (Cycles, kernel/svm/closure.h).
+Each lobe is weighed by what the layers above leave. From top to bottom: alpha, sheen, coat, emission, metal,
+transmission, specular, subsurface and diffuse (Cycles, kernel/svm/closure.h).
 """
 
 from __future__ import annotations
@@ -185,7 +186,10 @@ class _Principled:
         return mt.Metallic(self._distribution, "F82", base, edge, normal=self._normal, **self._stretch(), **self._film)
 
     def _dispersion(self) -> ex.Expression:
-        """The reciprocal of the glass's Abbe number; none where scale or number is not positive. Blender 5.3 and later."""
+        """The reciprocal of the glass's Abbe number.
+
+        Zero where scale or number is not positive. Blender 5.3 and later.
+        """
         scale, abbe = (self._socket(f"Transmission Dispersion {name}") for name in ("Scale", "Abbe Number"))
         scale, abbe = (ex.Math("MAXIMUM", socket, ex.ZERO, ex.ZERO) for socket in (scale, abbe))
         dispersion = self._reader.folder(ex.Math("DIVIDE", scale, abbe, ex.ZERO))  # by zero it gives zero
@@ -211,7 +215,10 @@ class _Principled:
         )
 
     def _glass_stretch(self) -> dict[str, object]:
-        """What turns and stretches the glass, as on the Glass BSDF: sqrt(1 - 0.9 a) - 1 divides alpha along x by the root."""
+        """The fields that turn and stretch the glass, as on the Glass BSDF.
+
+        The anisotropy a becomes sqrt(1 - 0.9 a) - 1, so that alpha along x is divided by sqrt(1 - 0.9 a).
+        """
         stretch = self._stretch()
         del stretch["roughness"]
         if stretch:
@@ -224,7 +231,10 @@ class _Principled:
         return ex.Mix(ex.ZERO, self._socket("Base Color"), ex.WHITE, clamp_result=True)
 
     def _subsurface(self, rest: _Weight, ior: ex.Expression, add: _Add) -> _Weight:
-        """What scatters below the surface, where light enters by the index `ior` unless the method has one of its own; what is left."""
+        """Add what scatters below the surface, and return the weight that is left.
+
+        Light enters by the index `ior` unless the method has one of its own.
+        """
         share = self._share("Subsurface Weight")
         if self._reader.folder(rest.times(share).value) == ex.ZERO:
             return rest

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the readers know of shaders, outputs and what only they read: one row per node type."""
+"""The parts of shaders and outputs that the readers know: one row per node type.
+
+Nodes that only these read are here too.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading a shader tree: Mix and Add, and what stands below them, become a flat list of weighted lobes."""
+"""Reading a shader tree into a flat list of weighted lobes.
+
+Mix and Add nodes, and the shaders below them, are resolved.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ Key = tuple
 
 @dataclass(frozen=True)
 class _Shader:
-    """A shader node's output, and what it takes of others: theirs by key, each with its factor; None for what it does itself."""
+    """A shader node's output, and the shaders that it combines.
+
+    `parts` are the keys of these, each with its factor; None for a node that is a shader itself.
+    """
 
     source: Source
     parts: tuple[tuple[Key, ex.Expression], ...] | None
@@ -63,7 +69,10 @@ class ShaderReader:
         return [lobe for source, weight in own for lobe in self._own_lobes(source, weight)]
 
     def _collect(self, root: Source) -> tuple[dict[Key, _Shader], list[Key]]:
-        """All shaders that `root` is made of, in the order in which they are met, and their keys, each after all that it takes from."""
+        """Collect all shaders that `root` is made of, in the order in which they are met.
+
+        Also returns their keys, each after all shaders that it takes from.
+        """
         shaders: dict[Key, _Shader] = {}
         finished: list[Key] = []
         pending: list[tuple[Source, bool]] = [(root, False)]
@@ -81,7 +90,10 @@ class ShaderReader:
         return shaders, finished
 
     def _parts(self, source: Source) -> tuple[list[Source] | None, list[ex.Expression]]:
-        """The shaders that a Mix or Add takes anything of, and their factors; None for a shader that does something itself."""
+        """The shaders that a Mix or Add node combines, and their factors.
+
+        A shader whose factor is zero is left out. None for a node that is a shader itself.
+        """
         combine = self.combiners.get(source.socket.node.bl_idname)
         if combine is None:
             return None, []
@@ -122,7 +134,10 @@ class ShaderReader:
         return self.read(node, name, scope) if valid_link(node.inputs[name]) else self.values.surface_normal
 
     def film(self, node: bpy.types.Node, scope: Scope) -> dict[str, ex.Expression]:
-        """Thickness and index of the node's thin film, by the fields of a closure; nothing where there is none."""
+        """Thickness and index of the node's thin film, by the fields of a closure.
+
+        Empty where there is no film.
+        """
         if "Thin Film Thickness" not in node.inputs:
             return {}
         thickness = self.read(node, "Thin Film Thickness", scope)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Readers of shader nodes, one function each, and the tables of them for surfaces and for worlds."""
+"""Readers of shader nodes, one function each.
+
+Two tables list them for surfaces and for worlds.
+"""
 
 from __future__ import annotations
 
@@ -188,7 +191,10 @@ _SURFACE_SHADERS: Mapping[str, ReadShader] = {
 
 
 def make_shader_reader(values: TreeReader) -> ShaderReader:
-    """The reader of the shaders that Cycles knows on what `values` reads: a surface or a world."""
+    """Make the reader of the shaders that Cycles knows.
+
+    It takes its values from `values`, the tree of a surface or a world.
+    """
     if values.is_world:
         return ShaderReader(values, Folder(), _WORLD_SHADERS, _COMBINERS, "on a world")
     return ShaderReader(values, Folder(), _SURFACE_SHADERS, _COMBINERS, "on a surface")

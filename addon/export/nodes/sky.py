@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sky Textures: what Blender itself makes of them, as a table of radiance, and their sun's disc beside it.
+"""Sky Textures: a table of radiance that Blender itself renders, and the sun's disc.
 
-A sky is given to both renderers, as an image would be, so Cycles is asked for it: once, at the directions of a table's texels. Cycles
-keeps the sky of its scattering models in a table too, and the one here has its texels. Root mean square of the error, measured at
-random directions, of the mean radiance: 3e-6 from Blender 5.0 on (2e-4 where a sun at the horizon is redder than colours can be),
-2e-5 before, where a formula fades the ground out. Preetham and Hosek/Wilkie are formulas alone: 9e-5, and 1 % at most, right at
-the sun. The disc is the formula of Cycles with its two colours measured: 1e-3 at most but at the very limb.
+A sky is given to both renderers, as an image would be, so Cycles is asked for it: once, at the directions of a
+table's texels. Cycles keeps the sky of its scattering models in a table too, and the one here has its texels. Root
+mean square of the error, measured at random directions, relative to the mean radiance: 3e-6 from Blender 5.0 on (2e-4
+where a sun at the horizon is redder than colours can be), 2e-5 before, where a formula fades the ground out. Preetham
+and Hosek/Wilkie are formulas alone: 9e-5, and 1 % at most, right at the sun. The disc is the formula of Cycles with its
+two colours measured: 1e-3 at most except at the very limb.
 """
 
 from __future__ import annotations
@@ -52,13 +53,19 @@ Settings = tuple[tuple[str, Any], ...]
 
 @dataclass(frozen=True)
 class PendingImage(Image):
-    """An image that takes a render to get, which cannot be run while the scene is exported from one: `render` gives its RGB."""
+    """An image that takes a render to get; `render` gives its RGB.
+
+    The render cannot run while the scene is exported from another one.
+    """
 
     render: Callable[[], np.ndarray]
 
 
 def read_sky(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
-    """The reader of Sky Texture nodes. Its images are pending; `render_skies` has them rendered."""
+    """Read a Sky Texture node.
+
+    Its images are pending; `render_skies` has them rendered.
+    """
     refuse_mapping(reader, node, scope)
     vector = reader.read_or(node.inputs[0], scope, _DIRECTION)  # with a sun's disc, Blender takes no Vector
     settings = _settings(node)
@@ -111,7 +118,10 @@ def _settings(node: bpy.types.Node) -> Settings:
 
 
 def _sun_place(elevation: float, rotation: float) -> tuple[float, float]:
-    """The sun's elevation within +-90 degrees and its azimuth from +x towards +y, radians: rotation 0 is +y, and it turns to +x."""
+    """The sun's elevation and azimuth, radians.
+
+    The elevation is within +-90 degrees. The azimuth counts from +x towards +y: rotation 0 is +y, and it turns to +x.
+    """
     elevation = math.remainder(elevation, 2.0 * math.pi)
     if abs(elevation) > 0.5 * math.pi:
         elevation, rotation = math.copysign(math.pi, elevation) - elevation, rotation + math.pi
@@ -119,7 +129,10 @@ def _sun_place(elevation: float, rotation: float) -> tuple[float, float]:
 
 
 def _dip(node: bpy.types.Node) -> float:
-    """How far below level the horizon is, radians, seen from the node's altitude; before Blender 5.0 it is level."""
+    """How far below level the horizon is, radians, seen from the node's altitude.
+
+    Before Blender 5.0 it is level.
+    """
     return math.acos(_EARTH / (_EARTH + max(node.altitude, 0.0))) if _SINCE_5 else 0.0
 
 
@@ -140,7 +153,10 @@ def _table(settings: Settings, shape: tuple[int, int], azimuth: float) -> np.nda
 def _centre_line(
     settings: Settings, shape: tuple[int, int], elevation: float, azimuth: float, diameter: float
 ) -> np.ndarray:
-    """The sun's radiance, undarkened, at its lower and upper edge, (2, 1, 3): it is linear in the elevation between them."""
+    """The sun's undarkened radiance at its lower and upper edge, (2, 1, 3).
+
+    It is linear in the elevation between them.
+    """
     toward_sun, up = (np.array(toward(elevation + turn, azimuth)) for turn in (0.0, 0.5 * math.pi))
     right = np.cross(toward_sun, up)
     step = math.tan(0.125 * diameter)  # half a pixel: the four in the middle are looked at
@@ -169,7 +185,10 @@ def _set(node: bpy.types.Node, settings: Settings) -> None:
 
 
 def _rendered(scene: bpy.types.Scene) -> np.ndarray:
-    """What Cycles shows, (height, width, 3), row 0 at the bottom; raises EtalonError where it cannot."""
+    """Render the image that Cycles shows, (height, width, 3), row 0 at the bottom.
+
+    Raises EtalonError where Cycles cannot render it.
+    """
     with temporary_folder() as folder:
         path = folder / "sky.exr"
         scene.render.filepath = str(path)
@@ -185,9 +204,11 @@ def _rendered(scene: bpy.types.Scene) -> np.ndarray:
 
 @contextmanager
 def _scene(size: tuple[int, int]) -> Iterator[tuple[bpy.types.Scene, bpy.types.Node]]:
-    """A scene of a camera and a world that is a Sky Texture node, and the node; all of it is gone afterwards.
+    """Yield a scene of a camera and a world that is a Sky Texture node, and the node.
 
-    One sample goes through each pixel's centre; the rest of a new scene's settings are neutral as they come.
+    Both are removed afterwards. One sample goes through each pixel's centre; the rest of a new scene's settings are
+    neutral
+    as they come.
     """
     data, name = bpy.data, "etalon sky"
     made: list[bpy.types.ID] = []

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the methods of subsurface scattering mean, on the node of that name and in the Principled BSDF."""
+"""The methods of subsurface scattering.
+
+The Subsurface Scattering node and the Principled BSDF share them.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,10 @@ _SKIN = "RANDOM_WALK_SKIN"
 
 @dataclass(frozen=True)
 class Method:
-    """One method: the `mapping` to a medium (lib/scattering/subsurface.py), and the bounds of the anisotropy."""
+    """One method: its `mapping` to a medium, and the bounds of the anisotropy.
+
+    lib/scattering/subsurface.py has the mappings.
+    """
 
     mapping: str
     least: float
@@ -29,12 +35,18 @@ class Method:
 
     @property
     def is_skin(self) -> bool:
-        """Whether half of the light enters by the cosine, and the node's own index of subsurface scattering counts."""
+        """Whether half of the light enters by the cosine.
+
+        The node's own index of subsurface scattering counts then.
+        """
         return self.mapping == "SKIN"
 
 
 def read_method(reader: ShaderReader, node: bpy.types.Node, scope: Scope, name: str) -> Method | None:
-    """The method in the node's property `name`, as Cycles of this Blender takes it; None, and a refusal, for Christensen-Burley."""
+    """The method in the node's property `name`, as Cycles of this Blender takes it.
+
+    None for Christensen-Burley, which is refused.
+    """
     identifier = getattr(node, name)
     if identifier == "BURLEY":
         reader.values.refuse(node, scope, ", method Christensen-Burley,", "choose Random Walk")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Readers of texture nodes and of what feeds them: coordinates, mappings, images, checkers."""
+"""Readers of texture nodes and of what feeds them.
+
+These are coordinates, mappings, images and checkers.
+"""
 
 from __future__ import annotations
 

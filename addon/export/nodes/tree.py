@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walks a node tree as Cycles does: through reroutes, muted nodes and groups, with Blender's silent conversions written out."""
+"""Walks a node tree as Cycles does.
+
+Links are followed through reroutes, muted nodes and groups, and Blender's silent conversions are written out.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ _DEEPEST = 100
 
 @dataclass(frozen=True)
 class Scope:
-    """Where a node lives: in the tree itself (no `group`) or inside a group node that lives in `parent`."""
+    """Where a node lives: in the tree itself, or inside a group node.
+
+    `group` is that group node, which lives in `parent`; in the tree itself there is no `group`.
+    """
 
     group: bpy.types.Node | None = None
     parent: Scope | None = None
@@ -43,9 +49,10 @@ class Scope:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a socket's content comes from: an output of a real node, or (`linked` False) the default of an input.
+    """Where a socket's content comes from.
 
-    `passed` are the types of the group and muted sockets on the way, outermost first, each of which may convert.
+    It is an output of a real node, or (`linked` False) the default of an input. `passed` are the types of the group and
+    muted sockets on the way, outermost first, each of which may convert.
     """
 
     socket: bpy.types.NodeSocket
@@ -64,9 +71,11 @@ def valid_link(socket: bpy.types.NodeSocket) -> bpy.types.NodeLink | None:
 
 @dataclass
 class TreeReader:
-    """Reads the values of one node tree into expressions, by a dictionary of readers: node type -> reader.
+    """Reads the values of one node tree into expressions.
 
-    What cannot be read is appended to `refusals` by name, and a stand-in is returned so that reading goes on to find the rest.
+    A dictionary maps each node type to its reader. What cannot be read is appended to `refusals` by name, and a
+    stand-in
+    is returned so that reading goes on to find the rest.
     """
 
     owner: str
@@ -93,7 +102,10 @@ class TreeReader:
             self.refusals.append(refusal)
 
     def check(self, node: bpy.types.Node, scope: Scope) -> None:
-        """Refuse what of `node` its reader does not declare and is not as Blender makes it; once per node."""
+        """Refuse the undeclared parts of `node` that are not as Blender makes them.
+
+        This is done once per node.
+        """
         key = (*scope.path, node.as_pointer())
         if key in self._checked:
             return
@@ -110,7 +122,10 @@ class TreeReader:
             self.refuse(node, scope, what, remedy)
 
     def _check_neutral(self, node: bpy.types.Node, socket: bpy.types.NodeSocket, neutral: float, scope: Scope) -> None:
-        """Refuse the content of an input that is not simulated, unless it is the `neutral` one wherever it is linked."""
+        """Refuse an input that is not simulated, unless its content is `neutral` everywhere.
+
+        The input may be linked.
+        """
         if valid_link(socket):
             changed = socket.type != "VALUE" or fold(self.read(socket, scope)) != ex.Constant(neutral)
         else:
@@ -233,7 +248,10 @@ class TreeReader:
 
 
 def remedy_for_unread(node: bpy.types.Node, remedy: str) -> str:
-    """What to do about a node that has no reader; a type that this Blender lacks is a file's from another one."""
+    """The remedy for a node that has no reader.
+
+    A type that this Blender lacks comes from another release.
+    """
     if node.bl_idname != "NodeUndefined":
         return remedy
     return f"this Blender ({bpy.app.version_string}) lacks its type; use the version that made it, or delete it"
@@ -244,7 +262,10 @@ def _stand_in(kind: str) -> ex.Expression:
 
 
 def _group_result(tree: bpy.types.NodeTree, identifier: str) -> bpy.types.NodeSocket | None:
-    """The input of the group's active output node that carries the group's output `identifier`."""
+    """The input of the group's output node that carries the output `identifier`.
+
+    The active output node of the group counts.
+    """
     for node in tree.nodes:
         if node.bl_idname == "NodeGroupOutput" and node.is_active_output:
             return next((s for s in node.inputs if s.identifier == identifier), None)

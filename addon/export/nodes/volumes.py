@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Readers of volume shaders: constant coefficients of what fills a closed mesh, or the world (Cycles, kernel/svm/closure.h)."""
+"""Readers of volume shaders: constant coefficients of a medium.
+
+The medium fills a closed mesh or the world (Cycles, kernel/svm/closure.h).
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ class VolumeClosure(mt.Closure):
 
 
 def read_volume(reader: ShaderReader, socket: bpy.types.NodeSocket, scope: Scope) -> Volume | None:
-    """What the shaders that reach `socket` make together; None where none does. What is not constant is refused."""
+    """Read the volume that the shaders that reach `socket` make together.
+
+    None where there are none. What is not constant is refused.
+    """
     source = reader.values.trace(socket, scope)
     if not source.linked:
         return None
@@ -82,7 +88,10 @@ def _density(reader: ShaderReader, node: bpy.types.Node, scope: Scope, name: str
 
 
 def _color(reader: ShaderReader, node: bpy.types.Node, name: str, scope: Scope, most: float = math.inf) -> Color:
-    """The constant colour of a socket; black where it is refused, as one below 0 or above `most` is."""
+    """The constant colour of a socket.
+
+    Black where it is refused, as a colour below 0 or above `most` is.
+    """
     value = reader.read(node, name, scope)
     if not is_constant(value):
         reader.values.refuse(node, scope, f", socket '{name}' (a heterogeneous volume),", _REMEDY)
@@ -144,7 +153,11 @@ def _emission(
 def _principled(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
-    """The colour is scattered; what it lacks of white is absorbed, as far as the root of the absorption colour lacks white."""
+    """The media of a Principled Volume.
+
+    The colour is scattered. What it lacks of white is absorbed, as far as the root of the absorption colour lacks
+    white.
+    """
     density = _density(reader, node, scope)
     color, kept, glow = (_color(reader, node, f"{name}Color", scope) for name in ("", "Absorption ", "Emission "))
     if _number(reader, node, "Blackbody Intensity", scope) > 0.0:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""No property is ignored in silence: one that is in no table must be as Blender makes it, and an enum a value that is read."""
+"""The check that no property is ignored in silence.
+
+A property that is in no table must be as Blender makes it, and an enum must have a value that is read.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +24,10 @@ _fresh: dict[tuple[str, str], dict[str, Any]] = {}
 
 
 def undeclared(group: str, owner: Any) -> tuple[str, ...]:
-    """The properties of a struct that its group's tables do not have; this Blender's, found once.
+    """The properties of a struct that its group's tables do not have.
 
-    Left out: what every datablock has, what an add-on registered on Blender's own structs, and read-only values.
+    They are found once in each Blender. Left out: what every datablock has, what an add-on registered on Blender's own
+    structs, and read-only values.
     """
     key = (group, owner.bl_rna.identifier)
     if key not in _undeclared:
@@ -41,7 +45,10 @@ def undeclared(group: str, owner: Any) -> tuple[str, ...]:
 
 
 def remember_properties() -> None:
-    """Learn what fresh structs hold in the properties that no table has; once. Call it before a render, not in it."""
+    """Learn what fresh structs hold in the properties that no table has; once.
+
+    Call it before a render, not in it.
+    """
     if _fresh:
         return
     for group, struct in make_structs():
@@ -50,7 +57,10 @@ def remember_properties() -> None:
 
 
 def refuse_undeclared(owner: str, group: str, struct: Any, refusals: list[Refusal]) -> None:
-    """Append the properties in no table that are not as Blender makes them, and the enum values that no table has."""
+    """Append undeclared properties that are not as Blender makes them.
+
+    Enum values that no table has are appended too.
+    """
     maker = "Cycles' setting" if group in CYCLES_GROUPS else "property"
     fresh = _fresh.get((group, struct.bl_rna.identifier), {})
     for name in undeclared(group, struct):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender itself puts into the structs that the export reads: RNA's own defaults are wrong for many of them."""
+"""The contents of fresh structs of the kinds that the export reads.
+
+Blender itself fills them: RNA's own defaults are wrong for many of them.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ _MAKERS: dict[str, tuple[str, tuple[tuple[Any, ...], ...], str]] = {
 
 
 def make_structs() -> Iterator[tuple[str, Any]]:
-    """Each group with a fresh struct of it; the datablock around it is removed again. Not while a render runs."""
+    """Yield each group with a fresh struct of it.
+
+    The datablock around the struct is removed again. Not to be called while a render runs.
+    """
     for group, (collection, variants, path) in _MAKERS.items():
         made = getattr(bpy.data, collection)
         for arguments in variants:
@@ -51,7 +57,10 @@ def make_structs() -> Iterator[tuple[str, Any]]:
 
 
 def content_of(owner: Any, name: str, depth: int = _DEEPEST) -> Any:
-    """What a property holds, comparable: of a collection its length, of a datablock its name, of a struct all that can be set."""
+    """The content of a property, made comparable.
+
+    It is the length of a collection, the name of a datablock, and of a struct all that can be set.
+    """
     kind, value = owner.bl_rna.properties[name], getattr(owner, name)
     if kind.type == "COLLECTION":
         return len(value)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the tables of properties are made: each property is read, set neutral, or unable to change the image, for a reason."""
+"""How the tables of properties are made.
+
+Each property is read, set neutral, or unable to change the image, for a reason.
+"""
 
 from __future__ import annotations
 

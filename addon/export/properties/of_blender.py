@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own properties of what the export reads, by kind of struct. Checked in Blender 4.5, 5.2 and 5.3.
+"""Blender's own properties of what the export reads, by kind of struct.
 
-Properties that every datablock has, those that an add-on registered, and read-only values are in no table: they set nothing.
+Checked in Blender 4.5, 5.2 and 5.3. Properties that every datablock has, those that an add-on registered, and
+read-only values are in no table: they set nothing.
 """
 
 from __future__ import annotations
