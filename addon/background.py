@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What runs beside a window that stays alive: a thread of its own, and the wish that it ends."""
+"""A thread for work beside a window that stays alive, and the wish that it ends."""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A command of the command line on a copy of the open file, in a second Blender, for a window that stays alive."""
+"""A command of the command line on a copy of the open file, in a second Blender.
+
+The window stays alive meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +29,12 @@ _SHARE = re.compile(r"(.*?)\s*(\d+)%")
 
 
 class BackgroundCommand(Background):
-    """`etalon COMMAND --json` beside the window; the same function as on a terminal, with the same options.
+    """`etalon COMMAND --json` beside the window.
 
-    Made and read by the main thread. `stage` and `fraction` tell how far it is. When `done`, either `figures`, what the command prints
-    as JSON, is there, or `errors`, or neither if it was cancelled.
+    It is the same function as on a terminal, with the same options. Made and read by the main thread. `stage` and
+    `fraction` say how far it is. When `done`, either `figures`, what the command prints as JSON, is there, or
+    `errors`, or
+    neither if it was cancelled.
     """
 
     def __init__(self, command: str, settings: tuple[Declared, ...], seconds: float | None) -> None:

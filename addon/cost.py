@@ -53,10 +53,12 @@ def measure_cost(
     phases: Phases = silent,
     opened: float = 0.0,
 ) -> Cost:
-    """Measure `scene`, called `name`, with the reference and with Cycles; the scene's own settings come back.
+    """Measure `scene`, called `name`, with the reference and with Cycles.
 
-    The report goes to `folder`, if there is one; `repeat` is the command that it shows. `opened` are the seconds that opening the file
-    took. Raises EtalonError, Refused, or Cancelled where nothing was measured.
+    The scene's own settings are restored afterwards. The report goes to `folder`, if there is one; `repeat` is the
+    command
+    that it shows. `opened` are the seconds that opening the file took. Raises EtalonError, Refused, or Cancelled where
+    nothing was measured.
     """
     begin = time.perf_counter()
     users = traded(scene)
@@ -104,7 +106,10 @@ def _measure(
 
 
 def choose_ways(ways: list[Way], keys: tuple[str, ...] | None) -> list[Way]:
-    """The strategies of the given keys, and the one that the truth comes from; all where None is given."""
+    """The strategies of the given keys, and the one that the truth comes from.
+
+    All strategies where None is given.
+    """
     if keys is None:
         return ways
     known = [way.key for way in ways]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One comparison as a job: the command line runs it where it stands, the panel beside the window."""
+"""One comparison as a job.
+
+The command line runs it in its own thread, the panel beside the window.
+"""
 
 from __future__ import annotations
 
@@ -55,9 +58,10 @@ MINIMAL = "unexplained.blend"
 
 
 def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
-    """The scene as it is set up for rendering, `partial` as in Settings; raises Refused or EtalonError.
+    """Export the scene as it is set up for rendering, `partial` as in Settings.
 
-    Call it before `neutral` holds the scene: what that would switch off in silence is refused here by name.
+    Raises Refused or EtalonError. Call it before `neutral` holds the scene: what that would switch off in silence is
+    refused here by name.
     """
     require_readable_file()
     refuse_smoke(scene)
@@ -89,13 +93,18 @@ def judge(
     conclude: Callable[[Comparison], None] = _pass_by,
     keep_exrs: bool = True,
 ) -> Comparison:
-    """Render the reference beside `candidate`, compare the two, and leave the report in `folder`, if there is one.
+    """Render the reference beside `candidate`, compare the two, and write the report.
 
-    The report is about a file called `name`, or has the scene's name where none is given.
+    The report goes to `folder`, if there is one. It is about a file called `name`, or has the scene's name where none
+    is
+    given.
 
-    `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image, and the settings and
-    `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene wants its images shown in the report.
-    `conclude` is told of the comparison before the report is written. Without `keep_exrs` the report comes without float images.
+    `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image,
+    and
+    the settings and `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene
+    wants
+    its images shown in the report. `conclude` is called with the comparison before the report is written. Without
+    `keep_exrs` the report comes without float images.
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL, *EXRS)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
@@ -139,7 +148,10 @@ def judge(
 
 
 def name_of_file(scene: bpy.types.Scene) -> str:
-    """The name of the open file, with the scene's where there are several; the scene's alone where it was never saved."""
+    """The name of the open file, with the scene's where there are several scenes.
+
+    It is the scene's alone where the file was never saved.
+    """
     file = bpy.path.basename(bpy.data.filepath)
     if not file:
         return scene.name
@@ -153,11 +165,13 @@ def compare_here(
     repeat: str = "",
     progress: Progress = NO_PROGRESS,
 ) -> Comparison:
-    """Compare with Cycles in this very process; the scene's own settings come back when it is done.
+    """Compare with Cycles in this process; the scene's own settings are restored afterwards.
 
-    The report goes to `folder`, if there is one, and with it, where something differs and no departure explains it, a small scene that
-    shows it. `repeat` is the command that the report shows; `progress` is told the share that is done, and asked whether to end.
-    Raises Refused or EtalonError.
+    The report goes to `folder`, if there is one. Where something differs and no departure explains it, a small scene
+    that
+    shows it goes there too. `repeat` is the command that the report shows. `progress` receives the share that is
+    done, and
+    says whether to end. Raises Refused or EtalonError.
     """
     progress.begin("reading the scene")
     exported, name, transform = export(scene, settings.partial), name_of_file(scene), export_view_transform(scene)
@@ -175,7 +189,10 @@ def compare_here(
 def show_unexplained(
     comparison: Comparison, folder: Path, show: Callable[[tuple[int, int, int, int], list[str], Path], None]
 ) -> None:
-    """Have `show` write a small scene into `folder` for what nothing explains, from a box of pixels and the objects in it."""
+    """Have `show` write a small scene into `folder` for what nothing explains.
+
+    `show` receives a box of pixels, the objects in it, and the path.
+    """
     box = where(comparison)
     if box is not None:
         # In pixels of the whole size, of which a smaller image was compared.
@@ -187,12 +204,18 @@ def show_unexplained(
 def show(
     scene: bpy.types.Scene, settings: Settings, box: tuple[int, int, int, int], names: list[str], path: Path
 ) -> None:
-    """Write the smallest part of `scene` in which short comparisons find a difference that no departure explains."""
+    """Write the smallest part of `scene` that shows an unexplained difference.
+
+    Short comparisons look for a difference that no departure explains.
+    """
     write_minimal(scene, box, names, partial(_shows, settings), path)
 
 
 def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
-    """Whether a short comparison finds that a part of the scene differs, for no reason that is known."""
+    """Whether a short comparison finds that a part of the scene differs.
+
+    Only a difference without a known cause counts.
+    """
     verdict = settings.part(CompareOptions)
     if verdict.time is not None:
         verdict = replace(verdict, time=max(TRY_SHARE * verdict.time, TRY_LEAST))
@@ -208,12 +231,14 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
 
 
 class BackgroundJob(Background):
-    """A comparison that leaves the window alone: export and Cycles in a second Blender, the reference in a thread.
+    """A comparison that leaves the window alone.
 
-    Made and read by the main thread. `stage` is the name of what is under way, `fraction` the share of the time that is spent, `bounds`
-    the bound at each look so far; `on_look` is called at each look, by the job's thread. `comparison` is there as soon as it is
-    concluded, before its report is written. When `done`, either it or `errors` is there, or neither if the job was cancelled before there
-    was anything to compare.
+    Export and Cycles run in a second Blender, the reference in a thread. Made and read by the main thread. `stage` is
+    the
+    name of what is under way, `fraction` the share of the time that is spent, `bounds` the bound at each look so far;
+    `on_look` is called at each look, by the job's thread. `comparison` is there as soon as it is concluded, before its
+    report is written. When `done`, either it or `errors` is there, or neither if the job was cancelled before there was
+    anything to compare.
     """
 
     def __init__(
@@ -224,7 +249,10 @@ class BackgroundJob(Background):
         program: str | None = None,
         keep_exrs: bool = True,
     ) -> None:
-        """Compare `scene`, and leave the report in `folder`; `program` is another Blender than this one, `keep_exrs` as for `judge`."""
+        """Compare `scene`, and write the report to `folder`.
+
+        `program` is another Blender than this one, `keep_exrs` as for `judge`.
+        """
         super().__init__()
         self.folder = folder
         self._keep_exrs = keep_exrs
@@ -257,7 +285,10 @@ class BackgroundJob(Background):
         return max(self._settings.time - (time.monotonic() - self._began), 0.0)
 
     def cancel(self) -> None:
-        """End it: the second Blender at once, the reference after the tile at hand. What both sides finished is kept."""
+        """End the job: the second Blender at once, the reference after the tile at hand.
+
+        What both sides finished is kept.
+        """
         self._cancel.set()
         self._blender.stop()
 

@@ -23,9 +23,9 @@ BOUNCES = 4
 
 
 def probe_here(name: str, scene: bpy.types.Scene, options: ProbeOptions, progress: Progress) -> ProbeResult:
-    """Read pixels of `scene`, called `name`, in this process, and list its lights; the scene's own settings come back.
+    """Read pixels of `scene` in this process, and list its lights.
 
-    Raises Refused or EtalonError.
+    `name` is the scene's name. The scene's own settings are restored afterwards. Raises Refused or EtalonError.
     """
     progress.begin("reading the scene")
     exported = export(scene)

@@ -17,9 +17,11 @@ from .job import export
 
 
 def observe_sphere(scene: bpy.types.Scene, settings: FitSettings, progress: Progress, source: str) -> Observations:
-    """Render the sphere of `scene` with Cycles in independent replicates, and observe it; the scene's own settings come back.
+    """Render the sphere of `scene` with Cycles in independent replicates, and observe it.
 
-    Raises EtalonError where the scene is not one sphere under one sun, or Refused.
+    The scene's own settings are restored afterwards. Raises EtalonError where the scene is not one sphere under one
+    sun, or
+    Refused.
     """
     progress.begin("reading the scene")
     exported = fold_scene(export(scene))

@@ -38,9 +38,11 @@ class SceneResult:
 def compare_versions(
     name: str, target: Target, blenders: Sequence[Blender], settings: Settings, out: Path, progress: Progress
 ) -> SceneResult:
-    """Compare a scene, called `name`, with the reference in each of the `blenders`, and these with each other; reports go below `out`.
+    """Compare a scene with the reference in each Blender, and the Blenders with each other.
 
-    What keeps a version from being compared is told in the figures. Raises Cancelled where the user ended it.
+    `name` is the scene's name, and reports go below `out`. The figures say what keeps a version from being compared.
+    Raises
+    Cancelled where the user ended it.
     """
     folder = out / folder_name(Path(name).stem)
     share = REFERENCE_SHARE * settings.time / len(blenders)

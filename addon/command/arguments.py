@@ -45,7 +45,10 @@ def help_text(declared: Option) -> str:
 
 
 def _add(group: argparse._ActionsContainer, declared: Option, everything: bool) -> None:
-    """Add one option; an argument that is not given leaves no trace, since defaults are the settings' own."""
+    """Add one option to a group.
+
+    An argument that is not given leaves no trace, since defaults are the settings' own.
+    """
     unit, is_shown = declared.unit, everything or not declared.advanced
     text = help_text(declared).replace("%", "%%") if is_shown else argparse.SUPPRESS
     about: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
@@ -126,7 +129,10 @@ def _filled(text: str) -> str:
 
 
 def check_words(top: argparse.ArgumentParser, words: list[str]) -> None:
-    """End with one line, which suggests the nearest name, where a word names no command or no option of its command."""
+    """End with one line where a word names no command or no option of its command.
+
+    The line suggests the nearest name.
+    """
     name = next((word for word in words if not word.startswith("-")), None)
     names = [command.name for command in COMMANDS]
     if name is None:
@@ -143,7 +149,10 @@ def check_words(top: argparse.ArgumentParser, words: list[str]) -> None:
 
 
 def read_words(top: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
-    """The arguments that the words give; ends with one line where they give no command, or a word too many."""
+    """Read the arguments that the words give.
+
+    Ends with one line where they give no command, or a word too many.
+    """
     arguments, left = top.parse_known_args(words)
     if arguments.command is None:
         top.error("name a command")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties set by their data path, as `--set` and a batch do; nothing of it is ever evaluated as Python."""
+"""Properties set by their data path, as `--set` and a batch do.
+
+No part of an assignment is ever evaluated as Python.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,11 @@ _LAST = re.compile(r"(?:(.*)\.)?(\w+)(?:\[(\d+)\])?", re.DOTALL)
 
 
 def assign(assignment: str) -> None:
-    """Set one property: 'objects["Lamp"].location[2]=3.5', a data path from bpy.data (or `scene.`) and a value as in JSON.
+    """Set one property, as in 'objects["Lamp"].location[2]=3.5'.
 
-    Raises EtalonError where the path leads nowhere, the value does not fit, or Blender would change it in silence.
+    The left side is a data path from bpy.data (or `scene.`), the right side a value as in JSON. Raises EtalonError
+    where
+    the path leads nowhere, the value does not fit, or Blender would change it in silence.
     """
     parts = _ASSIGNMENT.fullmatch(assignment)
     if parts is None:

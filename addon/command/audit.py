@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon audit`: the user's own Cycles settings against the least biased state, one at a time, and what each one costs."""
+"""`etalon audit`: what each of the user's Cycles settings costs.
+
+Each setting is compared with the least biased state, one at a time.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,10 @@ NEUTRAL_BESIDES = {
 
 @dataclass
 class Asked:
-    """What is to be measured: `values` are settings with what each of them sets, `same` those that are as neutral."""
+    """The settings to measure.
+
+    `values` are settings with what each of them sets, `same` those that are as neutral.
+    """
 
     values: list[tuple[Setting, list[Assignment]]] = field(default_factory=list)
     same: list[Setting] = field(default_factory=list)
@@ -48,7 +54,10 @@ class Asked:
 
 @dataclass(frozen=True)
 class Found:
-    """What the terminal shows of an audit; `figures` is the dictionary that is written to audit.json."""
+    """The results of an audit that the terminal shows.
+
+    `figures` is the dictionary that is written to audit.json.
+    """
 
     rounds: int
     samples: int
@@ -57,7 +66,10 @@ class Found:
 
 
 def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
-    """The settings of the file that are not as neutral, and the `factory` values too if so asked; read before `neutral` holds it."""
+    """The settings of the file that are not as neutral.
+
+    With `factory`, their factory values are included. Call it before `neutral` is in force.
+    """
     asked = Asked()
     together: dict[str, list[Assignment]] = {FILE: [], FACTORY: []}
     for entry in CATALOGUE:
@@ -92,7 +104,10 @@ def settings(scene: bpy.types.Scene, factory: bool) -> Asked:
 
 
 def run(target: Target, asked_for: AuditOptions, terminal: PageTerminal) -> int:
-    """Open the scene, measure, print the table, leave the report; the user's settings come back."""
+    """Open the scene, measure it, print the table and write the report.
+
+    The user's settings are restored.
+    """
     refuse_archive(target)
     name = open_asked(target)
     folder = results_folder(asked_for.out, name)
@@ -114,7 +129,10 @@ def run(target: Target, asked_for: AuditOptions, terminal: PageTerminal) -> int:
 
 
 def measure_open_scene(name: str, asked_for: AuditOptions, folder: Path, repeat: str, terminal: Terminal) -> Found:
-    """Measure the settings of the scene that is open, and write the report to `folder`; it shows the command `repeat`."""
+    """Measure the settings of the open scene, and write the report to `folder`.
+
+    The report shows the command `repeat`.
+    """
     scene = bpy.context.scene
     asked, stays, samples = settings(scene, asked_for.all), kept(scene), scene.cycles.samples
     threads = asked_for.threads

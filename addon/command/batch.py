@@ -74,7 +74,10 @@ def run(settings: BatchOptions, terminal: PageTerminal) -> int:
 
 @contextmanager
 def _workers(settings: BatchOptions, plan: BatchPlan, blender: str) -> Iterator[Cluster | None]:
-    """The workers of the scheduler, which have this Étalon and this Blender; None where everything runs here."""
+    """Yield the workers of the scheduler, which have this Étalon and this Blender.
+
+    None where everything runs here.
+    """
     if settings.scheduler == LOCAL:
         yield None
         return
@@ -88,7 +91,10 @@ def _workers(settings: BatchOptions, plan: BatchPlan, blender: str) -> Iterator[
 
 
 def _end(settings: BatchOptions, plan: BatchPlan) -> End:
-    """How the batch ends; raises EtalonError for a rule that there is not, or an earlier batch that cannot be read."""
+    """How the batch ends.
+
+    Raises EtalonError for an unknown rule, or an earlier batch that cannot be read.
+    """
     earlier = None if settings.against is None else read_batch(settings.against)
     if earlier is not None and earlier["folder"].resolve() == plan.out.resolve():
         raise EtalonError(
@@ -113,7 +119,10 @@ def _find_hosts(plan: BatchPlan, tell: Callable[[str], None]) -> dict[str, Host]
 
 
 def _share_processors(plan: BatchPlan, jobs: int | None) -> tuple[int, int | None]:
-    """How many comparisons run side by side, and the threads of each where the plan does not say: together all processors."""
+    """How many comparisons run side by side, and the threads of each.
+
+    The threads are given where the plan does not set them: together the comparisons use all processors.
+    """
     processors = count_processors()
     asked = next((int(word.partition("=")[2]) for word in plan.options if word.startswith("--threads=")), None)
     if jobs is None:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: `etalon`, `python -m etalon`, and `blender FILE.blend --command etalon`."""
+"""The command line.
+
+It is `etalon`, `python -m etalon`, and `blender FILE.blend --command etalon`.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,10 @@ def parser(everything: bool = False) -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; every error that a user can cause is one line on standard error."""
+    """Run one command and return its exit code.
+
+    Every error that a user can cause is one line on standard error.
+    """
     words = list(sys.argv[1:] if argv is None else argv)
     with dependable_streams() as output:
         code = _main(words)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon completion`: a script that lets a shell complete commands, options and their values."""
+"""`etalon completion`: a script for the completion of a shell.
+
+It completes commands, options and their values.
+"""
 
 from __future__ import annotations
 

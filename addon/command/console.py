@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The terminal: progress on standard error, results on standard output, colours, and Ctrl-C as a request to finish early."""
+"""The terminal: progress, results, colours and Ctrl-C.
+
+Progress goes to standard error, results to standard output. Ctrl-C asks to finish early.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ _COLOURS = {"bold": "1", "dim": "2", "EQUIVALENT": "32", "DIFFERENT": "31", "UND
 
 
 class Bar:
-    """Progress on a terminal: the stage by its name, a bar while the share that is done is known, and what is known so far."""
+    """Progress on a terminal.
+
+    It shows the stage by its name, a bar while the share that is done is known, and what is known so far.
+    """
 
     def __init__(self, description: str, shown: tqdm) -> None:
         self._description, self._shown = one_line(description), shown
@@ -62,7 +68,10 @@ class Bar:
 
 
 class Lines:
-    """The same where standard error is no terminal: plain lines, one for each stage and each thing learned."""
+    """Progress where standard error is no terminal.
+
+    There is one plain line for each stage and each thing learned.
+    """
 
     def __init__(self, description: str) -> None:
         self._description, self._stage = one_line(description), ""
@@ -114,7 +123,10 @@ def bar(description: str, terminal: Terminal) -> Iterator[Bar | Lines | Silent]:
 
 
 def has_colours(stream: TextIO) -> bool:
-    """Whether a stream is a terminal that shows colours, and the user has not set NO_COLOR (no-color.org)."""
+    """Whether a stream is a terminal that shows colours.
+
+    The user must not have set NO_COLOR (no-color.org).
+    """
     return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
@@ -136,16 +148,21 @@ def open_page(path: Path) -> None:
 
 @contextmanager
 def ended_by_interrupt() -> Iterator[None]:
-    """Let Ctrl-C, or an order to end, end the process at once and without a word, where an exception would leave Blender half initialised."""
+    """Let Ctrl-C, or an order to end, end the process at once and without a message.
+
+    An exception would leave Blender half initialised.
+    """
     with _handled((signal.SIGINT, *_orders()), lambda number, frame: leave()):
         yield
 
 
 @contextmanager
 def interrupted_by_order() -> Iterator[None]:
-    """Have an order to end (SIGTERM, a closed terminal) raise KeyboardInterrupt, as Ctrl-C does; the first one counts.
+    """Have an order to end raise KeyboardInterrupt, as Ctrl-C does; the first one counts.
 
-    `timeout` sends it twice, and a second exception would end the clearing up.
+    Orders are SIGTERM and a closed terminal. `timeout` sends SIGTERM twice, and a second exception would end the
+    clearing
+    up.
     """
     ordered = False
 
@@ -161,7 +178,10 @@ def interrupted_by_order() -> Iterator[None]:
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """Take Ctrl-C, and an order to end, as a wish to end soon; Ctrl-C once more ends at once. Yields the question "is it wished?"."""
+    """Take Ctrl-C, and an order to end, as a wish to end soon.
+
+    Ctrl-C once more ends at once. Yields a function that returns whether the wish was made.
+    """
     wished = False
 
     def on_wish(number: int, _frame: object) -> None:
@@ -175,14 +195,20 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 
 def _orders() -> list[signal.Signals]:
-    """The signals that systems send to have a process end, less those that it was started to ignore, as by nohup."""
+    """The signals that systems send to have a process end.
+
+    Those that the process was started to ignore, as by nohup, are left out.
+    """
     there = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)]
     return [number for number in there if signal.getsignal(number) is not signal.SIG_IGN]
 
 
 @contextmanager
 def _handled(numbers: Iterable[signal.Signals], handler: Callable | signal.Handlers) -> Iterator[None]:
-    """Handle signals so; only the main thread receives any. Those not handled from Python before get their default back."""
+    """Handle signals with `handler`.
+
+    Only the main thread receives any. Those not handled from Python before get their default back.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return

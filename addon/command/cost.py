@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon cost`: error against time of every way to render a scene, or what one error would take."""
+"""`etalon cost`: error against time of every way to render a scene.
+
+It also says what one given error would take.
+"""
 
 from __future__ import annotations
 

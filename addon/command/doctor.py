@@ -64,7 +64,10 @@ def examine() -> dict[str, Any]:
 
 
 def _blender(missing: list[str]) -> dict[str, Any]:
-    """Version and build of Blender, and whether it was checked; what keeps it from starting goes to `missing`."""
+    """Version and build of Blender, and whether it was checked.
+
+    What keeps Blender from starting is appended to `missing`.
+    """
     try:
         with ended_by_interrupt(), quiet():
             bpy = load_blender()
@@ -86,7 +89,10 @@ def _blender(missing: list[str]) -> dict[str, Any]:
 
 
 def missing_system_libraries() -> list[str]:
-    """The shared libraries that the bpy module needs and that the system lacks; empty where only Linux could tell."""
+    """The shared libraries that the bpy module needs and that the system lacks.
+
+    Found on Linux only; empty elsewhere.
+    """
     found = importlib.util.find_spec("bpy") if sys.platform == "linux" else None
     if found is None or found.origin is None:
         return []
@@ -107,7 +113,10 @@ def parse_missing(listed: str) -> list[str]:
 
 
 def _version(name: str, module: str, missing: list[str]) -> str | None:
-    """The version of a library that can be imported; None, and a line in `missing`, where it cannot."""
+    """The version of a library that can be imported.
+
+    Otherwise None, and a line is appended to `missing`.
+    """
     try:
         loaded = importlib.import_module(module)
     except ImportError as error:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/options.md, made from the declared options: `python -m etalon.addon.command.documentation > docs/options.md`."""
+"""The page docs/options.md, made from the declared options.
+
+Run `python -m etalon.addon.command.documentation > docs/options.md`.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes at the edge, rendered by the reference and by Cycles, held to the radiance that each should show."""
+"""The scenes at the edge, rendered by the reference and by Cycles.
+
+Both are compared with the radiance that each scene should show.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,10 @@ def edge_cases() -> Iterator[Case]:
 
 
 def _error(case: EdgeCase, rendering: Rendering) -> tuple[float, str]:
-    """The largest error of a quarter of the image (of a pixel where all is black), infinite where a sample was not finite."""
+    """The largest error of a quarter of the image, and where it is.
+
+    Where all is black it is that of a pixel. It is infinite where a sample was not finite.
+    """
     if rendering.nonfinite.any():
         return float("inf"), "samples that are not finite"
     image = rendering.radiance

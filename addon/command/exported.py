@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene as the reference sees it, for commands that need Blender only where it is not saved as .npz."""
+"""The scene as the reference sees it.
+
+Commands that read it need Blender only where it is not saved as .npz.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ from .console import ended_by_interrupt
 
 
 def read_scene(target: Target) -> Scene:
-    """The scene that `target` names, from a saved .npz or through Blender; raises EtalonError or Refused."""
+    """Read the scene that `target` names, from a saved .npz or through Blender.
+
+    Raises EtalonError or Refused.
+    """
     if target.scene is not None and target.is_archive:
         return archive.load(Path(target.scene))
     with ended_by_interrupt():

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a batch asks of a scene beside its plan: frames, cameras, view layers, and the files that decide how it looks."""
+"""What a batch reads from a scene beside its plan.
+
+These are frames, cameras, view layers, and the files that decide how the scene looks.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,10 @@ _NUMBER = re.compile(r"<UDIM>|<UVTILE>|\d+(?=\D*$)")
 
 
 def read_facts() -> dict[str, Any]:
-    """Of the open scene: its first and last frame, the names of cameras and view layers, and the paths of `external_files`."""
+    """Facts on the open scene.
+
+    They are its first and last frame, the names of cameras and view layers, and the paths of `external_files`.
+    """
     scene = bpy.context.scene
     return {
         "frames": [scene.frame_start, scene.frame_end],
@@ -24,7 +30,10 @@ def read_facts() -> dict[str, Any]:
 
 
 def external_files() -> list[str]:
-    """The absolute paths of all that the open file refers to: libraries, images, fonts; of sequences and tiled images every file."""
+    """The absolute paths of all files that the open file refers to.
+
+    They are libraries, images and fonts; of sequences and tiled images every file.
+    """
     found = {Path(path) for path in bpy.utils.blend_paths(absolute=True)}
     for image in bpy.data.images:
         if image.source in ("SEQUENCE", "TILED") and image.packed_file is None:

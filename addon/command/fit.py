@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon fit`: the model and the parameters behind a measured BRDF, or behind a sphere that Cycles renders."""
+"""`etalon fit`: the model and the parameters behind a measured BRDF.
+
+It also fits a sphere that Cycles renders.
+"""
 
 from __future__ import annotations
 

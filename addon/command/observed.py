@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a fit is made from: a measured BRDF, read without Blender, or a .blend file, which is opened for Cycles to render its sphere."""
+"""The data that a fit is made from.
+
+They are a measured BRDF, read without Blender, or a .blend file, which is opened for Cycles to render its sphere.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From what the user names, a reference scene or a .blend, to a scene that is open in Blender."""
+"""Opening what the user names, a reference scene or a .blend, in Blender."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ _MAGIC = (b"BLENDER", b"\x1f\x8b", b"\x28\xb5\x2f\xfd")
 
 
 def open_asked(asked: Target) -> str:
-    """Open what a Target names, set what it sets, and return its name; raises EtalonError as `open_target`."""
+    """Open what a Target names, set what it sets, and return its name.
+
+    Raises EtalonError as `open_target`.
+    """
     return open_target(asked.scene, asked.frame, asked.camera, asked.assignments, asked.view_layer)
 
 
@@ -61,7 +64,10 @@ def open_target(
 
 
 def _where_cameras_are(scene: bpy.types.Scene) -> str:
-    """What to do about a scene without an active camera: the cameras that it has, or the scenes of the file that have one."""
+    """What to do about a scene without an active camera.
+
+    It names the cameras of the scene, or the scenes of the file that have one.
+    """
     cameras = sorted(thing.name for thing in scene.objects if thing.type == "CAMERA")
     if cameras:
         return f"choose one of its cameras with --camera: {', '.join(cameras)}"
@@ -72,12 +78,18 @@ def _where_cameras_are(scene: bpy.types.Scene) -> str:
 
 
 def results_folder(chosen: Path | None, name: str) -> Path:
-    """The folder that was chosen for the results, or one below etalon-out that no name can lead out of."""
+    """The folder that was chosen for the results, or one below etalon-out.
+
+    No name can lead out of etalon-out.
+    """
     return chosen or Path("etalon-out") / folder_name(name)
 
 
 def as_opened(target: Target) -> Target:
-    """`target` with the path of the open file where it names no scene, for the command that a report shows."""
+    """`target` with the path of the open file where it names no scene.
+
+    A report shows it in its command.
+    """
     return replace(target, scene=target.scene or bpy.data.filepath or None)
 
 
@@ -88,7 +100,10 @@ def refuse_archive(target: Target) -> None:
 
 
 def open_blend(path: Path) -> None:
-    """Load a .blend without running any script in it; raise EtalonError naming what is missing or damaged."""
+    """Load a .blend without running any script in it.
+
+    Raises EtalonError that names what is missing or damaged.
+    """
     if not path.is_file():
         raise EtalonError(describe_missing(path))
     try:
@@ -107,7 +122,10 @@ def open_blend(path: Path) -> None:
 
 
 def choose_camera(scene: bpy.types.Scene, name: str) -> None:
-    """Make the camera object `name` the scene's active one; raise EtalonError, with the names there are, if it is none."""
+    """Make the camera object `name` the scene's active one.
+
+    Raises EtalonError, with the names of the cameras, where there is none of that name.
+    """
     cameras = {o.name: o for o in scene.objects if o.type == "CAMERA"}
     if name not in cameras:
         there = ", ".join(sorted(cameras)) or "none"
@@ -116,7 +134,10 @@ def choose_camera(scene: bpy.types.Scene, name: str) -> None:
 
 
 def choose_view_layer(scene: bpy.types.Scene, name: str) -> None:
-    """Use the view layer `name` alone for rendering; raise EtalonError, with the names there are, if there is none."""
+    """Use the view layer `name` alone for rendering.
+
+    Raises EtalonError, with the names of the view layers, where there is none of that name.
+    """
     if name not in scene.view_layers:
         there = ", ".join(sorted(layer.name for layer in scene.view_layers))
         raise EtalonError(f"{name}: no view layer of that name in scene {scene.name}; view layers there: {there}")

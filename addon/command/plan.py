@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon plan`: the effects that a scene needs, and why; of a folder, which of its files can be compared."""
+"""`etalon plan`: the effects that a scene needs, and why.
+
+Of a folder, it says which of its files can be compared.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,10 @@ def run(target: Target, settings: PlanOutput, terminal: Terminal) -> int:
 
 
 def _facts(target: Target) -> dict[str, Any]:
-    """What only the open file says: its frames, cameras, view layers, and the files that it refers to."""
+    """Facts that only the open file has.
+
+    They are its frames, cameras, view layers, and the files that it refers to.
+    """
     if target.is_archive:
         return {}
     from .facts import read_facts

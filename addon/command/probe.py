@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon probe`: the light of a pixel by its parts, and the lights of the scene in all units."""
+"""`etalon probe`: the light of a pixel by its parts.
+
+It also lists the lights of the scene in all units.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from .opening import open_target, refuse_archive
 
 
 def run(target: Target, options: ProbeOptions, terminal: Terminal) -> int:
-    """Open the scene, read the pixel, print what it consists of; Ctrl-C reads from the replicates that are done."""
+    """Open the scene, read the pixel, and print the parts of its light.
+
+    Ctrl-C reads from the replicates that are done.
+    """
     refuse_archive(target)
     name = open_target(target.scene, target.frame, target.camera, target.assignments)
     with interruptible() as interrupted, bar(name, terminal) as shown, quiet():

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which scene is meant: what to say where none is named, and where there is none of that name. Nothing here loads Blender."""
+"""Messages where no scene is named, or there is none of that name.
+
+This module does not load Blender.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,19 @@ from ...lib.settings.common import REFERENCE_SCENES, Target
 
 
 def require_scene(command: str, target: Target) -> None:
-    """Raise EtalonError where no scene is named, unless a file is open in the Blender around us; it says which scenes there are."""
+    """Raise EtalonError where no scene is named and no file is open.
+
+    A file is open where this runs inside of Blender. The message lists the reference scenes.
+    """
     if target.scene is None and not _is_file_open():
         names = ", ".join(REFERENCE_SCENES)
         raise EtalonError(f"name a scene: etalon {command} FILE.blend, or a reference scene: {names}")
 
 
 def describe_unknown(name: str) -> str:
-    """What is wrong with a `name` that is no reference scene and does not end in .blend, with the nearest that there is.
+    """The message for a `name` that is no reference scene and does not end in .blend.
+
+    It suggests the nearest name.
 
     >>> describe_unknown("glossy_sphere")
     "unknown reference scene 'glossy_sphere'; did you mean 'glossy_spheres'?"

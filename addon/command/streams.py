@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Standard output and standard error that never end a command: closed, broken, full, or of few characters."""
+"""Standard output and standard error that never end a command.
+
+They may be closed, broken, full, or of few characters.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,11 @@ from ...lib.plain_text import escape_controls
 
 
 class Stream:
-    """A text stream that escapes what its encoding lacks and what controls a terminal, and keeps its first error.
+    """A text stream that escapes characters, and keeps its first error.
 
-    After an error what is written goes nowhere. `error` is that error, or None.
+    Escaped are characters that its encoding lacks and those that control a terminal. After an error, what is written
+    goes
+    nowhere. `error` is that error, or None.
     """
 
     def __init__(self, stream: TextIO) -> None:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon` as a process that watches another: a crash of Blender or Cycles is one line and exit code 2.
+"""`etalon` as a process that watches another one.
 
-The work runs in a child. Its exit code, Ctrl-C and orders to end pass through, and it ends with this process. On Windows, in Blender
-and under another `etalon` the command runs where it stands.
+A crash of Blender or Cycles is one line and exit code 2. The work runs in a child. Its exit code, Ctrl-C and orders to
+end pass through, and it ends with this process. On Windows, in Blender and under another `etalon` the command runs in
+this process.
 """
 
 from __future__ import annotations
@@ -38,7 +39,10 @@ def _loads_scene(words: list[str]) -> bool:
 
 
 def supervise(command: list[str]) -> int:
-    """Run `command` and return its exit code, or BAD_INPUT after one line where a signal ended it."""
+    """Run `command` and return its exit code.
+
+    Where a signal ended it, write one line and return BAD_INPUT.
+    """
     process = start(command, leash=True)
 
     def pass_on(number: int, _frame: object) -> None:

@@ -26,7 +26,10 @@ _COLUMNS = ("file", "state", "triangles", "lights", "reasons")
 
 @dataclass(frozen=True)
 class Surveyed:
-    """One file: its path below the folder, its `state`, what it is `refused` for, or the `error` that ended it."""
+    """The result for one file.
+
+    It is its path below the folder, its `state`, what it is `refused` for, or the `error` that ended it.
+    """
 
     file: str
     state: str
@@ -57,7 +60,10 @@ def find_files(folder: Path) -> list[Path]:
 
 
 def survey(folder: Path, options: Sequence[str]) -> Iterator[Surveyed]:
-    """Every file of `folder` as it is done, in order, each read in a process of its own: one that crashes is a row like the others."""
+    """Yield every file of `folder` as it is done, in order.
+
+    Each is read in a process of its own: one that crashes is a row like the others.
+    """
     with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 4)) as pool:
         yield from pool.map(lambda path: _read(path, str(path.relative_to(folder)), options), find_files(folder))
 
@@ -77,7 +83,10 @@ def _nameless(what: str) -> str:
 
 
 def count_reasons(files: Sequence[Surveyed]) -> list[tuple[str, int, int]]:
-    """Each reason, the files that it stops, and those that nothing else stops; what stops most first."""
+    """Each reason, the files that it stops, and those that nothing else stops.
+
+    The reason that stops most files is first.
+    """
     every = Counter(kind for one in files for kind in one.kinds)
     alone = Counter(next(iter(one.kinds)) for one in files if len(one.kinds) == 1)
     return [(kind, count, alone[kind]) for kind, count in every.most_common()]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands, one row each. The function `run` of the file of that name takes the settings and returns the exit code."""
+"""The commands, one row each.
+
+The function `run` of the file of that name takes the settings and returns the exit code.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,10 @@ _BATCH_CODES = (
 
 @dataclass(frozen=True)
 class Command:
-    """One command: its name, what it takes, and its help. `blender` says that its file imports bpy."""
+    """One command: its name, what it takes, and its help.
+
+    `blender` says that its file imports bpy.
+    """
 
     name: str
     settings: tuple[type[Declared], ...]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon versions`: the same scenes under several Blenders; nothing here loads Blender into this process."""
+"""`etalon versions`: the same scenes under several Blenders.
+
+No Blender is loaded into this process.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ from .scene_choice import describe_missing, describe_unknown
 
 
 def run(target: VersionsTarget, settings: VersionsSettings, terminal: PageTerminal) -> int:
-    """Compare every scene under every Blender, and leave the page; the exit code is that of the worst change."""
+    """Compare every scene under every Blender, and write the page.
+
+    The exit code is that of the worst change.
+    """
     targets = {scene: _target(target, scene) for scene in target.scenes}
     _refuse_same_folder(target.scenes)
     begin, found = time.monotonic(), {}
@@ -66,7 +72,10 @@ def run(target: VersionsTarget, settings: VersionsSettings, terminal: PageTermin
 
 
 def _target(target: VersionsTarget, scene: str) -> Target:
-    """One scene with all that is set in it; raises EtalonError where there is none of that name."""
+    """One scene with all that is set in it.
+
+    Raises EtalonError where there is none of that name.
+    """
     if scene.endswith(".blend"):
         if not Path(scene).is_file():
             raise EtalonError(describe_missing(Path(scene)))

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles as the renderer under test: neutral state, settings, replicates, a second Blender."""
+"""Cycles as the renderer under test.
+
+It has the neutral state, settings, replicates, and a second Blender.
+"""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue of what an audit asks about: each setting of Cycles that may bias an image, where it lives, and its neutral value.
+"""The catalogue of settings that an audit measures.
 
-What is noted as measured was measured on Cycles itself; the neutral values are those of `neutral`, but for bounces, which are as many as
-Cycles takes, and the light threshold, which `neutral` leaves alone because it only adds noise.
+Each is a setting of Cycles that may bias an image, with its place and its neutral value. What is noted as measured was
+measured on Cycles itself; the neutral values are those of `neutral`, except for bounces, which are as many as Cycles
+takes, and the light threshold, which `neutral` leaves alone because it only adds noise.
 """
 
 from __future__ import annotations
@@ -46,9 +47,10 @@ _KEPT = {
 
 @dataclass(frozen=True)
 class Entry:
-    """One setting: its properties, each by owner and name, and their neutral values; the first says whether it is in force.
+    """One setting: its properties, each by owner and name, and their neutral values.
 
-    `rides` are properties that go with it and that no neutral value is needed of.
+    The first property says whether the setting is in force. `rides` are properties that go with it and need no neutral
+    value.
     """
 
     key: str
@@ -58,7 +60,10 @@ class Entry:
     rides: tuple[str, ...] = ()
 
     def of_file(self, scene: bpy.types.Scene) -> list[Assignment]:
-        """The user's own values, as far as this Blender and this file have any; read them before `neutral` holds the scene."""
+        """The user's own values, as far as this Blender and this file have any.
+
+        Read them before `neutral` holds the scene.
+        """
         return [(owner, name, getattr(owner, name)) for owner, name in self._places(scene)]
 
     def of_factory(self, scene: bpy.types.Scene) -> list[Assignment]:
@@ -70,7 +75,10 @@ class Entry:
         return any(value != self._first[1] for _, name, value in values if name == self._first[0])
 
     def shown(self, values: list[Assignment]) -> str:
-        """Values for a table: that of the property that counts, and where it is in force that of the first that goes with it."""
+        """Values for a table.
+
+        Shown is the property that counts; where it is in force, that of the first of `rides` too.
+        """
         words: dict[str, set[str]] = {}
         for _, name, value in values:
             words.setdefault(name, set()).add(_word(value))

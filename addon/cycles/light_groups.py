@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles' light groups: one for each emitter while it is rendered, and the user's own back afterwards."""
+"""Cycles' light groups: one for each emitter while it is rendered.
+
+The user's own groups are restored afterwards.
+"""
 
 from __future__ import annotations
 
@@ -56,5 +59,8 @@ def light_groups(
 
 
 def read_emitter(channels: dict[str, np.ndarray], number: int) -> np.ndarray:
-    """The light of emitter number `number`, (height, width, 3), of the channels of a multilayer file."""
+    """The light of emitter number `number`, (height, width, 3).
+
+    `channels` are those of a multilayer file.
+    """
     return read_layer(channels, f"Combined_{_group(number)}").astype(float)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles' light passes: asking a view layer for them, and reading them from the multilayer file that Blender writes.
+"""Cycles' light passes: switching them on in a view layer, and reading them.
 
-Cycles divides the light of each family of lobes by the colour of its surfaces (kernel/film/read.h), pixel by pixel, and
-writes that colour as a pass of its own. Their product is the light again, as in Blender's manual: direct times colour, and indirect
-times colour. Where a pixel's colour is black there is nothing to multiply by: the product is 0, and light that the lobes did send is in no
-pass. A difference to the reference's pass shows it.
+They are read from the multilayer file that Blender writes. Cycles divides the light of each family of lobes by the
+colour of its surfaces (kernel/film/read.h), pixel by pixel, and writes that colour as a pass of its own. Their product
+is the light again, as in Blender's manual: direct times colour, and indirect times colour. Where a pixel's colour is
+black there is nothing to multiply by: the product is 0, and light that the lobes did send is in no pass. A difference
+to the reference's pass shows it.
 """
 
 from __future__ import annotations
@@ -68,7 +69,10 @@ def combined(channels: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def read_pass(channels: dict[str, np.ndarray], name: LightPass) -> np.ndarray:
-    """The light of one pass, (height, width, 3), of the channels of a multilayer file; the colour is multiplied in again."""
+    """The light of one pass, (height, width, 3), with its colour multiplied in again.
+
+    `channels` are those of a multilayer file.
+    """
     light = read_layer(channels, *_PROPERTIES[name][1:]).astype(float)
     family = _family(name)
     return light if family is None else light * read_layer(channels, *_COLORS[family][1:])

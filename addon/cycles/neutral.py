@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles' least biased state, and the way back: every property that was changed returns, whatever happens in between.
+"""Cycles' least biased state, and the way back.
 
-What each row does to the image was measured on Cycles itself; a row that only steers noise has no place here.
+Every property that was changed returns, whatever happens in between. What each row does to the image was measured on
+Cycles itself; a row that only changes the noise has no place here.
 """
 
 from __future__ import annotations
@@ -144,7 +145,10 @@ class Changes:
                 self.settings[f"{label}.{name}"] = value
 
     def undo(self) -> None:
-        """Put everything back, last change first; data that was deleted meanwhile has nothing to get back."""
+        """Put everything back, last change first.
+
+        Data that was deleted meanwhile is left out.
+        """
         while self._before:
             owner, name, value = self._before.pop()
             with suppress(ReferenceError):
@@ -154,12 +158,18 @@ class Changes:
 
 @contextmanager
 def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: int | None = None) -> Iterator[Changes]:
-    """Put Cycles into its least biased state for `scene`, and everything back at the end, also after an exception.
+    """Put Cycles into its least biased state for `scene`, and restore everything at the end.
 
-    max_bounces: of a path, in Cycles' count, and of each kind of scattering; None: the scene's. threads: None: the scene's choice.
+    It is restored after an exception too.
+
+    max_bounces: of a path, in Cycles' count, and of each kind of scattering; None: the scene's. threads: None: the
+    scene's
+    choice.
     May be nested: only what differs is touched. One `neutral` held around many renders keeps the scene's data in Cycles
-    between them (persistent data), which costs memory and saves each its synchronisation. Export inside it too: some of what it
-    sets (simplify, transparent bounces, adaptive subdivision) is seen by the exporter. Animation and drivers of what it sets are muted
+    between them (persistent data), which costs memory and saves each its synchronisation. Export inside it too: some
+    of what it
+    sets (simplify, transparent bounces, adaptive subdivision) is seen by the exporter. Animation and drivers of what
+    it sets are muted
     meanwhile. Raises EtalonError where a linked file does not let them be, or where there is no Cycles.
     """
     if not hasattr(scene, "cycles"):
@@ -211,7 +221,10 @@ def _filter_widths() -> Iterator[bpy.types.NodeSocket]:
 
 
 def _mute_animation(changes: Changes) -> None:
-    """A render evaluates animation and drivers again, over what was set: mute the channels that would not leave it there."""
+    """Mute the animation channels that would overwrite what was set.
+
+    A render evaluates animation and drivers again.
+    """
     for owner, name, value in changes.held:
         data = owner.id_data
         if data.animation_data is None:
@@ -228,7 +241,10 @@ def _mute_animation(changes: Changes) -> None:
 
 
 def _curves(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
-    """Animation curves of a datablock's action and of its NLA strips; actions have layers only from Blender 5.0 on."""
+    """Yield the animation curves of a datablock's action and of its NLA strips.
+
+    Actions have layers only from Blender 5.0 on.
+    """
     tracks = data.animation_data.nla_tracks
     actions = [data.animation_data.action, *(strip.action for track in tracks for strip in track.strips)]
     for action in filter(None, actions):

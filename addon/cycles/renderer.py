@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles as one side of a comparison: independent replicates, linear float pixels, and its own words about its settings."""
+"""Cycles as one side of a comparison.
+
+It renders independent replicates, gives linear float pixels, and describes its settings in its own words.
+"""
 
 from __future__ import annotations
 
@@ -72,13 +75,19 @@ class CyclesRenderer:
             self.settings["not editable"] = ", ".join(changes.refused)
 
     def at_size(self, width: int, height: int) -> CyclesRenderer:
-        """The same view with fewer pixels, whose numbers divide the frame's; not for a scene with a render border."""
+        """The same view with fewer pixels, whose numbers divide the frame's.
+
+        Not for a scene with a render border.
+        """
         smaller = copy(self)
         smaller._size = width, height
         return smaller
 
     def with_passes(self, passes: Sequence[Part]) -> CyclesRenderer:
-        """The same, whose images come with light passes and other parts; the user's own settings of them return."""
+        """The same renderer, whose images come with light passes and other parts.
+
+        The user's own settings of passes are restored.
+        """
         more = copy(self)
         more.passes = tuple(passes)
         return more
@@ -90,10 +99,14 @@ class CyclesRenderer:
         progress: Progress = NO_PROGRESS,
         windows: Windows | None = None,
     ) -> Rendering:
-        """Replicate number `replicate` with `samples` per pixel, or of the pixels in `windows`; different numbers are independent.
+        """Render replicate number `replicate` with `samples` per pixel.
 
-        `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file cost.
-        Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart either: one is
+        With `windows`, only their pixels are rendered. Different numbers are independent.
+
+        `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file
+        cost.
+        Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart
+        either: one is
         counted for each partial image in which the pixel was not finite.
         Raises EtalonError where Cycles cannot render, Cancelled when asked to end.
         """
@@ -134,7 +147,10 @@ class CyclesRenderer:
     def _with_limits(
         self, limits: Sequence[BounceLimit], whole: Rendering, replicate: int, samples: int, progress: Progress
     ) -> Rendering:
-        """The `whole` image with those of fewer bounces, each a render of its own with the same random numbers."""
+        """Add renders with fewer bounces to the `whole` image.
+
+        Each is a render of its own with the same random numbers.
+        """
         passes, seconds = dict(whole.passes), whole.seconds
         with self._state() as changes:
             most = changes.settings["cycles.max_bounces"]
@@ -171,7 +187,10 @@ class CyclesRenderer:
                 changes.undo()
 
     def _calls(self, windows: Windows, samples: int) -> Iterator[tuple[Box, int, int]]:
-        """Each render call as a rectangle, the samples that are done before it, and those that it adds."""
+        """Yield each render call.
+
+        It is a rectangle, the samples that are done before it, and those that it adds.
+        """
         for box in windows.boxes:
             most = self._per_call((box[2] - box[0] + 1) * (box[3] - box[1] + 1))
             for done in range(0, samples, most):
@@ -183,7 +202,10 @@ class CyclesRenderer:
 
     @contextmanager
     def _border(self, box: Box | None, left: int, top: int) -> Iterator[None]:
-        """Render only the pixels of `box`, whose image's upper left corner is (`left`, `top`) in the frame, y up; None: all of them."""
+        """Render only the pixels of `box`; None: all of them.
+
+        The upper left corner of the box's image is (`left`, `top`) in the frame, y up.
+        """
         changes = Changes()
         try:
             if box is not None:
@@ -200,11 +222,13 @@ class CyclesRenderer:
             changes.undo()
 
     def _call(self, path: Path, replicate: int, done: int, samples: int, count: int) -> float:
-        """Render `count` samples from sample `done` of a replicate of `samples` into a file; the seconds it took.
+        """Render `count` samples from sample `done` on into a file; return the seconds it took.
 
-        Cycles' seeds only deal one sequence out to the pixels in another order, so a replicate takes its own part of
-        the sequence too. Parts of a power of two that start at a multiple of themselves are nets: sample 0, which
-        is not random, is never among them.
+        The replicate has `samples` in all. Cycles' seeds only deal one sequence out to the pixels in another order,
+        so a
+        replicate takes its own part of the sequence too. Parts of a power of two that start at a multiple of
+        themselves are
+        nets: sample 0, which is not random, is never among them.
         """
         chunk, within = divmod(done, CHUNK)
         part = min(_power_of_two(samples), CHUNK)
@@ -240,7 +264,10 @@ class CyclesRenderer:
 def _add(
     path: Path, weight: float, radiance: np.ndarray, nonfinite: np.ndarray, passes: dict[Part, np.ndarray]
 ) -> None:
-    """Add what Cycles wrote, times `weight`, to `radiance` and each of `passes` (height, width, 3), and count what is not finite."""
+    """Add the image in the file `path`, times `weight`, to the sums.
+
+    The sums are `radiance` and each of `passes`, (height, width, 3). What is not finite is counted in `nonfinite`.
+    """
     try:
         channels = read_exr(path)
     except EtalonError as error:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Another Blender as a process: it exports the scene and renders Cycles' side, for a window that stays alive or beside other releases."""
+"""Another Blender as a process, which exports the scene and renders Cycles' side.
+
+It serves a window that stays alive, and comparisons with other releases.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +30,13 @@ WORKER = Path(__file__).with_name("worker.py")
 
 
 class AnotherBlender:
-    """Cycles' side of a comparison, as a renderer, in a process of its own; only its construction needs the main thread.
+    """Cycles' side of a comparison, as a renderer, in a process of its own.
 
-    `command` starts a Blender, or a Python that has Blender as a module, with `worker.py`; the `request` says which scene. Files that the two
-    pass each other lie in `folder`. Errors call the process `title`.
+    Only its construction needs the main thread. `command` starts a Blender, or a Python that has Blender as a module,
+    with
+    `worker.py`; the `request` says which scene. Files that the two pass each other lie in `folder`. Errors call the
+    process
+    `title`.
     """
 
     def __init__(self, command: Sequence[str], request: dict[str, Any], folder: Path, title: str) -> None:
@@ -103,7 +109,10 @@ class AnotherBlender:
             return Rendering(images["radiance"], images["nonfinite"], windows=windows, passes=passes, **reply)
 
     def show(self, box: tuple[int, int, int, int], names: list[str], path: Path) -> None:
-        """Have a small scene written that shows a difference without a known cause; raises EtalonError where that fails."""
+        """Have a small scene written that shows a difference without a known cause.
+
+        Raises EtalonError where that fails.
+        """
         self._send({"show": {"box": box, "names": names, "path": str(path.resolve())}})
         reply = next(self._replies())
         if "error" in reply:

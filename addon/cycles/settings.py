@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles as its user has set it, and with its denoiser: what trades error for time, measured beside the least biased state."""
+"""Cycles with its user's settings, and with its denoiser.
+
+They trade error for time, and are measured beside the least biased state.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ TRADED = (
 
 
 def traded(scene: bpy.types.Scene) -> dict[str, Any]:
-    """The user's values of TRADED, as far as this Blender has them; read them before `neutral` holds the scene."""
+    """The user's values of TRADED, as far as this Blender has them.
+
+    Read them before `neutral` holds the scene.
+    """
     return {name: getattr(scene.cycles, name) for name in TRADED if hasattr(scene.cycles, name)}
 
 
@@ -106,9 +112,11 @@ def denoiser_is_there() -> bool:
 
 
 def cycles_ways(scene: bpy.types.Scene, users: dict[str, Any], seed: int, threads: int, opening: float) -> list[Way]:
-    """Cycles in its least biased state and at the user's values (from `traded`), each without and with its denoiser.
+    """Cycles in its least biased state and at the user's values, with and without its denoiser.
 
-    What the denoiser, the noise threshold of adaptive sampling and clamping do to an error is only known where it is measured.
+    The user's values come from `traded`. What the denoiser, the noise threshold of adaptive sampling and clamping do
+    to an
+    error is only known where it is measured.
     """
     denoised = {"use_denoising": True}
     rungs: tuple[tuple[str, str, dict[str, Any], Bias], ...] = (

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What runs inside another Blender, or a Python that has Blender as a module, as the one argument after `--` says in JSON.
+"""The script that runs inside another Blender, or a Python that has Blender as a module.
 
-`scene` or `target`: export that scene, then render one replicate for each line on standard input. `words`: run that command line of
-`etalon`. `probe`: say which Blender this is, and which of these modules it lacks. `packages` is a folder with modules that it lacks.
+The one argument after `--` is JSON. `scene` or `target`: export that scene, then render one replicate for each line on
+standard input. `words`: run that command line of `etalon`. `probe`: say which Blender this is, and which of these
+modules it lacks. `packages` is a folder with modules that it lacks.
 
 It is run as a script, so it makes the package around it importable first, under the name it has outside Blender.
 """
@@ -35,7 +36,10 @@ def _package() -> str:
 
 
 def _requests() -> queue.SimpleQueue[str]:
-    """The lines of standard input; where its other end is closed, nobody waits for an answer, and this process ends at once."""
+    """The lines of standard input.
+
+    Where its other end is closed, nobody waits for an answer, and this process ends at once.
+    """
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def read() -> None:
@@ -48,7 +52,10 @@ def _requests() -> queue.SimpleQueue[str]:
 
 
 def _serve(request: dict[str, Any], package: str) -> None:
-    """Answer the other process until its end of the pipe is closed; every answer is one marked line of JSON."""
+    """Answer the other process until its end of the pipe is closed.
+
+    Every answer is one marked line of JSON.
+    """
     import bpy
     import numpy as np
 
@@ -110,7 +117,10 @@ def _serve(request: dict[str, Any], package: str) -> None:
 
 
 def _open(target: dict[str, Any], package: str) -> Any:
-    """The scene that a command line would open for the values of a Target; raises EtalonError as that does."""
+    """Open the scene that a command line would open for the values of a Target.
+
+    Raises EtalonError as the command line does.
+    """
     import bpy
 
     common = importlib.import_module(f"{package}.lib.settings.common")
@@ -122,7 +132,10 @@ def _open(target: dict[str, Any], package: str) -> Any:
 
 
 def _run(words: list[str], package: str) -> None:
-    """Run a command line and end this process with its exit code, which Blender would not pass on."""
+    """Run a command line and end this process with its exit code.
+
+    Blender would not pass the code on.
+    """
     code = importlib.import_module(f"{package}.addon.command.cli").main(words)
     if "--background" not in sys.argv:
         sys.exit(code)

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Blender that Étalon runs in: loading it, its release, its messages, the frame it renders."""
+"""The Blender that Étalon runs in.
+
+This is loading it, its release, its messages, and the frame it renders.
+"""

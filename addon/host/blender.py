@@ -12,7 +12,10 @@ from .quiet import quiet
 
 
 def load_blender() -> Any:
-    """Import bpy and return it; raises EtalonError, which says what to install, where it or a system library is missing."""
+    """Import bpy and return it.
+
+    Raises EtalonError, which says what to install, where bpy or a system library is missing.
+    """
     try:
         with quiet():
             return importlib.import_module("bpy")

@@ -17,7 +17,10 @@ def require_supported_blender() -> None:
 
 
 def require_readable_file() -> None:
-    """Raise EtalonError where the open file was saved by a newer Blender, of which this one loses data in silence."""
+    """Raise EtalonError where the open file was saved by a newer Blender.
+
+    This Blender loses data of such a file in silence.
+    """
     saved = tuple(bpy.data.version)
     if saved[:2] > bpy.app.version[:2]:
         name = bpy.path.basename(bpy.data.filepath) or "the open file"

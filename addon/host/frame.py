@@ -14,7 +14,10 @@ def full_frame(render: bpy.types.RenderSettings) -> tuple[int, int]:
 
 
 def rendered_region(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int]:
-    """Left, bottom, width and height of the rendered region, in pixels; Blender renders none without a pixel."""
+    """Left, bottom, width and height of the rendered region, in pixels.
+
+    Blender never renders a region without a pixel.
+    """
     if not render.use_border:
         return 0, 0, width, height
     # Blender multiplies in single precision and cuts off.

@@ -22,7 +22,10 @@ _OF_A_LINKER = (
 
 
 def explain_import(error: ImportError) -> str:
-    """One line on a module or a system library that is missing, and the command that installs it; '' for another error."""
+    """One line on a missing module or system library, with the command that installs it.
+
+    '' for another error.
+    """
     if not (isinstance(error, ModuleNotFoundError) or any(words in str(error) for words in _OF_A_LINKER)):
         return ""
     if isinstance(error, ModuleNotFoundError):

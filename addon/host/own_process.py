@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What only a process of Étalon's own does to itself: it ends with the process that started it, and tidies its temporary files."""
+"""Measures for processes that belong to Étalon alone.
+
+Such a process ends with the process that started it, and removes its temporary files.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +37,11 @@ def watch_leash() -> None:
 
 
 def gather_temporary_files() -> None:
-    """Have this process's temporary files, and those of the Blender that it is about to load, in one folder.
+    """Put the temporary files of this process into one folder.
 
-    It goes when the process ends. Where that is killed, the next one removes it.
+    Those of the Blender that it is about to load go there too. The folder goes when the process ends. Where the
+    process is
+    killed, the next one removes the folder.
     """
     if "bpy" in sys.modules:  # which has chosen its folder
         return
@@ -47,6 +52,9 @@ def gather_temporary_files() -> None:
 
 
 def leave() -> None:
-    """End this process at once, less its temporary files; for a moment at which Blender may be half initialised."""
+    """End this process at once, and remove its temporary files.
+
+    It serves where Blender may be half initialised.
+    """
     _temporary.close()
     os._exit(ExitCode.INTERRUPTED)

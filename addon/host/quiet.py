@@ -11,14 +11,20 @@ from contextlib import contextmanager, redirect_stdout
 
 
 def _flush_c_stdout() -> None:
-    """Write out what C code has left in its buffer: Blender prints through C's stdout, not through Python's."""
+    """Write out what C code has left in its buffer.
+
+    Blender prints through C's stdout, not through Python's.
+    """
     library = ctypes.cdll.ucrtbase if sys.platform == "win32" else ctypes.CDLL(None)
     library.fflush(None)
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Discard everything that is written to standard output; Blender reports every step of a render there."""
+    """Discard everything that is written to standard output.
+
+    Blender reports every step of a render there.
+    """
     sys.stdout.flush()
     _flush_c_stdout()
     kept = os.dup(1)

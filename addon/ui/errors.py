@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors in the language of the interface. They are made where no interface is known, so their templates recognise them here."""
+"""Errors in the language of the interface.
+
+Errors are made where no interface is known, so this module recognises them by their templates.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ _PATTERNS = {template: pattern_of(template) for template in TEMPLATES}
 
 
 def translate_error(text: str) -> str:
-    """The message of an error in the language of the interface; as it is where no template fits."""
+    """The message of an error in the language of the interface.
+
+    It is returned as it is where no template fits.
+    """
     for template, pattern in _PATTERNS.items():
         found = pattern.fullmatch(text)
         if found:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The interface in French: each text that is shown, and what it is called. Reports, and what refusals name, are English."""
+"""The French interface: each text that is shown, and its translation.
+
+Reports, and what refusals name, are English.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,7 @@ FRENCH: dict[str, str] = {
     "The difference is at most {bound}": "La différence est d'au plus {bound}",
     "'{name}' is no longer in the scene": "« {name} » n'est plus dans la scène",
     "Show Region": "Montrer la région",
-    "Select the objects of this region, set the render region to it, and zoom the Image editors to it": (
+    "Select this region's objects, set the render region to it, zoom Image editors to it": (
         "Sélectionner les objets de cette région, y placer la région de rendu et y agrandir les éditeurs d'images"
     ),
     "Whole Frame": "Cadre entier",
@@ -134,11 +137,11 @@ FRENCH: dict[str, str] = {
     "collection": "collection",
     # Buttons.
     "Compare with Cycles": "Comparer à Cycles",
-    "Render this scene with the reference and with Cycles, and say where the two agree. Esc cancels": (
+    "Render this scene with the reference and Cycles, and say where they agree. Esc cancels": (
         "Rendre cette scène avec la référence et avec Cycles, et dire où les deux concordent. Échap annule"
     ),
     "Compare the Rest": "Comparer le reste",
-    "Compare, and leave out the pixels that show unsupported materials; the others leave room for their light": (
+    "Compare, but leave out pixels that show unsupported materials; allow for their light": (
         "Comparer en laissant de côté les pixels qui montrent des matériaux non pris en charge ; les autres laissent place à leur lumière"
     ),
     "Select What Is Not Supported": "Sélectionner ce qui n'est pas pris en charge",
@@ -258,7 +261,7 @@ FRENCH: dict[str, str] = {
         "Mesurer l'erreur de chaque façon de rendre cette scène en fonction du temps"
     ),
     "Plan": "Plan",
-    "List the effects that this scene needs, each with the reason, and everything that is not simulated": (
+    "List the effects that this scene needs and why, and everything that is not simulated": (
         "Énumérer les effets dont cette scène a besoin, chacun avec sa raison, et tout ce qui n'est pas simulé"
     ),
     "Not everything is simulated; see above": "Tout n'est pas simulé ; voir plus haut",
@@ -287,7 +290,7 @@ FRENCH: dict[str, str] = {
     ),
     # Reference scenes and preferences.
     "Reference Scene": "Scène de référence",
-    "Open a scene whose image is known; it takes the place of this file, which can be saved first": (
+    "Open a scene whose image is known. It replaces this file, which can be saved first": (
         "Ouvrir une scène dont l'image est connue ; elle remplace ce fichier, qui peut être enregistré d'abord"
     ),
     "Scenes whose images are known": "Scènes dont l'image est connue",

@@ -13,7 +13,10 @@ from .session import session
 
 @persistent
 def note_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Results are out of date once something that is rendered has changed; a selection is no change. The survey is made anew after any."""
+    """Mark results as out of date once something that is rendered has changed.
+
+    A selection is no change. The survey is made anew after any call.
+    """
     if session.results or session.running is not None:
         for update in depsgraph.updates:
             if update.is_updated_geometry or update.is_updated_transform or update.is_updated_shading:
@@ -24,7 +27,10 @@ def note_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 @persistent
 def forget_results(*_: object) -> None:
-    """Another file is going to be opened: a comparison under way ends, and its report holds what it has found."""
+    """End a comparison under way before another file is opened.
+
+    Its report holds what it has found.
+    """
     session.forget()
     preflight.forget_surveys()
     images.forget_images()

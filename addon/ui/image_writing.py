@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The images that Image editors show, written by threads and loaded by Blender when they are there."""
+"""The images that Image editors show.
+
+Threads write them, and Blender loads them when they are ready.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +27,11 @@ _MARK = "etalon_view"
 
 
 class Writer:
-    """Writes the images of one comparison into `folder`, beside the window; `count` grows when they have changed.
+    """Writes the images of one comparison into `folder`, in threads.
 
-    `error` says why they could not be written the last time; it is empty where they could.
+    `count` grows when they have changed. `error` says why they could not be written the last time; it is empty where
+    they
+    could.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -75,7 +80,10 @@ def view_of(image: bpy.types.Image | None) -> View | None:
 
 
 def load_view(view: View, folder: Path) -> bpy.types.Image | None:
-    """The image of a view, loaded from `folder`, or loaded again; None where it has no file yet."""
+    """The image of a view, loaded from `folder`, or loaded again.
+
+    None where it has no file yet.
+    """
     path = folder / view.value
     if not path.is_file():
         return None

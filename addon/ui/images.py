@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Étalon in the Image editors: a menu of images, keys, regions drawn over them, and zooming."""
+"""Étalon in the Image editors.
+
+This is a menu of images, keys, regions drawn over them, and zooming.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ def writer_of(uid: int, folder: Path) -> Writer:
 
 
 def have_images_written(uid: int) -> None:
-    """Have the images of a scene's result written, and those of a comparison under way at each look."""
+    """Have the images of a scene's result written.
+
+    Those of a comparison under way are written at each look.
+    """
     running, result = session.running, session.results.get(uid)
     if running is not None and running.uid == uid and running.result is None and isinstance(running.job, BackgroundJob):
         running.job.on_look = writer_of(uid, running.job.folder).write_interim
@@ -104,7 +110,10 @@ def image_editors(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Window
 
 
 def _editor_for(context: bpy.types.Context) -> bpy.types.Area:
-    """The Image editor to show an image in: this one, one that is not pinned to something else, or one in a new window."""
+    """The Image editor to show an image in.
+
+    It is this one, one that is not pinned to something else, or one in a new window.
+    """
     if context.area is not None and context.area.type == "IMAGE_EDITOR":
         return context.area
     free = [area for _, area in image_editors(context) if not area.spaces.active.use_image_pin]

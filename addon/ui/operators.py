@@ -21,7 +21,7 @@ from .waiting import Watched
 
 
 class CompareWithCycles(Watched, bpy.types.Operator):
-    """Render this scene with the reference and with Cycles, and say where the two agree. Esc cancels"""
+    """Render this scene with the reference and Cycles, and say where they agree. Esc cancels"""
 
     bl_idname = "etalon.compare"
     bl_label = "Compare with Cycles"
@@ -63,7 +63,7 @@ class ApplyPreset(bpy.types.Operator):
 
 
 class CompareTheRest(bpy.types.Operator):
-    """Compare, and leave out the pixels that show unsupported materials; the others leave room for their light"""
+    """Compare, but leave out pixels that show unsupported materials; allow for their light"""
 
     bl_idname = "etalon.compare_the_rest"
     bl_label = "Compare the Rest"

@@ -88,7 +88,10 @@ def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
 
 
 def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context, result: Result) -> None:
-    """The verdict in one coloured line, what stands below it, the regions, and the way to the report."""
+    """Draw the verdict in one coloured line, then its details.
+
+    These are its text, the regions, and buttons that lead to the report.
+    """
     outcome = result.comparison.verdict.outcome
     box = layout.box()
     colour = f"{_PREFIX}_{COLOURS[outcome]:02}"
@@ -204,7 +207,10 @@ class _Tools(_Part):
 
 
 def draw_audit(layout: bpy.types.UILayout, context: bpy.types.Context, figures: dict[str, Any]) -> None:
-    """What each setting costs, the worst first, with a button that makes it neutral where it is biased."""
+    """Draw what each setting costs, the worst first.
+
+    A button makes a biased setting neutral.
+    """
     for entry in figures["settings"]:
         if entry["together"]:
             continue
@@ -221,7 +227,10 @@ def draw_audit(layout: bpy.types.UILayout, context: bpy.types.Context, figures: 
 
 
 def draw_plan(layout: bpy.types.UILayout, context: bpy.types.Context, figures: dict[str, Any]) -> None:
-    """The effects that the scene needs, each with its reason; what is not simulated stands above the button."""
+    """Draw the effects that the scene needs, each with its reason.
+
+    What is not simulated stands above the button.
+    """
     if "refusals" in figures:
         draw_text(layout, context, translate("Not everything is simulated; see above"), icon="ERROR")
     for decision in figures.get("decisions", ()):

@@ -14,7 +14,10 @@ def material_of(region: RankedRegion) -> str:
 
 
 def objects_with(view_layer: bpy.types.ViewLayer, kind: str, name: str) -> list[bpy.types.Object]:
-    """The object of that name, or the objects with the material of that name; none for other kinds."""
+    """The object of that name, or the objects with the material of that name.
+
+    Empty for other kinds.
+    """
     if kind == "object":
         return [thing for thing in view_layer.objects if thing.name == name]
     if kind != "material":
@@ -32,7 +35,10 @@ def select_only(context: bpy.types.Context, found: list[bpy.types.Object]) -> No
 
 
 def select_objects(context: bpy.types.Context, region: RankedRegion) -> str:
-    """Select the objects of a region; returns its name where it has any and none of them is there any more."""
+    """Select the objects of a region.
+
+    Returns the region's name where it has objects but they are all deleted.
+    """
     if region.kind not in ("object", "material", "facing"):
         return ""
     kind, name = ("object", region.name) if region.kind == "object" else ("material", material_of(region))
@@ -43,7 +49,10 @@ def select_objects(context: bpy.types.Context, region: RankedRegion) -> str:
 
 
 def set_border(scene: bpy.types.Scene, compared: tuple[float, float, float, float], region: RankedRegion) -> None:
-    """Set the render region of `scene` to a region, of the part of the frame that was `compared`: left, bottom, right, top."""
+    """Set the render region of `scene` to a region.
+
+    The region is a part of the frame that was `compared`: left, bottom, right, top.
+    """
     left, top, right, bottom = region.box
     x, y, width, height = compared[0], compared[1], compared[2] - compared[0], compared[3] - compared[1]
     render = scene.render

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension's preferences: threads, the folder for results, what is kept there, the Blender that renders."""
+"""The extension's preferences.
+
+They are threads, the folder for results, what is kept there, and the Blender that renders.
+"""
 
 from __future__ import annotations
 

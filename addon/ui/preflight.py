@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What would stop a comparison, or make it another one than the user expects, said before the button is pressed.
+"""Notices before the start of what would stop or change a comparison.
 
-Settings are read when the panel is drawn. Node trees and objects are surveyed by a timer after a change, never while drawing: by the types
-of nodes that count, which takes milliseconds. The export refuses more, such as values of sockets, and says so by name.
+Settings are read when the panel is drawn. Node trees and objects are surveyed by a timer after a change, never while
+drawing: by the types of nodes that count, which takes milliseconds. The export refuses more, such as values of sockets,
+and names it.
 """
 
 from __future__ import annotations
@@ -33,7 +34,10 @@ _OWNER = re.compile(r"(material|object|light|world) '(.*)'", re.DOTALL)
 
 @dataclass(frozen=True)
 class Notice:
-    """A line for the panel. `kind` and `name` are what a button selects; `stops` says that nothing can be compared as it is."""
+    """A line for the panel.
+
+    `kind` and `name` are what a button selects; `stops` says that nothing can be compared as it is.
+    """
 
     text: str
     stops: bool = False
@@ -78,7 +82,10 @@ _changed = True
 
 
 def notices_of_content(scene: bpy.types.Scene) -> list[Notice]:
-    """What the last survey found in materials and objects; asks for another one where something has changed since."""
+    """What the last survey found in materials and objects.
+
+    It asks for another survey where something has changed since.
+    """
     if _changed or scene.session_uid not in _surveys:
         ask_for_survey()
     return _surveys.get(scene.session_uid, [])
@@ -117,7 +124,10 @@ def _survey() -> None:
 
 
 def survey(scene: bpy.types.Scene) -> list[Notice]:
-    """What of the content of `scene` is not simulated, as far as types of objects and nodes tell."""
+    """List what in `scene` is not simulated.
+
+    Only the types of objects and nodes are read.
+    """
     found, materials = [], {}
     for thing in scene.objects:
         if thing.hide_render:
@@ -154,7 +164,10 @@ def _unknown_nodes(tree: bpy.types.NodeTree) -> set[str]:
 def _upstream(
     tree: bpy.types.NodeTree, output: bpy.types.Node, seen: frozenset[str] = frozenset()
 ) -> Iterator[bpy.types.Node]:
-    """The nodes that `output` depends on, those in groups included, without such that only pass values on."""
+    """Yield the nodes that `output` depends on, those in groups included.
+
+    Nodes that only pass values on are left out.
+    """
     sources: dict[bpy.types.Node, list[bpy.types.Node]] = {}
     for link in tree.links:
         if link.is_valid and not link.is_muted:

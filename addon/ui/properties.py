@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options that the panel shows, kept with the scene; made from the declarations of `Settings`."""
+"""The options that the panel shows, kept with the scene.
+
+They are made from the declarations of `Settings`.
+"""
 
 from __future__ import annotations
 
@@ -85,7 +88,10 @@ def make_property(declared: Option) -> Any:
 
 
 def _value(unit: Unit, shown: Any) -> Any:
-    """A property's value in the option's unit; Blender keeps single precision, of which six digits are what was typed."""
+    """A property's value in the option's unit.
+
+    Blender keeps single precision, of which six digits are what was typed.
+    """
     if isinstance(shown, float):
         shown = float(f"{shown:.6g}")
     if isinstance(unit, ModelName) and not shown:
@@ -108,13 +114,19 @@ def apply_preset(scene: bpy.types.Scene, name: str) -> None:
 
 
 def read_settings(scene: bpy.types.Scene) -> Settings:
-    """The panel's settings of `scene`; without a preference, one processor is left to the window. Where results go is up to the caller."""
+    """The panel's settings of `scene`.
+
+    Without a preference, one processor is left to the window. The caller decides where results go.
+    """
     chosen = {d.name: _value(d.unit, getattr(scene.etalon, d.name)) for d in SHOWN if not isinstance(d.unit, FilePath)}
     return Settings(**chosen, threads=preferred_threads() or max(1, (os.cpu_count() or 2) - 1))
 
 
 def output_folder(scene: bpy.types.Scene) -> Path:
-    """The folder chosen in the panel; for a file that was never saved, one among the system's temporary files."""
+    """The folder chosen in the panel.
+
+    For a file that was never saved it is one among the system's temporary files.
+    """
     chosen = scene.etalon.out
     if not scene.etalon.is_property_set("out"):
         chosen = preferred_folder() or chosen

@@ -45,7 +45,10 @@ def label_text(region: RankedRegion) -> str:
 
 
 def figures(region: RankedRegion) -> str:
-    """A region's figures for a row: the difference with its margin, or the bound where none is shown."""
+    """A region's figures for a row.
+
+    They are the difference with its margin, or the bound where no difference is shown.
+    """
     if region.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         return f"{format_percent(region.difference).removesuffix(' %')} ± {format_bound(region.margin)}"
     return f"≤ {format_bound(region.bound)}" if region.bound < float("inf") else translate("unbounded")
@@ -144,7 +147,7 @@ class RegionList(bpy.types.UIList):
 
 
 class ShowRegion(bpy.types.Operator):
-    """Select the objects of this region, set the render region to it, and zoom the Image editors to it"""
+    """Select this region's objects, set the render region to it, zoom Image editors to it"""
 
     bl_idname = "etalon.show_region"
     bl_label = "Show Region"

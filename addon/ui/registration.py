@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender is told when the extension is switched on, and taken back when it is switched off."""
+"""Registration of the extension with Blender, and its removal."""
 
 from __future__ import annotations
 
@@ -41,7 +41,10 @@ _commands: list[object] = []
 
 
 def register() -> None:
-    """Add the settings, the panels and the command `etalon`; raise EtalonError in a Blender that is too old."""
+    """Register the settings, the panels and the command `etalon`.
+
+    Raises EtalonError in a Blender that is too old.
+    """
     require_supported_blender()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)

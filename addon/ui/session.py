@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the window knows: the comparison that runs, and for each scene the one that ran last."""
+"""The state of the window.
+
+It is the comparison that runs, and for each scene the one that ran last.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,10 @@ from ..background_command import BackgroundCommand
 
 @dataclass(frozen=True)
 class Setup:
-    """What a result depends on besides the scene's content: when one of these changes, the result is out of date."""
+    """What a result depends on besides the scene's content.
+
+    When one of these changes, the result is out of date.
+    """
 
     engine: str
     size: tuple[int, int, int]
@@ -66,7 +72,10 @@ class Result:
 
 @dataclass(eq=False)
 class Running:
-    """A comparison under way: the scene's identifier in this session of Blender, and what it was when the comparison began."""
+    """A comparison under way.
+
+    It has the scene's identifier in this session of Blender, and the scene's state when the comparison began.
+    """
 
     job: job.BackgroundJob | BackgroundCommand
     uid: int
@@ -78,7 +87,10 @@ class Running:
 
 @dataclass
 class Session:
-    """The one job that runs; by a scene's identifier its last result, the errors or refusals of its last job, and what commands found."""
+    """The one job that runs, and the results of earlier ones by scene.
+
+    By a scene's identifier it has the last result, the errors or refusals of the last job, and what commands found.
+    """
 
     running: Running | None = None
     results: dict[int, Result] = field(default_factory=dict)
@@ -87,13 +99,19 @@ class Session:
     figures: dict[int, dict[str, Any]] = field(default_factory=dict)
 
     def begin(self, scene: bpy.types.Scene, started: job.BackgroundJob | BackgroundCommand) -> None:
-        """`started` is the comparison that counts from now on; the last result stays until there is a new one."""
+        """Make `started` the comparison that counts from now on.
+
+        The last result stays until there is a new one.
+        """
         self.errors.pop(scene.session_uid, None)
         self.refusals.pop(scene.session_uid, None)
         self.running = Running(started, scene.session_uid, Setup.of(scene), compared_border(scene))
 
     def take_result(self) -> Result | None:
-        """The result of the job that runs, once it is concluded; its report may be under way. None if it is not, or was taken before."""
+        """The result of the job that runs, once it is concluded.
+
+        Its report may still be in the making. None if it is not concluded, or was taken before.
+        """
         running = self.running
         if running is None or running.result is not None or running.job.comparison is None:
             return None
@@ -104,7 +122,10 @@ class Session:
         return running.result
 
     def end(self) -> Running:
-        """The job has ended: keep its errors. One without a comparison leaves the last result as it is."""
+        """End the job and keep its errors.
+
+        A job without a comparison leaves the last result as it is.
+        """
         ended, self.running = self.running, None
         if isinstance(ended.job, BackgroundCommand) and ended.job.figures is not None:
             self.figures.setdefault(ended.uid, {})[ended.job.command] = ended.job.figures

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Text in panels: translated, and wrapped to the width that there is, so that Blender cuts nothing off."""
+"""Text in panels, translated and wrapped.
+
+It is wrapped to the width that there is, so that Blender cuts nothing off.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ def draw_text(
     alert: bool = False,
     beside: bool = False,
 ) -> None:
-    """Draw `text` over as many lines as it takes, `icon` in front of the first; `beside`: leave room for a button of one icon."""
+    """Draw `text` over as many lines as it takes, `icon` in front of the first.
+
+    `beside` leaves room for a button of one icon.
+    """
     column = layout.column(align=True)
     column.alert = alert
     width = text_width(context) - (int(BUTTON * context.preferences.system.ui_scale) if beside else 0)
@@ -61,7 +67,10 @@ def draw_text(
 
 @lru_cache(maxsize=512)
 def wrap(text: str, width: int, points: float) -> tuple[str, ...]:
-    """`text` in lines of at most `width` pixels in a font of `points`; words that are longer are broken."""
+    """Break `text` into lines of at most `width` pixels in a font of `points`.
+
+    Words that are longer are broken.
+    """
     blf.size(0, points)
     for loose, tied in _TIED.items():
         text = text.replace(loose, tied)
@@ -90,7 +99,10 @@ def measure(text: str, points: float) -> float:
 
 @lru_cache(maxsize=4096)
 def shorten(text: str, width: int, points: float) -> str:
-    """`text`, or its two ends with an ellipsis between them where it is wider than `width` pixels."""
+    """`text`, shortened where it is wider than `width` pixels.
+
+    It is then its two ends with an ellipsis between them.
+    """
     blf.size(0, points)
     if blf.dimensions(0, text)[0] <= width:
         return text

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The other questions that the panel answers: what settings cost, what accuracy costs, and which effects the scene needs.
+"""The other questions that the panel answers.
 
-Each runs the command of the command line on a copy of the file, in a second Blender.
+They are what settings cost, what accuracy costs, and which effects the scene needs. Each runs the command of the
+command line on a copy of the file, in a second Blender.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ class MeasureCost(_Ask, bpy.types.Operator):
 
 
 class ShowPlan(_Ask, bpy.types.Operator):
-    """List the effects that this scene needs, each with the reason, and everything that is not simulated"""
+    """List the effects that this scene needs and why, and everything that is not simulated"""
 
     bl_idname = "etalon.plan"
     bl_label = "Plan"
@@ -143,7 +144,7 @@ class OpenPage(bpy.types.Operator):
 
 
 class AddReferenceScene(bpy.types.Operator):
-    """Open a scene whose image is known; it takes the place of this file, which can be saved first"""
+    """Open a scene whose image is known. It replaces this file, which can be saved first"""
 
     bl_idname = "etalon.add_reference_scene"
     bl_label = "Reference Scene"

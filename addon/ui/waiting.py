@@ -35,7 +35,10 @@ class Watched:
         return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """The window goes away, or the file: the job goes on in the other windows, and handlers end it with the file."""
+        """Keep the job when its window or the file goes away.
+
+        It goes on in the other windows, and handlers end it with the file.
+        """
         context.window_manager.event_timer_remove(self._timer)
 
     def _report_end(self) -> None:

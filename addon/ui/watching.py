@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The comparison under way, watched by a timer: its result is shown as soon as there is one, whatever windows come and go."""
+"""The comparison under way, watched by a timer.
+
+Its result is shown as soon as there is one, whatever windows come and go.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ def describe_stage(running: Running) -> str:
 
 
 def describe_bound(running: Running) -> str:
-    """Within how much the images agree so far, and whether that is falling; empty before the first look and when the result is there."""
+    """How closely the images agree so far, and whether that is improving.
+
+    Empty before the first look and when the result is there.
+    """
     bounds = [one.bound for one in running.job.bounds]
     if not bounds or running.result is not None:
         return ""
@@ -50,7 +56,10 @@ def describe_bound(running: Running) -> str:
 
 
 def describe_time(running: Running) -> str:
-    """The time that is left; empty before rendering has begun, in the last second, and when the result is there."""
+    """The time that is left.
+
+    Empty before rendering has begun, in the last second, and when the result is there.
+    """
     left = running.job.seconds_left
     if left is None or left < 1.0 or running.result is not None:
         return ""
@@ -90,7 +99,10 @@ def watch_job() -> None:
 
 
 def _look() -> float | None:
-    """Take over what there is; the seconds until the next look, or None when the job has ended."""
+    """Take over the results that there are.
+
+    Returns the seconds until the next look, or None when the job has ended.
+    """
     running = session.running
     if running is None:
         set_status(None)
