@@ -41,8 +41,7 @@ def compare_versions(
     """Compare a scene with the reference in each Blender, and the Blenders with each other.
 
     `name` is the scene's name, and reports go below `out`. The figures say what keeps a version from being compared.
-    Raises
-    Cancelled where the user ended it.
+    Raises Cancelled where the user ended it.
     """
     folder = out / folder_name(Path(name).stem)
     share = REFERENCE_SHARE * settings.time / len(blenders)

@@ -112,7 +112,7 @@ def denoiser_is_there() -> bool:
 
 
 def cycles_ways(scene: bpy.types.Scene, users: dict[str, Any], seed: int, threads: int, opening: float) -> list[Way]:
-    """Cycles in its least biased state and at the user's values, with and without its denoiser.
+    """Cycles in its least biased state and at the user's values, with or without denoiser.
 
     The user's values come from `traded`. What the denoiser, the noise threshold of adaptive sampling and clamping do
     to an
