@@ -33,8 +33,7 @@ class BackgroundCommand(Background):
 
     It is the same function as on a terminal, with the same options. Made and read by the main thread. `stage` and
     `fraction` say how far it is. When `done`, either `figures`, what the command prints as JSON, is there, or
-    `errors`, or
-    neither if it was cancelled.
+    `errors`, or neither if it was cancelled.
     """
 
     def __init__(self, command: str, settings: tuple[Declared, ...], seconds: float | None) -> None:

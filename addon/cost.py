@@ -56,9 +56,8 @@ def measure_cost(
     """Measure `scene`, called `name`, with the reference and with Cycles.
 
     The scene's own settings are restored afterwards. The report goes to `folder`, if there is one; `repeat` is the
-    command
-    that it shows. `opened` are the seconds that opening the file took. Raises EtalonError, Refused, or Cancelled where
-    nothing was measured.
+    command that it shows. `opened` are the seconds that opening the file took. Raises EtalonError, Refused, or
+    Cancelled where nothing was measured.
     """
     begin = time.perf_counter()
     users = traded(scene)

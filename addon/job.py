@@ -95,16 +95,11 @@ def judge(
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and write the report.
 
-    The report goes to `folder`, if there is one. It is about a file called `name`, or has the scene's name where none
-    is
-    given.
-
+    The report goes to `folder`, if there is one. Its title is `name`, or the scene's name where none is given.
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image,
-    and
-    the settings and `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the scene
-    wants
-    its images shown in the report. `conclude` is called with the comparison before the report is written. Without
-    `keep_exrs` the report comes without float images.
+    and the settings and `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the
+    scene wants its images shown in the report. `conclude` is called with the comparison before the report is written.
+    Without `keep_exrs` the report comes without float images.
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL, *EXRS)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
@@ -168,10 +163,8 @@ def compare_here(
     """Compare with Cycles in this process; the scene's own settings are restored afterwards.
 
     The report goes to `folder`, if there is one. Where something differs and no departure explains it, a small scene
-    that
-    shows it goes there too. `repeat` is the command that the report shows. `progress` receives the share that is
-    done, and
-    says whether to end. Raises Refused or EtalonError.
+    that shows it goes there too. `repeat` is the command that the report shows. `progress` receives the share that is
+    done, and says whether to end. Raises Refused or EtalonError.
     """
     progress.begin("reading the scene")
     exported, name, transform = export(scene, settings.partial), name_of_file(scene), export_view_transform(scene)
@@ -234,11 +227,10 @@ class BackgroundJob(Background):
     """A comparison that leaves the window alone.
 
     Export and Cycles run in a second Blender, the reference in a thread. Made and read by the main thread. `stage` is
-    the
-    name of what is under way, `fraction` the share of the time that is spent, `bounds` the bound at each look so far;
-    `on_look` is called at each look, by the job's thread. `comparison` is there as soon as it is concluded, before its
-    report is written. When `done`, either it or `errors` is there, or neither if the job was cancelled before there was
-    anything to compare.
+    the name of what is under way, `fraction` the share of the time that is spent, `bounds` the bound at each look so
+    far; `on_look` is called at each look, by the job's thread. `comparison` is there as soon as it is concluded,
+    before its report is written. When `done`, either it or `errors` is there, or neither if the job was cancelled
+    before there was anything to compare.
     """
 
     def __init__(

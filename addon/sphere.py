@@ -20,8 +20,7 @@ def observe_sphere(scene: bpy.types.Scene, settings: FitSettings, progress: Prog
     """Render the sphere of `scene` with Cycles in independent replicates, and observe it.
 
     The scene's own settings are restored afterwards. Raises EtalonError where the scene is not one sphere under one
-    sun, or
-    Refused.
+    sun, or Refused.
     """
     progress.begin("reading the scene")
     exported = fold_scene(export(scene))

@@ -22,8 +22,7 @@ def assign(assignment: str) -> None:
     """Set one property, as in 'objects["Lamp"].location[2]=3.5'.
 
     The left side is a data path from bpy.data (or `scene.`), the right side a value as in JSON. Raises EtalonError
-    where
-    the path leads nowhere, the value does not fit, or Blender would change it in silence.
+    where the path leads nowhere, the value does not fit, or Blender would change it in silence.
     """
     parts = _ASSIGNMENT.fullmatch(assignment)
     if parts is None:

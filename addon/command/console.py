@@ -161,8 +161,7 @@ def interrupted_by_order() -> Iterator[None]:
     """Have an order to end raise KeyboardInterrupt, as Ctrl-C does; the first one counts.
 
     Orders are SIGTERM and a closed terminal. `timeout` sends SIGTERM twice, and a second exception would end the
-    clearing
-    up.
+    clearing up.
     """
     ordered = False
 

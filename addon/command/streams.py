@@ -19,8 +19,7 @@ class Stream:
     """A text stream that escapes characters, and keeps its first error.
 
     Escaped are characters that its encoding lacks and those that control a terminal. After an error, what is written
-    goes
-    nowhere. `error` is that error, or None.
+    goes nowhere. `error` is that error, or None.
     """
 
     def __init__(self, stream: TextIO) -> None:

@@ -163,14 +163,13 @@ def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: 
     It is restored after an exception too.
 
     max_bounces: of a path, in Cycles' count, and of each kind of scattering; None: the scene's. threads: None: the
-    scene's
-    choice.
-    May be nested: only what differs is touched. One `neutral` held around many renders keeps the scene's data in Cycles
-    between them (persistent data), which costs memory and saves each its synchronisation. Export inside it too: some
-    of what it
-    sets (simplify, transparent bounces, adaptive subdivision) is seen by the exporter. Animation and drivers of what
-    it sets are muted
-    meanwhile. Raises EtalonError where a linked file does not let them be, or where there is no Cycles.
+    scene's choice.
+
+    May be nested: only what differs is touched. One `neutral` held around many renders keeps the
+    scene's data in Cycles between them (persistent data), which costs memory and saves each its synchronisation.
+    Export inside it too: some of what it sets (simplify, transparent bounces, adaptive subdivision) is seen by the
+    exporter. Animation and drivers of what it sets are muted meanwhile. Raises EtalonError where a linked file does
+    not let them be, or where there is no Cycles.
     """
     if not hasattr(scene, "cycles"):
         raise EtalonError("Cycles is not there; enable the add-on Cycles Render Engine in Blender's preferences")

@@ -104,11 +104,9 @@ class CyclesRenderer:
         With `windows`, only their pixels are rendered. Different numbers are independent.
 
         `seconds` is the time inside Cycles, `stages` adds what the settings and the way of the pixels through a file
-        cost.
-        Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told apart
-        either: one is
-        counted for each partial image in which the pixel was not finite.
-        Raises EtalonError where Cycles cannot render, Cancelled when asked to end.
+        cost. Cycles does not tell how many rays it traced: `rays` is 0. A pixel's non-finite samples cannot be told
+        apart either: one is counted for each partial image in which the pixel was not finite. Raises EtalonError
+        where Cycles cannot render, Cancelled when asked to end.
         """
         limits = [part for part in self.passes if isinstance(part, BounceLimit)]
         if limits:
@@ -225,10 +223,8 @@ class CyclesRenderer:
         """Render `count` samples from sample `done` on into a file; return the seconds it took.
 
         The replicate has `samples` in all. Cycles' seeds only deal one sequence out to the pixels in another order,
-        so a
-        replicate takes its own part of the sequence too. Parts of a power of two that start at a multiple of
-        themselves are
-        nets: sample 0, which is not random, is never among them.
+        so a replicate takes its own part of the sequence too. Parts of a power of two that start at a multiple of
+        themselves are nets: sample 0, which is not random, is never among them.
         """
         chunk, within = divmod(done, CHUNK)
         part = min(_power_of_two(samples), CHUNK)

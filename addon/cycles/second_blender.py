@@ -33,10 +33,8 @@ class AnotherBlender:
     """Cycles' side of a comparison, as a renderer, in a process of its own.
 
     Only its construction needs the main thread. `command` starts a Blender, or a Python that has Blender as a module,
-    with
-    `worker.py`; the `request` says which scene. Files that the two pass each other lie in `folder`. Errors call the
-    process
-    `title`.
+    with `worker.py`; the `request` says which scene. Files that the two pass each other lie in `folder`. Errors call
+    the process `title`.
     """
 
     def __init__(self, command: Sequence[str], request: dict[str, Any], folder: Path, title: str) -> None:

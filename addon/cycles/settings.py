@@ -115,8 +115,7 @@ def cycles_ways(scene: bpy.types.Scene, users: dict[str, Any], seed: int, thread
     """Cycles in its least biased state and at the user's values, with or without denoiser.
 
     The user's values come from `traded`. What the denoiser, the noise threshold of adaptive sampling and clamping do
-    to an
-    error is only known where it is measured.
+    to an error is only known where it is measured.
     """
     denoised = {"use_denoising": True}
     rungs: tuple[tuple[str, str, dict[str, Any], Bias], ...] = (

@@ -52,10 +52,7 @@ def _requests() -> queue.SimpleQueue[str]:
 
 
 def _serve(request: dict[str, Any], package: str) -> None:
-    """Answer the other process until its end of the pipe is closed.
-
-    Every answer is one marked line of JSON.
-    """
+    """Answer the other process, in marked lines of JSON, until its end of the pipe closes."""
     import bpy
     import numpy as np
 

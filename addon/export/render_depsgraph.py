@@ -37,8 +37,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
 
     Blender hands it to a render engine only, so one that renders nothing is registered for the time of the call. The
     scene's settings come back, and whatever `function` raises is raised here. Raises EtalonError where the scene
-    renders no
-    view layer.
+    renders no view layer.
     """
     remember_defaults(DECLARATIONS)
     remember_properties()

@@ -18,8 +18,7 @@ def reload_stale_images() -> None:
     """Have Blender read again the images that may differ from their files.
 
     Images that are unsaved or packed stay. Blender does not say when it read a file, so each is read again once, and
-    later
-    only where its file has changed.
+    later only where its file has changed.
     """
     for image in bpy.data.images:
         if image.source != "FILE" or image.packed_file is not None or image.is_dirty or not image.has_data:

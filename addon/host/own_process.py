@@ -40,8 +40,7 @@ def gather_temporary_files() -> None:
     """Put the temporary files of this process into one folder.
 
     Those of the Blender that it is about to load go there too. The folder goes when the process ends. Where the
-    process is
-    killed, the next one removes the folder.
+    process is killed, the next one removes the folder.
     """
     if "bpy" in sys.modules:  # which has chosen its folder
         return

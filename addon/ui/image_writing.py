@@ -30,8 +30,7 @@ class Writer:
     """Writes the images of one comparison into `folder`, in threads.
 
     `count` grows when they have changed. `error` says why they could not be written the last time; it is empty where
-    they
-    could.
+    they could.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -73,8 +73,7 @@ class ImageTable:
         """Whether an image node has no image that can be read.
 
         Cycles then shows MISSING. What is missing is noted. A file in a colour space that is not read may be missing
-        too:
-        what Cycles shows then depends on the release.
+        too: what Cycles shows then depends on the release.
         """
         image = node.image
         if image is None:
@@ -95,8 +94,7 @@ class ImageTable:
         """The entry of a node's image, read at its first use.
 
         None where it is refused, by `refuse(what, remedy)`. `alpha_linked` says whether the node's alpha is in use.
-        The image
-        must not be one that `is_missing`.
+        The image must not be one that `is_missing`.
         """
         image = node.image.original
         path = self._path(image, node) if _is_sequence(image) else ""

@@ -40,8 +40,7 @@ def is_passive(material: bpy.types.Material) -> bool:
     """Whether a material only sends on light that it receives.
 
     It does so from faces where the mesh has them. Linked colours are taken to be at most 1. Nodes of unknown kinds
-    may do
-    anything.
+    may do anything.
     """
     if material.node_tree is None:
         return False

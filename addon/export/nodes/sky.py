@@ -207,8 +207,7 @@ def _scene(size: tuple[int, int]) -> Iterator[tuple[bpy.types.Scene, bpy.types.N
     """Yield a scene of a camera and a world that is a Sky Texture node, and the node.
 
     Both are removed afterwards. One sample goes through each pixel's centre; the rest of a new scene's settings are
-    neutral
-    as they come.
+    neutral as they come.
     """
     data, name = bpy.data, "etalon sky"
     made: list[bpy.types.ID] = []

@@ -74,8 +74,7 @@ class TreeReader:
     """Reads the values of one node tree into expressions.
 
     A dictionary maps each node type to its reader. What cannot be read is appended to `refusals` by name, and a
-    stand-in
-    is returned so that reading goes on to find the rest.
+    stand-in is returned so that reading goes on to find the rest.
     """
 
     owner: str
