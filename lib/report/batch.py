@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of a batch: one CSV and one self-contained HTML grid of scenes against property values."""
+"""The tables of a batch: a CSV and an HTML grid.
+
+The HTML is self-contained. Its grid has scenes against property values.
+"""
 
 from __future__ import annotations
 
@@ -59,10 +62,11 @@ def write_csv(names: list[str], rows: list[Row], path: Path) -> None:
 def write_grid(
     names: list[str], rows: list[Row], path: Path, source: Path, properties: list[str], changes: Sequence[str] = ()
 ) -> None:
-    """Write the grid: the last varied property across, scenes and the other properties down; then maps of bound, difference and time.
+    """Write the grid, then maps of bound, difference and time.
 
-    `source` is the plan's folder of results, `properties` are the data paths of the varied properties, and `changes` says what is not as in an
-    earlier batch; all are shown.
+    In the grid the last varied property goes across, scenes and the other properties down. `source` is the plan's
+    folder of results, `properties` are the data paths of the varied properties, and `changes` says what differs from
+    an earlier batch; the page shows them all.
     """
     across = list(dict.fromkeys(r.values[-1] for r in rows)) if names else [None]
     lines: dict[tuple[Any, ...], dict[Any, Row]] = {}
@@ -91,7 +95,10 @@ def write_grid(
 
 
 def _maps(rows: list[Row]) -> list[dict[str, Any]]:
-    """The quantities that are drawn as maps: a title, the row's number, how it is written, and the value that has the full colour."""
+    """The quantities that are drawn as maps.
+
+    Each has a title, the row's number, how it is written, and the value that has the full colour.
+    """
     tolerance = max((r.tolerance for r in rows if r.tolerance is not None), default=0.01)
     found = [
         ("Bound", "bound", format_bound, 2 * tolerance),

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How closely both sides agree, in words: the bound, level by level, and what it cannot exclude."""
+"""How closely both sides agree, in words.
+
+These are the bound, level by level, and what it cannot exclude.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ def bound_title(comparison: Comparison) -> str:
 
 
 def level_names(comparison: Comparison) -> list[tuple[int, str]]:
-    """The levels of regions that there are, from coarse to fine, as sentences call them in the plural."""
+    """The levels of regions that there are, from coarse to fine.
+
+    Their names are those that sentences use, in the plural.
+    """
     regions = comparison.regions
     named = []
     for family in np.unique(regions.families).tolist():
@@ -64,7 +70,10 @@ def level_names(comparison: Comparison) -> list[tuple[int, str]]:
 
 
 def level_sentence(comparison: Comparison) -> str:
-    """What is shown of each level: how many regions agree to within the tolerance, and the bound on the others."""
+    """What is shown of each level of regions.
+
+    It says how many regions agree to within the tolerance, and the bound on the others.
+    """
     verdict, said = comparison.verdict, []
     for family, name in level_names(comparison):
         members = (verdict.families == family) & ~np.isnan(verdict.bounds)
@@ -101,7 +110,10 @@ def blind_sentence(comparison: Comparison) -> str | None:
 
 
 def setting_sentences(comparison: Comparison) -> list[str]:
-    """What of the scene was compared otherwise than the user might expect: size, dark regions, claims that were withdrawn."""
+    """Sentences on settings of the comparison that the user might not expect.
+
+    They are on size, dark regions, and claims that were withdrawn.
+    """
     verdict, said = comparison.verdict, []
     height, width = comparison.regions.shape
     if comparison.divisor > 1:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of causes, in words: the same sentences for the terminal, the panel, the report and verdict.json."""
+"""Sentences on causes.
+
+They are the same for the terminal, the panel, the report and verdict.json.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ def unexplained(comparison: Comparison) -> list[int]:
 
 
 def is_shown(explanation: Explanation, departure: int) -> bool:
-    """Whether what is said of a departure, by its number, is a claim and not an estimate: its interval is then simultaneous."""
+    """Whether the statement on a departure, by its number, is a claim and not an estimate.
+
+    The interval of a claim is simultaneous.
+    """
     return explanation.roles[departure] in (Role.CAUSE, Role.PARTIAL, Role.SMALL)
 
 
@@ -38,7 +44,10 @@ def strongest(comparison: Comparison, shares: Shares | None) -> int:
 
 
 def proof_seconds(comparison: Comparison) -> float:
-    """Seconds for the whole comparison until a likely cause is proved; infinite where that is not in sight."""
+    """Seconds for the whole comparison until a likely cause is proved.
+
+    Infinite where no such time can be foreseen.
+    """
     why = comparison.explanation
     if why is None or not math.isfinite(why.proof):
         return math.inf
@@ -47,7 +56,10 @@ def proof_seconds(comparison: Comparison) -> float:
 
 
 def cause_sentences(comparison: Comparison) -> list[str]:
-    """What was found of causes; nothing where no region differs. A region that differs never goes without a sentence."""
+    """Sentences on the causes that were found; empty where no region differs.
+
+    A region that differs always has a sentence.
+    """
     why, left = comparison.explanation, len(unexplained(comparison))
     if why is None:
         return [f"Unexplained: {_differ(left)}. Departures were not searched."] if left else []
@@ -70,7 +82,10 @@ def _differs(comparison: Comparison) -> np.ndarray:
 
 
 def share_text(comparison: Comparison, shares: Shares, k: int, shown: bool) -> str:
-    """A share and its interval in region k: simultaneous if `shown`, else for this share alone."""
+    """A share and its interval in region k.
+
+    The interval is simultaneous if `shown`, else for this share alone.
+    """
     low, high = (shares.low[k], shares.high[k]) if shown else shares.alone[:, k]
     ends = f"{format_part(low)} to {format_part(high)}" if math.isfinite(high - low) else "no bound yet"
     alone = (
@@ -122,7 +137,10 @@ def _partial(comparison: Comparison, why: Explanation) -> list[str]:
 
 
 def _explains(comparison: Comparison, left: int, names: int) -> str:
-    """How many of the regions that differ are explained, without those that are open; nothing where none is."""
+    """How many of the regions that differ are explained, without those that are open.
+
+    Empty where none is.
+    """
     count = comparison.verdict.count(Outcome.EXPLAINED)
     whole = plural(count + left, "region")
     return f" {'It explains' if names == 1 else 'They explain'} {count} of the {whole} that differ." if count else ""
@@ -174,7 +192,10 @@ def _ruled_out(comparison: Comparison, why: Explanation) -> list[str]:
 
 
 def _contradictions(comparison: Comparison, why: Explanation) -> list[str]:
-    """Why a departure whose share is near 1 somewhere is not the whole cause: where its share is shown to be another."""
+    """Why a departure whose share is near 1 somewhere is not the whole cause.
+
+    It names regions where its share is shown to be another.
+    """
     said = []
     for departure, shares in zip(why.departures, why.shares, strict=True):
         if shares is None or not BAND[0] <= shares.value[fits := strongest(comparison, shares)] <= BAND[1]:

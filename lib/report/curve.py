@@ -17,7 +17,10 @@ _STEPS = (1.0, 2.0, 5.0)
 
 
 def draw_bound(history: tuple[BoundAt, ...], tolerance: float) -> Markup | None:
-    """An SVG with both axes logarithmic and the tolerance as a line; None where fewer than two looks gave a bound."""
+    """Draw the bound over time as an SVG, with the tolerance as a line.
+
+    Both axes are logarithmic. None where fewer than two looks gave a bound.
+    """
     seen = [one for one in history if math.isfinite(one.bound) and one.bound > 0.0 and one.seconds > 0.0]
     if len(seen) < 2:
         return None
@@ -51,7 +54,10 @@ def draw_bound(history: tuple[BoundAt, ...], tolerance: float) -> Markup | None:
 
 
 def _axis(low: float, high: float, start: float, end: float) -> Callable[[float], float]:
-    """A function from a value to its place on a logarithmic axis; one value alone lies in the middle."""
+    """A function from a value to its place on a logarithmic axis.
+
+    If there is only one value, it lies in the middle.
+    """
     span = math.log(high / low)
     return lambda value: start + (end - start) * (math.log(value / low) / span if span > 0.0 else 0.5)
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All figures of a comparison as plain data: verdict.json, whose published form is verdict.schema.json beside this file."""
+"""All figures of a comparison as plain data: verdict.json.
+
+Its published form is verdict.schema.json beside this file.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ CHANGES = {
 
 
 def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]:
-    """verdict.json as a dictionary; numbers that are not finite are None. `plan` is the reference's, of this scene."""
+    """verdict.json as a dictionary; numbers that are not finite are None.
+
+    `plan` is the reference's, of this scene.
+    """
     verdict = comparison.verdict
     channel = int(worst_channel(verdict.difference[0]))
     return make_plain(
@@ -109,7 +115,10 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
 
 
 def _blender(comparison: Comparison) -> dict[str, Any]:
-    """Version and build of the Blender under test, and whether it is newer than the newest that was checked."""
+    """Version and build of the Blender under test.
+
+    It also says whether that is newer than the newest that was checked.
+    """
     settings, release = comparison.candidate.settings, comparison.blender
     return {
         "version": settings.get("version"),
@@ -181,7 +190,10 @@ def _reason(comparison: Comparison, k: int) -> str | None:
 
 
 def _share(comparison: Comparison, k: int) -> dict[str, Any] | None:
-    """The share of what is named in region k; None where nothing is named or the region agrees."""
+    """The share of what is named in region k.
+
+    None where nothing is named or the region agrees.
+    """
     why = comparison.explanation
     if why is None or why.of_named is None or comparison.verdict.outcomes[k] is Outcome.EQUIVALENT:
         return None

@@ -14,7 +14,10 @@ from ..film.pictures import srgb8
 
 
 def flip(reference: np.ndarray, candidate: np.ndarray, exposure: float) -> np.ndarray:
-    """LDR-FLIP (height, width), 0 to 1, of two radiances (height, width, 3) shown as sRGB at `exposure` stops; NaN where one is not finite."""
+    """LDR-FLIP (height, width), 0 to 1, of two radiances (height, width, 3).
+
+    The radiances are shown as sRGB at `exposure` stops. NaN where one is not finite.
+    """
     finite = np.isfinite(reference).all(axis=2) & np.isfinite(candidate).all(axis=2)
     shown = [
         srgb8(np.where(finite[..., None], image, 0.0), exposure).astype(np.float32) / 255.0

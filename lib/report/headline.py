@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A verdict in one short line, as a template and its values, so that the line can be translated."""
+"""A verdict in one short line.
+
+It is a template and its values, so that the line can be translated.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +58,10 @@ class Phrase:
 
 
 def headline(comparison: Comparison, ranked: list[RankedRegion]) -> Phrase:
-    """The verdict in one line: the bound, or the difference that matters most and where; `ranked` as from rank_regions."""
+    """The verdict in one line; `ranked` as from rank_regions.
+
+    It states the bound, or the difference that matters most and where it is.
+    """
     verdict = comparison.verdict
     if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         return _light(comparison) or _difference(ranked)
@@ -68,7 +74,10 @@ def headline(comparison: Comparison, ranked: list[RankedRegion]) -> Phrase:
 
 
 def details(comparison: Comparison) -> list[Phrase]:
-    """What stands below the headline: how many regions, the known reason, and the time that would decide the rest."""
+    """The lines below the headline.
+
+    They say how many regions there are, the known reason, and the time that would decide the rest.
+    """
     verdict, total, said = comparison.verdict, region_total(comparison), []
     light = _light(comparison)
     if light is not None and verdict.outcome in (Outcome.EQUIVALENT, Outcome.UNDECIDED):

@@ -45,7 +45,10 @@ GRIDS = ("block", "cell")
 
 
 def shown_means(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
-    """Both sides' means (height, width, 3); NaN, as what is not finite, where pixels are not compared."""
+    """Both sides' means (height, width, 3).
+
+    NaN where pixels are not compared or not finite.
+    """
     means = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
     if not comparison.unknown:
         return means
@@ -54,15 +57,19 @@ def shown_means(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
 
 
 def significances(comparison: Comparison, step: int = 1) -> np.ndarray:
-    """The significances (rows, columns, 3) of the images' means of `step` x `step` pixels, as `pixel_significances` has them."""
+    """The significances (rows, columns, 3) of the images' means of `step` x `step` pixels.
+
+    They are those of `pixel_significances`.
+    """
     moments = comparison.reference.film.moments, comparison.candidate.film.moments
     return pixel_significances(shown_means(comparison), moments, step)
 
 
 def label_maps(comparison: Comparison, step: int) -> tuple[list[str], np.ndarray]:
-    """The kinds of regions that the user named, and for each a map (kinds, rows, columns), uint16, of the regions of that kind.
+    """The kinds of regions that the user named, and a map of each.
 
-    A pixel holds one more than the place in the list of the region that covers most of it, and 0 where there is none.
+    The maps (kinds, rows, columns) are uint16. A pixel holds one more than the place in the list of the region that
+    covers most of it, and 0 where there is none.
     """
     regions = comparison.regions
     kinds = list(dict.fromkeys(np.array(regions.kinds, object)[regions.families == 1]))
@@ -79,10 +86,10 @@ def label_maps(comparison: Comparison, step: int) -> tuple[list[str], np.ndarray
 
 
 def order_regions(regions: list[dict[str, Any]]) -> list[int]:
-    """The places of regions in the order in which the page opens, as compareUrgency in report/calculations.js.
+    """The places of regions in the order in which the page opens.
 
-    What is not equivalent comes first, named regions before blocks; then the largest bound of those undecided, the largest difference
-    of others.
+    It is the order of compareUrgency in report/calculations.js. Regions that are not equivalent come first, named
+    regions before blocks. Then undecided ones are sorted by the largest bound, others by the largest difference.
     """
 
     def extent(region: dict[str, Any]) -> float:
@@ -100,12 +107,18 @@ def order_regions(regions: list[dict[str, Any]]) -> list[int]:
 
 
 def _worst(region: dict[str, Any]) -> int:
-    """The channel in which a region is furthest off, as worstChannel in report/calculations.js."""
+    """The channel in which a region is furthest off.
+
+    It is that of worstChannel in report/calculations.js.
+    """
     return int(worst_channel(np.array(region["difference"], float)))
 
 
 def shorten_region(region: dict[str, Any]) -> dict[str, Any]:
-    """A region of verdict.json as the page's script reads it: the same names, six significant digits."""
+    """A region of verdict.json as the page's script reads it.
+
+    It has the same names and six significant digits.
+    """
 
     def short(values: list[float | None]) -> list[float | None]:
         return [None if v is None else float(f"{v:.6g}") for v in values]
@@ -121,7 +134,10 @@ def shorten_region(region: dict[str, Any]) -> dict[str, Any]:
 
 
 def render_report(comparison: Comparison, figures: dict[str, Any], transform: ViewTransform | None) -> str:
-    """The page as text; `figures` are those of verdict.json, `transform` is the view transform of the user's scene."""
+    """Render the page as text.
+
+    `figures` are those of verdict.json, `transform` is the view transform of the user's scene.
+    """
     height, width = comparison.regions.shape
     step = 1
     while -(-height // step) * -(-width // step) > MOST_PIXELS:

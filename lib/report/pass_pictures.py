@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the light passes for the report's page: their pixels for its script, and images that need none."""
+"""Pictures of the light passes for the report's page.
+
+They are pixels for its script, and images that need none.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,11 @@ from .pixels import averaged, code_significances, pack, pack_floats, pixel_signi
 
 @dataclass(frozen=True)
 class PassPicture:
-    """One pass: its `name`, the `exposure` that shows it best, both sides' `floats` and the `significance`, packed, and three `shots`."""
+    """The pictures of one pass.
+
+    They are its `name`, the `exposure` that shows it best, both sides' `floats` and the `significance`, packed, and
+    three `shots`.
+    """
 
     name: str
     exposure: float
@@ -33,9 +40,10 @@ class PassPicture:
 
 
 def draw_passes(comparison: Comparison, least: int, most: int, limit: float) -> tuple[list[PassPicture], int]:
-    """The pictures of the passes that were compared, and how many pixels wide and high each of their means is.
+    """Draw the passes that were compared; returns pictures and the step of their means.
 
-    That is a multiple of `least`, such that all of them together have `most` pixels or fewer. Differences are drawn up to `limit`.
+    The step is how many pixels wide and high each mean is. It is a multiple of `least`, such that all of them
+    together have `most` pixels or fewer. Differences are drawn up to `limit`.
     """
     passes = tuple(comparison.reference.pass_films)
     height, width = comparison.regions.shape

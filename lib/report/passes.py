@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of the parts of the light: sentences for the terminal and the report, and figures for verdict.json.
+"""Sentences and figures on the parts of the light.
 
-Parts are light passes, images with fewer bounces, and the light of each emitter.
+Sentences are for the terminal and the report, figures for verdict.json. Parts are light passes, images with fewer
+bounces, and the light of each emitter.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ NAMED = 3
 
 
 def pass_sentences(comparison: Comparison) -> list[str]:
-    """Which parts of the light differ and by how much, and up to what the others agree; nothing where none was compared."""
+    """Which parts of the light differ and by how much, and the bound on the others.
+
+    Empty where none was compared.
+    """
     found = comparison.passes
     if found is None:
         return []
@@ -82,7 +86,10 @@ def _bounces(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) ->
 
 
 def _differing(found: PassVerdict, numbers: np.ndarray) -> list[tuple[int, int]]:
-    """Parts that differ in the image, the one that takes or adds most light first; else the parts and regions furthest off."""
+    """Parts that differ in the image, the one that takes or adds most light first.
+
+    Where there are none, the parts and regions that are furthest off.
+    """
     differ = found.outcomes == Outcome.DIFFERENT
     whole = [(k, 0) for k in _by_size(found, numbers[differ[numbers, 0]], 0)]
     if whole:
@@ -92,7 +99,10 @@ def _differing(found: PassVerdict, numbers: np.ndarray) -> list[tuple[int, int]]
 
 
 def _others(found: PassVerdict, numbers: np.ndarray, every: str, rest: str) -> list[str]:
-    """Up to what the parts that do not differ agree; `every` is what they are called where none differs."""
+    """How closely the parts that do not differ agree.
+
+    `every` is their name where no part differs.
+    """
     differ = found.outcomes == Outcome.DIFFERENT
     others = numbers[~differ[numbers].any(axis=1)]
     if not others.size:
@@ -139,7 +149,10 @@ def _kind(part: Part) -> str:
 
 
 def pass_figures(comparison: Comparison) -> list[dict[str, Any]] | None:
-    """Every part of the light in every region with a name, as plain data; None where none was compared."""
+    """Every part of the light in every region with a name, as plain data.
+
+    None where none was compared.
+    """
     found = comparison.passes
     if found is None:
         return None

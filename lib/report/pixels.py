@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels as the report's page holds them: means of several pixels, significances, and arrays as text."""
+"""Pixels as the report's page holds them.
+
+They are means of several pixels, significances, and arrays as text.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,10 @@ MANTISSA = 16
 
 
 def averaged(image: np.ndarray, step: int) -> np.ndarray:
-    """The means of `step` x `step` pixels (fewer at the right and lower edge) of an image (height, width, 3)."""
+    """The means of `step` x `step` pixels of an image (height, width, 3).
+
+    At the right and lower edge they are of fewer pixels.
+    """
     rows, columns = (np.arange(0, size, step) for size in image.shape[:2])
     total = np.add.reduceat(np.add.reduceat(image, rows, axis=0), columns, axis=1)
     return total / _pixels(image, step)
@@ -42,12 +48,13 @@ def _steps(size: int, step: int) -> np.ndarray:
 def pixel_significances(
     means: tuple[np.ndarray, np.ndarray], sides: tuple[Moments, Moments], step: int = 1
 ) -> np.ndarray:
-    """(candidate - reference) / standard error of the means of `step` x `step` pixels, (rows, columns, 3).
+    """(candidate - reference) / standard error of the means of `step` x `step` pixels.
 
-    `means` (height, width, 3) are the reference's and the candidate's as they are shown, `sides` the moments of their pixels.
-    The variance over replicates of each pixel is used, and pixels are taken as independent; single precision, which Cycles adds up in,
-    counts as an error of its own, or light without noise would differ by its last digit. 0 where both sides are equal; NaN where a
-    side has fewer than two replicates or a value that is not finite.
+    The result is (rows, columns, 3). `means` (height, width, 3) are the reference's and the candidate's as they are
+    shown, `sides` the moments of their pixels. The variance over replicates of each pixel is used, and pixels are
+    taken as independent. Single precision, in which Cycles adds up, counts as an error of its own; otherwise light
+    without noise would differ by its last digit. 0 where both sides are equal; NaN where a side has fewer than two
+    replicates or a value that is not finite.
     """
     reference, candidate = (averaged(mean, step) for mean in means)
     square = sum(_squared_error(moments, step) for moments in sides)
@@ -70,7 +77,10 @@ def code_significances(significance: np.ndarray) -> np.ndarray:
 
 
 def pack_floats(values: np.ndarray) -> Markup:
-    """Floats, rounded to MANTISSA bits, as text: first bytes first, then all second ones, which compresses better."""
+    """Pack floats, rounded to MANTISSA bits, as text.
+
+    All first bytes come first, then all second ones, which compresses better.
+    """
     floats = np.ascontiguousarray(values, "<f4")
     dropped = 24 - MANTISSA
     bits = floats.view("<u4").astype(np.uint64) + (1 << dropped - 1) >> dropped << dropped

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The regions of a comparison in the order in which a person wants to see them, each with its figures."""
+"""The regions of a comparison in the order that suits a reader, each with its figures."""
 
 from __future__ import annotations
 
@@ -40,7 +40,10 @@ class RankedRegion:
 
 
 def rank_regions(comparison: Comparison) -> list[RankedRegion]:
-    """All regions, the worst first, in the order of the report's page; regions without a pixel to compare are left out."""
+    """All regions, the worst first, in the order of the report's page.
+
+    Regions without a pixel to compare are left out.
+    """
     regions, verdict = comparison.regions, comparison.verdict
     channel = worst_channel(verdict.difference)
     difference, low, high = (
@@ -74,7 +77,10 @@ def rank_regions(comparison: Comparison) -> list[RankedRegion]:
 
 
 def _label(comparison: Comparison, k: int) -> str:
-    """A name for a list: the user's own, a material with its angles, or the first pixel of a cell and where it lies."""
+    """A name for a list.
+
+    It is the user's own, a material with its angles, or the first pixel of a cell and where that lies.
+    """
     kind, name = comparison.regions.kinds[k], comparison.regions.names[k]
     if kind == "facing":
         material, _, angles = name.removesuffix(" degrees").rpartition(", ")

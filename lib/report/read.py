@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading a verdict.json back, of this version only: what an older one lacks cannot be made up."""
+"""Reading a verdict.json back.
+
+Only files of this version are read: what an older one lacks cannot be made up.
+"""
 
 from __future__ import annotations
 

@@ -9,7 +9,10 @@ from ..scene.findings import Finding
 
 
 def scene_check_lines(findings: Sequence[Finding]) -> list[str]:
-    """A heading, and two lines for each finding: what was found, then what it does to the comparison and the remedy; nothing without any."""
+    """A heading, and two lines for each finding; empty without findings.
+
+    The first line is what was found, the second what it does to the comparison and the remedy.
+    """
     if not findings:
         return []
     lines = ["scene check"]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A comparison in three sentences for an artist, the same on the terminal, in the panel and in the report.
+"""A comparison in three sentences for an artist.
 
-The whole picture first, then what differs or is too noisy and where, then what to do next.
+They are the same on the terminal, in the panel and in the report. The whole picture comes first, then what differs or
+is too noisy and where, then what to do next.
 """
 
 from __future__ import annotations
@@ -196,7 +197,9 @@ def _where(comparison: Comparison, k: int) -> str:
 
 
 def describe_box(box: tuple[int, int, int, int], shape: tuple[int, int]) -> str:
-    """Where a box of pixels (first column, first row, last column, last row) lies in an image of that shape (height, width).
+    """Where a box of pixels lies in an image of the given shape (height, width).
+
+    The box is first column, first row, last column, last row.
 
     >>> describe_box((0, 0, 15, 15), (240, 320)), describe_box((150, 100, 165, 115), (240, 320))
     ('top left', 'centre')

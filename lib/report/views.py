@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The images of a comparison for Blender's Image editor: float images, scene-linear OpenEXR files of three channels.
+"""The images of a comparison for Blender's Image editor.
 
-Reference and Cycles hold radiance. Difference and significance hold their value in red where it is positive, in blue where it is negative,
-without a limit above, so that the editor's exposure brings out small values.
+They are float images, scene-linear OpenEXR files of three channels. Reference and Cycles hold radiance. Difference and
+significance hold their value in red where it is positive, in blue where it is negative, without a limit above, so that
+the editor's exposure brings out small values.
 """
 
 from __future__ import annotations
@@ -56,7 +57,10 @@ class View(Enum):
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """What the images show, of a comparison that is concluded or under way; `outcomes` (K,) are those of the regions."""
+    """The data that the images show, of a comparison that is concluded or under way.
+
+    `outcomes` (K,) are those of the regions.
+    """
 
     means: tuple[np.ndarray, np.ndarray]
     moments: tuple[Moments, Moments]
@@ -68,7 +72,10 @@ class _State:
 
 
 def write_views(comparison: Comparison, folder: Path) -> None:
-    """Write all images of a comparison into `folder`, which is made if it is not there; raises EtalonError where that fails."""
+    """Write all images of a comparison into `folder`, which is made if it does not exist.
+
+    Raises EtalonError where that fails.
+    """
     verdict = comparison.verdict
     state = _State(
         shown_means(comparison),
@@ -109,7 +116,10 @@ def _write(state: _State, folder: Path) -> None:
 
 
 def signed_colours(values: np.ndarray, limit: float) -> np.ndarray:
-    """The mean over the channels of (height, width, 3), as float colours: red above 0, blue below, 1 at `limit`; magenta where NaN."""
+    """The mean over the channels of (height, width, 3), as float colours.
+
+    Red above 0, blue below, 1 at `limit`; magenta where NaN.
+    """
     mean = np.clip(values / limit, -MOST, MOST).mean(axis=2)
     colours = np.stack([np.maximum(mean, 0.0), np.zeros_like(mean), np.maximum(-mean, 0.0)], axis=2)
     return np.where(np.isnan(mean)[..., None], (1.0, 0.0, 1.0), colours)
@@ -122,7 +132,10 @@ def _striped(colours: np.ndarray, left_out: np.ndarray) -> np.ndarray:
 
 
 def verdict_map(regions: Regions, outcomes: np.ndarray) -> np.ndarray:
-    """The outcome of the block that each pixel lies in, as uint8 colours (height, width, 3); grey where there is none."""
+    """The outcome of each pixel's block, as uint8 colours (height, width, 3).
+
+    Grey where there is none.
+    """
     out = np.full((regions.shape[0] * regions.shape[1], 3), NOTHING, np.uint8)
     for k in regions.indices("block"):
         start, end = regions.weights.indptr[k : k + 2]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The details of a verdict in plain words: the same sentences for the terminal and the report; summary.py has what an artist needs."""
+"""The details of a verdict in words.
+
+The same sentences serve the terminal and the report. summary.py has what an artist needs.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ def title(comparison: Comparison) -> str:
 
 
 def sentences(comparison: Comparison) -> tuple[str, ...]:
-    """The verdict, what it rests on, where the differences are, and what deciding the rest would cost."""
+    """The details of a verdict.
+
+    They are the verdict, its grounds, where the differences are, and what deciding the rest would cost.
+    """
     verdict = comparison.verdict
     said = [title(comparison), level_sentence(comparison), _basis(comparison)]
     unchecked = describe_unchecked(comparison.blender)
@@ -86,7 +92,10 @@ def _left_out(comparison: Comparison) -> str:
 
 
 def _elsewhere(comparison: Comparison) -> str:
-    """How much light unsupported materials may bring to what is compared, and what that rests on."""
+    """How much light unsupported materials may add to the compared pixels.
+
+    It also says what the figure is based on.
+    """
     verdict = comparison.verdict
     judged = verdict.unsupported[~verdict.blocked]
     most = format_bound(float(judged.max(initial=0.0)))
@@ -110,9 +119,9 @@ def furthest(comparison: Comparison, count: int = FURTHEST) -> list[int]:
 
 
 def forecast_seconds(comparison: Comparison) -> tuple[float, float, float, float] | None:
-    """Seconds for the whole comparison until all is decided: low end, median, high end of the forecast; and until most is.
+    """Seconds for the whole comparison until all is decided, and until most is.
 
-    None if there is no forecast.
+    Low end, median and high end of the forecast; then the time until most is decided. None if there is no forecast.
     """
     forecast = comparison.verdict.forecast
     if forecast is None:
@@ -158,7 +167,10 @@ def _gone(comparison: Comparison) -> int:
 
 
 def _drawn(side: Side) -> str:
-    """Replicates times samples; of the whole image, and of the parts that were sampled longest."""
+    """Replicates times samples of a side.
+
+    They are given for the whole image, and for the parts that were sampled longest.
+    """
     count = str(side.replicates) if side.whole == side.replicates else f"{side.whole} to {side.replicates}"
     return f"{count} x {side.film.samples}"
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder a comparison leaves: verdict.json, report.html, the EXR images and their PNG views."""
+"""The folder that a comparison writes.
+
+It holds verdict.json, report.html, the EXR images and their PNG views.
+"""
 
 from __future__ import annotations
 
@@ -29,11 +32,12 @@ def write_report(
     transform: ViewTransform | None = None,
     keep_exrs: bool = True,
 ) -> None:
-    """Write all files into `folder`, which is made if it is not there; each is complete or not there at all.
+    """Write all files into `folder`, which is made if it does not exist.
 
-    `plan` is what the reference ran of its effects, `command` what repeats the comparison, shown as text; `transform` is the view transform of
-    the user's scene, which the page offers beside plain sRGB. Without `keep_exrs` there are no float images, also no older ones.
-    Raises EtalonError where the folder cannot be written.
+    Each file is complete or does not exist. `plan` is what the reference ran of its effects, `command` what repeats
+    the comparison, shown as text; `transform` is the view transform of the user's scene, which the page offers beside
+    plain sRGB. Without `keep_exrs` there are no float images, also no older ones. Raises EtalonError where the folder
+    cannot be written.
     """
     with replace_files(folder, without=EXRS) as beside:
         _write_all(comparison, plan, beside, command, transform)

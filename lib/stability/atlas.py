@@ -30,7 +30,10 @@ VERSION = 1
 
 
 def equations(points: int = POINTS) -> Iterator[Case]:
-    """Every closed form, inversion and identity, and rays at edges, as it is done; `points` places for each function."""
+    """Yield every closed form, inversion and identity, and rays at edges, as it is done.
+
+    There are `points` places for each function.
+    """
     for function in (*closed_forms(), *lobes(), *lights_and_factors(), *volumes(), *inversions()):
         yield measure(function, points)
     yield from identities()
@@ -60,9 +63,9 @@ def line(case: Case) -> str:
 
 
 def write(cases: list[Case], folder: Path) -> dict[str, Any]:
-    """stability.json and stability.html in `folder`, each complete or not there; returns what the former holds.
+    """Write stability.json and stability.html to `folder`, each complete or not at all.
 
-    Raises EtalonError where the folder cannot be written.
+    Returns the content of stability.json. Raises EtalonError where the folder cannot be written.
     """
     figures = _figures(cases)
     with replace_files(folder) as beside:

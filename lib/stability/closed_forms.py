@@ -46,7 +46,10 @@ def _views(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _slopes(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Views of which a third sees the surface where Beckmann's exponential still counts, a from 0.03 to 30."""
+    """Draw views and a from 0.03 to 30.
+
+    In a third of the views the surface is seen where Beckmann's exponential still counts.
+    """
     views = _views(rng, count)
     x, y, _, alpha_x, alpha_y = views
     wanted = 10.0 ** rng.uniform(-1.5, 1.5, count) * np.sqrt((alpha_x * x) ** 2 + (alpha_y * y) ** 2)
@@ -107,7 +110,10 @@ def _heuristic(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _rectangles(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Bounds about the foot of the point, and its height: from a wall to a speck, from overhead to edge on."""
+    """Draw bounds of rectangles about the foot of the point, and its height.
+
+    They go from a wall to a speck, from overhead to edge on.
+    """
     size, offset = 10.0 ** rng.uniform(-6.0, 2.0, (2, count)), 10.0 ** rng.uniform(-3.0, 4.0, (2, count))
     offset *= rng.choice([-1.0, 0.0, 1.0], (2, count))
     low = offset - size * rng.random((2, count))
@@ -138,7 +144,10 @@ def _spreads(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _lobes(rng: np.random.Generator, count: int) -> np.ndarray:
-    """wi, wo and alphas, most of them where the lobe shines: wi mirrors wo about one of its normals."""
+    """Draw wi, wo and alphas, most of them where the lobe is bright.
+
+    There wi mirrors wo about one of the lobe's normals.
+    """
     alpha, wo = domain.alphas(rng, count), domain.directions(rng, count)
     m = domain.lobe_normals(rng, alpha)
     wi = 2.0 * (wo * m).sum(axis=0) * m - wo

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportReturnType=false
 # mpmath's own types lack functions that it adds when it is imported, and take every real result for a complex one.
-"""Cycles' visible normals in float32 as it computes them, and the truth of the same maps; kernel/closure/bsdf_microfacet.h.
+"""Cycles' visible normals in float32 as it computes them, and the truth of the same maps.
 
-GGX is sampled after Heitz 2018 over a concentric disk; Beckmann after Heitz and d'Eon 2014, by three steps of Newton's method at
-most over approximations of erf (Abramowitz and Stegun, 7.1.28) and its inverse (Giles 2010).
+The source is kernel/closure/bsdf_microfacet.h. GGX is sampled after Heitz 2018 over a concentric disk; Beckmann after
+Heitz and d'Eon 2014, by three steps of Newton's method at most over approximations of erf (Abramowitz and Stegun,
+7.1.28) and its inverse (Giles 2010).
 """
 
 from __future__ import annotations
@@ -51,7 +52,10 @@ def _normalized(v: np.ndarray) -> np.ndarray:
 
 
 def ggx_visible(a: np.ndarray) -> np.ndarray:
-    """Heitz 2018: a disk warped to the projected hemisphere, in a frame about the stretched view."""
+    """Heitz 2018: a disk warped to the projected hemisphere.
+
+    The frame is about the stretched view.
+    """
     x, y, z, ax, ay, u1, u2 = a
     view = _normalized(np.stack([x * ax, y * ay, z]))
     length2 = view[0] * view[0] + view[1] * view[1]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same equations in float32 arranged as Cycles arranges them; rows of arguments, (k, n). The file that was read stands at each.
+"""The same equations in float32 arranged as Cycles arranges them.
 
-Isotropic lobes take Cycles' isotropic form, which knows the microfacet normal by its cosine alone.
+They take rows of arguments, (k, n), and each names the file that was read. Isotropic lobes take Cycles' isotropic form,
+which knows the microfacet normal by its cosine alone.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ def _density(a: np.ndarray, isotropic: np.ndarray, stretched: np.ndarray) -> np.
 
 
 def ggx_density(a: np.ndarray) -> np.ndarray:
-    """kernel/closure/bsdf_microfacet.h: from 1 - cos^2 where both alphas are one, else from the stretched normal."""
+    """kernel/closure/bsdf_microfacet.h: the density of GGX.
+
+    It is computed from 1 - cos^2 where both alphas are one, else from the stretched normal.
+    """
     x, y, z, ax, ay = a
     cos2, alpha2 = np.minimum(z * z, ONE), ax * ay
     isotropic = alpha2 / (PI * np.square((ONE - cos2) + alpha2 * cos2))
@@ -87,7 +91,10 @@ def f82(a: np.ndarray) -> np.ndarray:
 
 
 def dielectric(a: np.ndarray) -> np.ndarray:
-    """kernel/closure/bsdf_util.h: amplitudes of both polarisations, Snell's cosine from eta^2 - (1 - cos^2)."""
+    """kernel/closure/bsdf_util.h: the dielectric's Fresnel reflectance.
+
+    It takes the amplitudes of both polarisations, with Snell's cosine from eta^2 - (1 - cos^2).
+    """
     c, eta = a
     root = eta * eta - (ONE - c * c)
     t = np.sqrt(np.maximum(root, ZERO)) / eta
@@ -111,7 +118,10 @@ def conductor(a: np.ndarray) -> np.ndarray:
 
 
 def rectangle(a: np.ndarray) -> np.ndarray:
-    """kernel/light/area.h: four arc sines, whose sum needs no 2 pi; by area where it is small or seen edge on."""
+    """kernel/light/area.h: the solid angle of a rectangle.
+
+    It takes four arc sines, whose sum needs no 2 pi, or the area where the rectangle is small or seen edge on.
+    """
     x0, x1, y0, y1, height = a
     n = [v / np.sqrt(v * v + height * height) for v in (-y0, x1, y1, -x0)]
     solid = -sum(np.arcsin(np.clip(-n[k] * n[(k + 1) % 4], -ONE, ONE)) for k in range(4))

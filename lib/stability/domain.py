@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where errors are looked for: the corners of every domain, and places between them that crowd towards its ends."""
+"""Where errors are looked for.
+
+These are the corners of every domain, and places between them that crowd towards its ends.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,10 @@ def alphas(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def directions(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Unit vectors (3, n) of the upper hemisphere, to within 1e-12 degrees of the horizon and of the normal."""
+    """Draw unit vectors (3, n) of the upper hemisphere.
+
+    They come to within 1e-12 degrees of the horizon and of the normal.
+    """
     low = 10.0 ** rng.uniform(-14.0, 0.0, (1, count))
     choices = (
         low,
@@ -52,7 +58,10 @@ def indices(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def lobe_normals(rng: np.random.Generator, alpha: np.ndarray) -> np.ndarray:
-    """Microfacet normals (3, n), half of them where a lobe of that `alpha` (2, n) has its mass, half anywhere."""
+    """Draw microfacet normals (3, n).
+
+    Half of them lie where a lobe of that `alpha` (2, n) has its mass, half anywhere.
+    """
     count = alpha.shape[1]
     tangent = 10.0 ** rng.uniform(-3.0, 1.0, count)
     phi = rng.uniform(0.0, 2.0 * np.pi, count)
@@ -64,7 +73,10 @@ def lobe_normals(rng: np.random.Generator, alpha: np.ndarray) -> np.ndarray:
 def _mixed(
     rng: np.random.Generator, count: int, corners: tuple[float, ...] | np.ndarray, choices: tuple[np.ndarray, ...]
 ) -> np.ndarray:
-    """A quarter of all entries from `corners`, the rest in equal parts from `choices`, each (k, count)."""
+    """Draw a quarter of all entries from `corners`, the rest in equal parts from `choices`.
+
+    Each choice is (k, count).
+    """
     shape = choices[0].shape
     which = rng.integers(0, len(choices), shape)
     mixed = np.choose(which, choices)

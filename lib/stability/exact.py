@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportReturnType=false
 # mpmath's own types lack functions that it adds when it is imported, and take every real result for a complex one.
-"""The truth: closed forms from their definitions, in mpmath's arithmetic of as many digits as are set when they are called.
+"""The truth: closed forms from their definitions, in mpmath's arithmetic.
 
-Arguments are numbers of mpmath; every function returns a tuple of components. Nothing here is arranged against cancellation: digits
-are what it has instead.
+It has as many digits as are set when they are called. Arguments are numbers of mpmath; every function returns a tuple
+of components. Nothing here is arranged against cancellation: the digits make up for it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,10 @@ def student_density(g: float) -> Callable[..., Values]:
 
 
 def gamma_density(p: float, shift: float) -> Callable[..., Values]:
-    """Bagher, Soler and Holzschuch 2012, both axes: exp(-q) q^-p of q = shift + s, normalised by an incomplete gamma function."""
+    """Bagher, Soler and Holzschuch 2012, both axes.
+
+    exp(-q) q^-p of q = shift + s, normalised by an incomplete gamma function.
+    """
 
     def density(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf) -> Values:
         q = mpf(shift) + _stretched(x, y, 1 / ax, 1 / ay) / z**2
@@ -99,7 +102,10 @@ def _glossy(density: Callable[..., Values], smith: Callable[..., Values], w: Val
 
 
 def ggx_glossy(*w: mpf) -> Values:
-    """D G / (4 |o.n|) of wi, wo and both alphas, height-correlated: a glossy lobe times its cosine."""
+    """D G / (4 |o.n|) of wi, wo and both alphas, height-correlated.
+
+    It is a glossy lobe times its cosine.
+    """
     return _glossy(ggx_density, ggx_lambda, w)
 
 
@@ -128,7 +134,10 @@ def height_correlated(lambda_i: mpf, lambda_o: mpf) -> Values:
 
 
 def _amplitudes(c: mpf, index: mpf | mpc) -> mpf:
-    """Mean of |r_s|^2 and |r_p|^2, the refracted cosine from Snell's law and complex where it must be."""
+    """Mean of |r_s|^2 and |r_p|^2.
+
+    The refracted cosine comes from Snell's law and is complex where it must be.
+    """
     refracted = mp.sqrt(mpc(1 - (1 - c * c) / index**2))
     s = (c - index * refracted) / (c + index * refracted)
     p = (index * c - refracted) / (index * c + refracted)
@@ -200,6 +209,9 @@ def sun_density(half_angle: mpf) -> Values:
 
 
 def spread(spread_angle: mpf) -> Values:
-    """The factor tan h / (tan h - h), h half the spread: how much brighter the light is along its axis."""
+    """The factor tan h / (tan h - h), with h half the spread.
+
+    It says how much brighter the light is along its axis.
+    """
     h = spread_angle / 2
     return (mp.tan(h) / (mp.tan(h) - h),)

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportReturnType=false
 # mpmath's own types lack functions that it adds when it is imported, and take every real result for a complex one.
-"""The truth of the inversions: from uniforms to directions, in mpmath's arithmetic; see exact.py."""
+"""The truth of the inversions: from uniforms to directions, in mpmath's arithmetic.
+
+See exact.py.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ def beckmann_d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
 
 
 def student_d_cos(g: float) -> Callable[..., Values]:
-    """Angles theta = atan(alpha sqrt((g - 1) ((1 - u2)^(-1 / (g - 1)) - 1))), phi = 2 pi u1, stretched."""
+    """The angles of a normal drawn from Student's D cos, stretched.
+
+    theta = atan(alpha sqrt((g - 1) ((1 - u2)^(-1 / (g - 1)) - 1))), phi = 2 pi u1.
+    """
 
     def d_cos(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
         c, s = _circle(u1)
@@ -73,9 +79,10 @@ def _cap(x: mpf, y: mpf, z: mpf, ax: mpf, ay: mpf, u1: mpf, u2: mpf, k: mpf) -> 
 
 @lru_cache(maxsize=64)
 def visible_tangent(cot: mpf, u: mpf) -> mpf:
-    """The x above which lies 1 - u of Beckmann's visible slopes at roughness 1, seen under `cot` = cos / sin.
+    """The x above which lies 1 - u of Beckmann's visible slopes at roughness 1.
 
-    Newton's method on their distribution, convex to the right of its root's side, from the right.
+    They are seen under `cot` = cos / sin. The root is found by Newton's method on their distribution, started from the
+    right, where that is convex.
     """
     with mp.workdps(60):
         root = mp.sqrt(mp.pi)
@@ -144,7 +151,10 @@ def uniform_hemisphere(u1: mpf, u2: mpf) -> Values:
 
 
 def uniform_cone(x: mpf, y: mpf, z: mpf, one_minus_cos: mpf, u1: mpf, u2: mpf) -> Values:
-    """A direction about the axis (x, y, z), uniform in the cone, in the frame of Duff et al. 2017, turned by pi below the horizon."""
+    """A direction about the axis (x, y, z), uniform in the cone.
+
+    The frame is that of Duff et al. 2017, turned by pi below the horizon.
+    """
     cosine = 1 - u2 * one_minus_cos
     sine = mp.sqrt(1 - cosine**2)
     c, s = (sine * v for v in _circle(u1))
@@ -155,7 +165,10 @@ def uniform_cone(x: mpf, y: mpf, z: mpf, one_minus_cos: mpf, u1: mpf, u2: mpf) -
 
 
 def rectangle_place(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u1: mpf, u2: mpf) -> Values:
-    """Urena et al. 2013, section 4; where the middle lies at a negative x or y, of the mirrored rectangle, mirrored back."""
+    """A place on a rectangle after Urena et al. 2013, section 4.
+
+    Where the middle lies at a negative x or y, it is that of the mirrored rectangle, mirrored back.
+    """
     flip_x, flip_y = x0 + x1 < 0, y0 + y1 < 0
     if flip_x:
         x0, x1 = -x1, -x0
@@ -170,7 +183,10 @@ def rectangle_place(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u1: mpf, u2
 
 
 def _cut(x0: mpf, x1: mpf, y0: mpf, y1: mpf, height: mpf, u: mpf) -> mpf:
-    """The x that leaves the part u of the rectangle's solid angle below it, by Newton's method."""
+    """The x that leaves the part u of the rectangle's solid angle below it.
+
+    Found by Newton's method.
+    """
 
     def below(x: mpf) -> mpf:
         return rectangle(x0, x, y0, y1, height)[0]

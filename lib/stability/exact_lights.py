@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The truth of what lights and surfaces do with light outside their lobes, in mpmath's arithmetic; see exact.py."""
+"""The truth of lights and surfaces outside of lobes, in mpmath's arithmetic.
+
+See exact.py.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ def coat_tint(ior: mpf, tint: mpf, weight: mpf, cosine: mpf) -> Values:
 
 
 def refract(x: mpf, y: mpf, z: mpf, eta: mpf) -> Values:
-    """Snell's direction of the tangential part of a view from above; along the surface where there is none."""
+    """Snell's direction of the tangential part of a view from above.
+
+    It is along the surface where there is no refracted direction.
+    """
     return -x / eta, -y / eta, -mp.sqrt(max(1 - (x * x + y * y) / eta**2, mpf(0)))
 
 
@@ -68,7 +74,10 @@ def point_light(x: mpf, y: mpf, z: mpf) -> Values:
 
 
 def area_density(height: mpf, distance: mpf) -> Values:
-    """Density per steradian of a uniform place on an area of 1: distance^2 over the cosine height / distance."""
+    """Density per steradian of a uniform place on an area of 1.
+
+    It is distance^2 over the cosine height / distance.
+    """
     return (distance**3 / height,)
 
 
@@ -78,6 +87,9 @@ def triangle_density(distance: mpf, facing: mpf) -> Values:
 
 
 def falloff(x: mpf, y: mpf, z: mpf, cos_edge: mpf, blend: mpf) -> Values:
-    """smoothstep((c - cos b) / ((1 - cos b) blend)) of a direction towards a spot that shines along -z."""
+    """smoothstep((c - cos b) / ((1 - cos b) blend)) for a spot light.
+
+    c is the cosine of the direction towards a spot that shines along -z, b its edge.
+    """
     c = min(max((z - cos_edge) / ((1 - cos_edge) * blend), mpf(0)), mpf(1))
     return (c * c * (3 - 2 * c),)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The truth of lobes and of the reflectances that they carry, in mpmath's arithmetic; see exact.py."""
+"""The truth of lobes and of the reflectances that they carry, in mpmath's arithmetic.
+
+See exact.py.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +12,20 @@ from .exact import Values, dielectric
 
 
 def tinted_dielectric(c: mpf, eta: mpf, f0: mpf) -> Values:
-    """F0 + (1 - F0) times the rise of the dielectric's curve, clipped to [0, 1], as Blender's Principled BSDF has it."""
+    """F0 + (1 - F0) times the rise of the dielectric's curve, clipped to [0, 1].
+
+    Blender's Principled BSDF has this form.
+    """
     normal = ((eta - 1) / (eta + 1)) ** 2
     rise = (dielectric(c, eta)[0] - normal) / (1 - normal)
     return (f0 + (1 - f0) * min(max(rise, mpf(0)), mpf(1)),)
 
 
 def ashikhmin_shirley(*w: mpf) -> Values:
-    """Ashikhmin and Shirley 2000, eq. 4, times |i.n|, of wi, wo and both alphas; h.o is half of |wi + wo|."""
+    """Ashikhmin and Shirley 2000, eq. 4, times |i.n|, of wi, wo and both alphas.
+
+    h.o is half of |wi + wo|.
+    """
     wi, wo = w[:3], w[3:6]
     nx, ny = (2 / alpha**2 - 2 for alpha in w[6:])
     half = [a + b for a, b in zip(wi, wo, strict=True)]
@@ -40,7 +49,10 @@ def ashikhmin_shirley_half_vector(ax: mpf, ay: mpf, u1: mpf, u2: mpf) -> Values:
 
 
 def inverted_gaussian(x: mpf, y: mpf, z: mpf, sigma: mpf) -> Values:
-    """Ashikhmin, Premoze and Shirley 2000, section 5, without the constant term, over the integral of D cos."""
+    """Ashikhmin, Premoze and Shirley 2000, section 5, over the integral of D cos.
+
+    The constant term is left out.
+    """
     sine2 = x * x + y * y
     return (mp.exp(-z * z / (sine2 * sigma**2)) / (mp.pi * (sigma * sine2) ** 2) if sine2 else mpf(0),)
 

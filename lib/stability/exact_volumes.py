@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The truth of what happens between faces, by its definitions, in mpmath's arithmetic; see exact.py."""
+"""The truth of light between faces, in mpmath's arithmetic.
+
+It follows the definitions; see exact.py.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What must hold whatever the numbers are: normalisations, furnaces, reciprocity, bounds on weights, the way into the mirror."""
+"""Identities that hold for any numbers.
+
+They are normalisations, furnaces, reciprocity, bounds on weights, and the limit of the mirror.
+"""
 
 from __future__ import annotations
 
@@ -144,7 +147,10 @@ def _square(side: int) -> tuple[np.ndarray, np.ndarray]:
 def _weights(
     distribution: Distribution, strategy: str, form: str = "correlated"
 ) -> Iterator[tuple[float, float, float, tuple]]:
-    """alpha_x, alpha_y, theta and the sample (wi, weight, pdf) over the unit square, for every alpha and view."""
+    """Yield samples over the unit square, for every alpha and view.
+
+    Each is alpha_x, alpha_y, theta and the sample (wi, weight, pdf).
+    """
     u1, u2 = _square(160)
     for alpha_x, alpha_y in (*_AXES[1:5], (1.0, 0.05)):
         for theta in _VIEWS:
@@ -169,7 +175,11 @@ def _visible_weights(distribution: Distribution) -> Found:
 
 
 def _d_cos_weights(distribution: Distribution) -> Found:
-    """Where wi lies above the horizon m.n > o.n / (2 o.m), so that (o.m) / ((o.n) (m.n)) < 2 (o.m / o.n)^2: no constant, but a bound."""
+    """The largest weight of D cos sampling over its bound.
+
+    wi lies above the horizon where m.n > o.n / (2 o.m). There (o.m) / ((o.n) (m.n)) < 2 (o.m / o.n)^2: this bound is
+    not a constant.
+    """
     for alpha_x, alpha_y, theta, (wi, weight, _) in _weights(distribution, "d_cos"):
         wo = _at(theta, wi.shape[1])
         half = wi + wo
@@ -194,7 +204,10 @@ def _into_the_mirror(distribution: Distribution) -> Found:
 
 
 def _furnace() -> Found:
-    """The mean of a sampler's weights over the unit square is the directional albedo; places crowd where the tail of D lies."""
+    """The mean of a sampler's weights over the unit square against the directional albedo.
+
+    Places crowd where the tail of D lies.
+    """
     u1, v = _square(700)
     u2, crowd = 1.0 - (1.0 - v) ** 3, 3.0 * (1.0 - v) ** 2
     for alpha in (0.05, 0.3, 1.0):

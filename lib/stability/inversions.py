@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue of inversions: from uniforms to directions and places, component by component."""
+"""The catalogue of inversions, component by component.
+
+Inversions go from uniforms to directions and places.
+"""
 
 from __future__ import annotations
 
@@ -72,7 +75,10 @@ def _uniform_of_one(a: np.ndarray) -> np.ndarray:
 
 
 def _end_of_cap(a: np.ndarray) -> np.ndarray:
-    """Where u2 nears 1 the cap's point nears -wo: their sum keeps 1 / (q max(z, q)) fewer digits, q = (1 - u2) (1 + z)."""
+    """The digits that are lost where u2 nears 1.
+
+    The cap's point nears -wo there: their sum keeps 1 / (q max(z, q)) fewer digits, q = (1 - u2) (1 + z).
+    """
     x, y, z, alpha_x, alpha_y, _, u2 = a
     z = z / np.sqrt((x * alpha_x) ** 2 + (y * alpha_y) ** 2 + z * z)
     q = (1.0 - u2) * (1.0 + z)

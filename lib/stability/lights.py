@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue of what lights do, and of the factors on lobes: compensation, coats, reflectances, weights of strategies."""
+"""The catalogue of lights, and of the factors on lobes.
+
+Factors are compensation, coats, reflectances and weights of strategies.
+"""
 
 from __future__ import annotations
 
@@ -122,7 +125,10 @@ def _falloff(a: np.ndarray) -> np.ndarray:
 
 
 def lights_and_factors() -> list[Function]:
-    """All of them; each row is a title, the arguments, where they are drawn, the kernel and the truth."""
+    """All functions of lights and factors.
+
+    Each row is a title, the arguments, where they are drawn, the kernel and the truth.
+    """
     pair = tuple(f"{w}.{c}" for w in ("wi", "wo") for c in _VECTOR)
     lambert = Lambert()
     rows: list[tuple[str, tuple[str, ...], Callable, Callable, Callable]] = [

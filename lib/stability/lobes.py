@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue of lobes that are no microfacets of ours, and of the reflectances that lobes carry."""
+"""The catalogue of lobes without our microfacets, and of the reflectances of lobes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ _ALPHAS = ("alpha_x", "alpha_y")
 
 
 def opposite(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Wi and wo, (6, n): a third of them graze the surface from opposite sides, to within 1e-10 of each other's horizon."""
+    """Draw wi and wo, (6, n), a third of them grazing the surface from opposite sides.
+
+    They come to within 1e-10 of each other's horizon.
+    """
     pair = np.concatenate([domain.directions(rng, count), domain.directions(rng, count)])
     low = 10.0 ** rng.uniform(-10.0, 0.0, (2, count))
     phi = rng.uniform(0.0, 2.0 * np.pi, count)
@@ -33,7 +36,10 @@ def opposite(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _blender_alphas(rng: np.random.Generator, count: int) -> np.ndarray:
-    """alpha_x and alpha_y in the range that the exponent of a power of the cosine takes, (2, n)."""
+    """Draw alpha_x and alpha_y, (2, n).
+
+    Their range is that which the exponent of a power of the cosine takes.
+    """
     return np.maximum(domain.alphas(rng, count), 1e-4)
 
 
@@ -65,13 +71,19 @@ def _velvets(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _dim_layers(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Cosines and indices of a dielectric, some next to the critical angle, and f0 down to 1e-30."""
+    """Draw cosines and indices of a dielectric, and f0 down to 1e-30.
+
+    Some lie next to the critical angle.
+    """
     f0 = np.where(rng.random((1, count)) < 0.5, 10.0 ** rng.uniform(-30.0, 0.0, (1, count)), rng.random((1, count)))
     return np.concatenate([closed_forms.dielectrics(rng, count), f0])
 
 
 def _clear_metals(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Cosines and indices of a metal without absorption, some next to the critical angle; k is 0."""
+    """Draw cosines and indices of a metal without absorption; k is 0.
+
+    Some lie next to the critical angle.
+    """
     return np.concatenate([closed_forms.dielectrics(rng, count), np.zeros((1, count))])
 
 

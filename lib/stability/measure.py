@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a computed number is from the truth: in units of the last place, divided by one plus the condition number.
+"""How far a computed number is from the truth.
 
-The condition number of f at x is sum |x_k df/dx_k| / |f|: what a change of the arguments in their last places does to the value,
-however it is computed. Dividing by it leaves what the formula itself has lost.
+The unit is the last place, divided by one plus the condition number. The condition number of f at x is
+sum |x_k df/dx_k| / |f|: what a change of the arguments in their last places does to the value, however it is computed.
+Dividing by it leaves what the formula itself has lost.
 """
 
 from __future__ import annotations
@@ -28,7 +29,10 @@ Kernel = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Single:
-    """A float32 form and the truth it aims at (its own, where it means another quantity than the reference's)."""
+    """A float32 form and its truth.
+
+    The truth is the form's own where it means another quantity than the reference's.
+    """
 
     kernel: Kernel
     truth: Truth | None = None
@@ -36,12 +40,12 @@ class Single:
 
 @dataclass(frozen=True)
 class Function:
-    """One equation: where it is asked, the reference's kernel, the truth, and the float32 forms.
+    """One equation: its domain, the reference's kernel, the truth, and the float32 forms.
 
-    `draw(rng, count)` gives arguments (k, n) in float64; a kernel takes them and gives values (n,) or (c, n); `truth` takes k mpmath
-    numbers and gives the c values. `names` are those of the k arguments. Where the reference gives digits away on purpose,
-    `sizes` says of which magnitude an argument counts to its last place (instead of its own), (k, n), or `slack` what is added to
-    the condition number, (n,), and `excuse` why.
+    `draw(rng, count)` gives arguments (k, n) in float64; a kernel takes them and gives values (n,) or (c, n); `truth`
+    takes k mpmath numbers and gives the c values. `names` are those of the k arguments. Where the reference gives
+    digits away on purpose, `sizes` says of which magnitude an argument counts to its last place (instead of its own),
+    (k, n), or `slack` what is added to the condition number, (n,), and `excuse` why.
     """
 
     family: str
@@ -59,7 +63,10 @@ class Function:
 
 
 def measure(function: Function, count: int) -> Case:
-    """The largest error of the function and of its float32 forms over about `count` points, seeded by its name."""
+    """The largest error of the function and of its float32 forms.
+
+    There are about `count` points, seeded by the function's name.
+    """
     arguments = function.draw(np.random.default_rng(zlib.crc32(function.name.encode())), count)
     sizes = function.sizes(arguments) if function.sizes else None
     slack = function.slack(arguments) if function.slack else 0.0
@@ -89,9 +96,10 @@ def errors(
     sizes: np.ndarray | None = None,
     slack: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """The error of each point, the largest of its components, in ulps of `bits` bits over (1 + condition), (2, n).
+    """The error of each point, in ulps of `bits` bits over (1 + condition), (2, n).
 
-    The second row takes `sizes` and `slack` (see `Function`) into the condition number.
+    It is that of the largest component. The second row takes `sizes` and `slack` (see `Function`) into the condition
+    number.
     """
     got = np.atleast_2d(got)
     count = arguments.shape[1]
@@ -143,7 +151,10 @@ def _ratio(error: mp.mpf, room: mp.mpf) -> float:
 
 
 def _last_place(value: mp.mpf, bits: int) -> mp.mpf:
-    """The distance between neighbouring numbers of `bits` bits at `value`; below the smallest normal number all are as good as 0."""
+    """The distance between neighbouring numbers of `bits` bits at `value`.
+
+    Below the smallest normal number all values count as 0.
+    """
     least = -1022 if bits == 53 else -126
     if not value:
         return mp.ldexp(1, least)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same equations in float32 as the documents print them: what their reader would write down. Rows of arguments, (k, n).
+"""The same equations in float32 as the documents print them.
 
-The documents give the isotropic forms in theta; with both axes apart tan^2 theta / alpha^2 becomes
-tan^2 theta (cos^2 phi / alpha_x^2 + sin^2 phi / alpha_y^2) (Heitz 2014, eq. 81). The angle is known by its cosine, as a renderer knows it.
+A reader of the documents would write them down so. They take rows of arguments, (k, n). The documents give the
+isotropic forms in theta; with both axes apart tan^2 theta / alpha^2 becomes
+tan^2 theta (cos^2 phi / alpha_x^2 + sin^2 phi / alpha_y^2) (Heitz 2014, eq. 81). The angle is known by its cosine, as a
+renderer knows it.
 """
 
 from __future__ import annotations

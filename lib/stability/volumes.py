@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue of what happens between faces: free paths in volumes, and places at equal angles about a light."""
+"""The catalogue of light between faces.
+
+It has free paths in volumes, and places at equal angles about a light.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,10 @@ def _distances(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def _spans(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Where a ray comes closest to a pivot, before or behind its origin, how close, and the length that counts."""
+    """Draw spans of rays near a pivot, (3, n).
+
+    These are where a ray comes closest to it, before or behind its origin, how close, and the length that counts.
+    """
     along = rng.choice([-1.0, 1.0], count) * 10.0 ** rng.uniform(-4.0, 4.0, count)
     return np.stack([along, 10.0 ** rng.uniform(-6.0, 4.0, count), 10.0 ** rng.uniform(-6.0, 4.0, count)])
 
@@ -47,7 +53,10 @@ def _span(a: np.ndarray) -> equiangular.Span:
 
 
 def volumes() -> list[Function]:
-    """All of them; each row is a title, the arguments, where they are drawn, the kernel and the truth."""
+    """All functions of volumes.
+
+    Each row is a title, the arguments, where they are drawn, the kernel and the truth.
+    """
     span = ("along", "beside", "length")
     rows: list[tuple[str, tuple[str, ...], Callable, Callable, Callable]] = [
         (

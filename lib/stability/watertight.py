@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays from inside a closed mesh, aimed at the edges and the corners that its triangles share: none may leave it."""
+"""Rays from inside a closed mesh, aimed at shared edges and corners of its triangles.
+
+None may leave it.
+"""
 
 from __future__ import annotations
 
