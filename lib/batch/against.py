@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A batch against an earlier one: which comparisons changed, and which differences changed with confidence.
+"""A batch against an earlier one: which comparisons and which differences changed.
 
-The intervals of one verdict hold together, for all its regions and channels. Where those of two verdicts do not overlap, the true differences
-are not the same, unless one of the two verdicts is wrong: each is so with a probability of at most 1 - its confidence.
+Differences are shown to have changed with confidence. The intervals of one verdict hold together, for all its regions
+and channels. Where those of two verdicts do not overlap, the true differences are not the same, unless one of the two
+verdicts is wrong: each is so with a probability of at most 1 - its confidence.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ _KINDS = ("image", "material", "object")
 
 @dataclass(frozen=True)
 class Moved:
-    """A region whose difference from the reference is not what it was, in one channel: estimate, low and high end of both."""
+    """A region whose difference from the reference has changed, in one channel.
+
+    It has the estimate, and the low and high end, of both batches.
+    """
 
     kind: str
     name: str
@@ -36,7 +40,10 @@ class Moved:
 
 @dataclass(frozen=True)
 class Changed:
-    """One comparison with another outcome than before, or with regions that moved, the largest move first."""
+    """One comparison with another outcome than before, or with regions that moved.
+
+    The largest move is first.
+    """
 
     label: str
     before: str
@@ -58,7 +65,10 @@ class Changed:
 
 
 def read_batch(earlier: Path) -> dict[str, Any]:
-    """The batch.json of an earlier batch, named by itself or by its folder; raises EtalonError where it is none."""
+    """Read the batch.json of an earlier batch, named by itself or by its folder.
+
+    Raises EtalonError where it is no batch.json.
+    """
     path = earlier / "batch.json" if earlier.is_dir() else earlier
     try:
         figures = json.loads(path.read_text(encoding="utf-8"))
@@ -76,7 +86,10 @@ def read_batch(earlier: Path) -> dict[str, Any]:
 
 
 def find_changes(earlier: Mapping[str, Any], rows: Sequence[tuple[str, Row]], out: Path) -> tuple[Changed, ...]:
-    """The comparisons, by their labels, that changed since an earlier batch; those that only one of both has are left out."""
+    """The comparisons, by their labels, that changed since an earlier batch.
+
+    Those that only one of both batches has are left out.
+    """
     before = {one["label"]: one for one in earlier["comparisons"]}
     found = []
     for label, row in rows:
@@ -93,7 +106,10 @@ def find_changes(earlier: Mapping[str, Any], rows: Sequence[tuple[str, Row]], ou
 
 
 def _moved(before: Path, after: Path) -> tuple[Moved, ...]:
-    """The regions whose intervals in two verdicts do not overlap; none where one of the two cannot be read any more."""
+    """The regions whose intervals in two verdicts do not overlap.
+
+    Empty where one of the two cannot be read any more.
+    """
     try:
         old, new = read_verdict(before), read_verdict(after)
     except EtalonError:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `etalon plan` says of a scene, asked in a process of its own: a scene that crashes Blender is an answer like others."""
+"""The answers of `etalon plan` on a scene.
+
+It runs in a process of its own: a scene that crashes Blender is an answer like others.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ PATIENCE = 600.0
 
 @dataclass(frozen=True)
 class Answer:
-    """The exit code of `etalon plan --json`, what it `found`, or the `error` where it printed no JSON."""
+    """An answer of `etalon plan --json`.
+
+    It has the exit code, what was `found`, or the `error` where no JSON was printed.
+    """
 
     code: int
     found: dict[str, Any] | None
@@ -26,7 +32,10 @@ class Answer:
 
 
 def ask_plan(target: str, options: Sequence[str], patience: float = PATIENCE) -> Answer:
-    """Have `etalon plan` read the scene `target`, a path or a reference scene, for at most `patience` seconds."""
+    """Have `etalon plan` read the scene `target`, a path or a reference scene.
+
+    It may take at most `patience` seconds.
+    """
     command = [*etalon_command(), "plan", target, "--json", *options]
     process = start(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:

@@ -30,7 +30,10 @@ FINISHED, REFUSED, FAILED, ENDED = "finished", "refused", "failed", "ended"
 
 @dataclass(frozen=True)
 class Limits:
-    """What one comparison may take, `seconds` and `memory` in bytes (None: no limit), and who says, when asked, that it is to end."""
+    """Limits of one comparison.
+
+    `seconds` and `memory` in bytes (None: no limit) are what it may take; `is_ending` says whether it is to end.
+    """
 
     seconds: float | None = None
     memory: int | None = None
@@ -57,9 +60,10 @@ def run_comparison(command: list[str], folder: Path, limits: Limits = NO_LIMITS)
 
 
 def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
-    """The status of a comparison that ended with `code`, and the reason where it is not finished.
+    """The status of a comparison that ended with `code`, and why it is not finished.
 
-    A crash may end with any code; what counts as a verdict has been written as one, and not because the process was ended.
+    The reason is empty where it is finished. A crash may end with any code. A verdict counts only where its file was
+    written, and not because the process was ended.
     """
     if code == ExitCode.BAD_INPUT:
         return REFUSED, words
@@ -75,7 +79,10 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
 
 
 def _run(command: list[str], folder: Path, limits: Limits) -> tuple[int, str, bool]:
-    """Run `command`, which writes to `folder`; return its exit code, its reason, and whether a limit ended it."""
+    """Run `command`, which writes to `folder`.
+
+    Returns its exit code, its reason, and whether a limit ended it.
+    """
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
     process = start(command, leash=True, **pipes)
     try:
@@ -89,7 +96,10 @@ def _run(command: list[str], folder: Path, limits: Limits) -> tuple[int, str, bo
 
 
 def _wait(process: subprocess.Popen[str], limits: Limits) -> tuple[str, str]:
-    """What the process prints as errors, and which limit ended it, or ''; its standard input, which is its leash, stays open."""
+    """Wait for the process; return its errors, and which limit ended it, or ''.
+
+    Its standard input stays open, since it ends the process when it closes.
+    """
     leash, process.stdin = process.stdin, None
     begin, over = time.monotonic(), ""
     try:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The journal of a batch: what each comparison came to, kept through interruptions, and written by one batch at a time."""
+"""The journal of a batch: the result of each comparison.
+
+It is kept through interruptions, and written by one batch at a time.
+"""
 
 from __future__ import annotations
 
@@ -112,7 +115,10 @@ class Journal:
 
 @contextmanager
 def open_journal(folder: Path) -> Iterator[Journal]:
-    """The journal in `folder`, made where it is missing, for this process alone; raises EtalonError where another one has it."""
+    """Open the journal in `folder`, made where it is missing, for this process alone.
+
+    Raises EtalonError where another process has it.
+    """
     path = folder / FILE
     with _locked(folder / LOCK), _explained(path), closing(sqlite3.connect(path, isolation_level=None)) as connection:
         yield Journal(path, connection)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the result of a comparison depends on, as one key: command line, Étalon, Blender and its build, the file and all that it refers to."""
+"""One key for all that the result of a comparison depends on.
+
+That is the command line, Étalon, Blender and its build, the file and all that it refers to.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ from .plan import Unit
 
 
 class Hashes:
-    """Contents of files as hashes, which the journal keeps for as long as a file's time and size stay the same."""
+    """Contents of files as hashes.
+
+    The journal keeps them for as long as a file's time and size stay the same.
+    """
 
     def __init__(self, journal: Journal) -> None:
         self._journal = journal
@@ -35,7 +41,10 @@ class Hashes:
         return known
 
     def of_scene(self, target: str) -> str | None:
-        """The hash of a .blend and of the files that it refers to; None where these are not known yet, '' for a reference scene."""
+        """The hash of a .blend and of the files that it refers to.
+
+        None where these are not known yet, '' for a reference scene.
+        """
         if not target.endswith(".blend"):
             return ""
         if target not in self._scenes:
@@ -48,7 +57,10 @@ class Hashes:
         return self._scenes[target]
 
     def of_files(self, target: str) -> dict[str, str]:
-        """A .blend and the files that it refers to with their hashes, without those that are missing; none for a reference scene."""
+        """A .blend and the files that it refers to, with their hashes.
+
+        Files that are missing are left out. Empty for a reference scene.
+        """
         if not target.endswith(".blend"):
             return {}
         paths = [target, *(self._journal.read_files(self.of_file(Path(target))) or ())]
@@ -62,6 +74,9 @@ class Hashes:
 
 
 def make_key(unit: Unit, options: Sequence[str], blender: str, scene: str) -> str:
-    """The key of a unit: `blender` names the release and the build that it runs in, `scene` is the hash of its files."""
+    """Make the key of a unit.
+
+    `blender` names the release and the build that it runs in, `scene` is the hash of its files.
+    """
     what = [VERSION, blender, scene, *unit.arguments(), *options]
     return hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]

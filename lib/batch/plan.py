@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The plan of a batch: read from PLAN.toml, and checked as a whole before anything is rendered."""
+"""The plan of a batch, read from PLAN.toml.
+
+It is checked as a whole before anything is rendered.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,10 @@ class Variation:
 
 @dataclass(frozen=True)
 class Unit:
-    """One comparison: a scene, as the plan names it, and the values of all axes; `words` are what these add to the command line."""
+    """One comparison: a scene, as the plan names it, and the values of all axes.
+
+    `words` are what these add to the command line.
+    """
 
     scene: str
     target: str
@@ -77,7 +83,10 @@ BLENDER = "--blender"
 
 @dataclass(frozen=True)
 class BatchPlan:
-    """What a PLAN.toml says; `time_limit` (seconds) and `memory_limit` (bytes) are those of one comparison, None without one."""
+    """The content of a PLAN.toml.
+
+    `time_limit` (seconds) and `memory_limit` (bytes) are those of one comparison, None without one.
+    """
 
     out: Path
     scenes: tuple[str, ...]
@@ -106,13 +115,19 @@ class BatchPlan:
 
     @property
     def asked(self) -> list[str]:
-        """The words that have `etalon plan` set every value of every property, one after the other."""
+        """The words that have `etalon plan` set every value of every property.
+
+        They set one after the other.
+        """
         flags = {flag for declared in Target.options() for flag in _flags(declared.flag)}
         options = [word for word in self.options if word.partition("=")[0] in flags]
         return [*options, *(word for v in self.variations if v.path[:2] != "--" for words in v.words for word in words)]
 
     def check_facts(self, scene: str, facts: dict[str, Any]) -> None:
-        """Raise EtalonError where a scene has not the frames, cameras or view layers of the plan; `facts` are what `etalon plan` found."""
+        """Raise EtalonError where a scene lacks frames, cameras or view layers of the plan.
+
+        `facts` are what `etalon plan` found.
+        """
         for v in self.variations:
             if v.path == "--frame" and "frames" in facts:
                 first, last = facts["frames"]
@@ -129,7 +144,10 @@ class BatchPlan:
                         )
 
     def require_scenes(self, known: Collection[str]) -> None:
-        """Raise EtalonError for a scene that is neither a reference scene, one of `known`, nor a file that is there."""
+        """Raise EtalonError for an unknown scene.
+
+        A scene must be a reference scene, one of `known`, or a file that exists.
+        """
         for scene in self.scenes:
             if scene.endswith(".blend"):
                 if not Path(self.target(scene)).is_file():
@@ -178,7 +196,10 @@ def _plan(path: Path, data: dict[str, Any]) -> BatchPlan:
 
 
 def _find_scenes(folder: Path, scenes: list[str]) -> tuple[str, ...]:
-    """The scenes, with the files that patterns stand for; a file that several patterns or links lead to counts once."""
+    """The scenes, with the files that patterns stand for.
+
+    A file that several patterns or links lead to counts once.
+    """
     found: list[str] = []
     seen: set[Path] = set()
     for text in scenes:
@@ -265,9 +286,10 @@ def _refuse_twice(what: str, values: Collection[Any]) -> None:
 
 
 def _options(table: dict[str, Any]) -> tuple[tuple[str, ...], list[Variation]]:
-    """The table [options]: words for `etalon compare`, and an axis for each option that has a list of values.
+    """Read the table [options].
 
-    --out is the batch's own.
+    It gives words for `etalon compare`, and an axis for each option that has a list of values. --out is the batch's
+    own.
     """
     if "out" in table:
         raise EtalonError("[options] cannot set 'out'; each comparison gets a folder below the plan's own 'out'")
@@ -305,7 +327,10 @@ def _check_words(words: tuple[str, ...]) -> None:
 
 
 def read_words(kind: type[D], words: Sequence[str]) -> D:
-    """The settings that `words` give, as for `etalon compare`; raises EtalonError where they do not fit together."""
+    """The settings that `words` give, as for `etalon compare`.
+
+    Raises EtalonError where they do not fit together.
+    """
     values: dict[str, Any] = {}
     for declared in kind.options():
         unit = declared.unit

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A plan checked as a whole before its first comparison: what each scene has, which comparisons the journal lacks."""
+"""A plan checked as a whole before its first comparison.
+
+It finds what each scene has, and which comparisons the journal lacks.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,10 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Host:
-    """A Blender that comparisons run in: its `name`, with the build, and the command line that runs words of `etalon` in it."""
+    """A Blender that comparisons run in.
+
+    It has its `name`, with the build, and the command line that runs words of `etalon` in it.
+    """
 
     name: str
     command: Callable[[list[str]], list[str]]
@@ -51,9 +57,10 @@ class How:
 
 @dataclass(frozen=True)
 class Batch:
-    """A plan that was checked: its `units` by their keys, the keys of those that are `missing`, and the journal, which is open.
+    """A plan that was checked.
 
-    `files` are, for each scene of a batch on a cluster, the paths of its files with their hashes.
+    It has its `units` by their keys, the keys of those that are `missing`, and the journal, which is open. `files`
+    are, for each scene of a batch on a cluster, the paths of its files with their hashes.
     """
 
     plan: BatchPlan
@@ -93,7 +100,10 @@ def prepare(plan: BatchPlan, how: How, tell: Tell, progress: Progress) -> Iterat
 
 
 def _ask(plan: BatchPlan, scenes: Sequence[str], hashes: Hashes, progress: Progress) -> None:
-    """Have each of the scenes read, keep which files it refers to, and check that it has what the plan varies."""
+    """Have each of the scenes read, and check that it has what the plan varies.
+
+    The files that it refers to are kept.
+    """
     if not scenes:
         return
     progress.begin("reading the scenes")
@@ -112,7 +122,11 @@ def _key(plan: BatchPlan, unit: Unit, how: How, hashes: Hashes) -> str:
 
 
 def _is_done(out: Path, entry: Entry | None, how: How, tell: Tell) -> bool:
-    """Whether there is nothing to run: a verdict that the folder still has, or a reason why there is none; what cannot be used is told."""
+    """Whether there is nothing to run.
+
+    That holds for a verdict that the folder still has, or a reason why there is none. A file that cannot be used is
+    reported by `tell`.
+    """
     if entry is None or how.force or entry.status == ENDED:
         return False
     if entry.status != FINISHED:

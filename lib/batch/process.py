@@ -16,14 +16,20 @@ LEASH = "ETALON_LEASH"
 
 
 def find_blender() -> str | None:
-    """The Blender program that this process is, or None where it is Python, with Blender as a module or without."""
+    """The Blender program that this process is.
+
+    None where it is Python, with Blender as a module or without.
+    """
     bpy = sys.modules.get("bpy")
     # Where a script has set the module's empty path to "", Blender has made the working directory of it.
     return bpy.app.binary_path if bpy is not None and Path(bpy.app.binary_path).is_file() else None
 
 
 def etalon_command() -> list[str]:
-    """The command that starts another `etalon`: through the Blender program if this is one, else through Python."""
+    """The command that starts another `etalon`.
+
+    It goes through the Blender program if this process is one, else through Python.
+    """
     blender = find_blender()
     return [blender, "--background", "--command", "etalon"] if blender else [sys.executable, "-m", "etalon"]
 
@@ -31,10 +37,11 @@ def etalon_command() -> list[str]:
 def start(
     command: list[str], temporary: Path | None = None, leash: bool = False, **pipes: Any
 ) -> subprocess.Popen[str]:
-    """Start `command` in a process group of its own, so that a Ctrl-C on the terminal reaches only this process.
+    """Start `command` in a process group of its own.
 
-    Its temporary files go to the folder `temporary`, so that they go with that folder even where it is ended at once. With a `leash`,
-    which another `etalon` heeds, it ends when this process does, even where this one is killed.
+    A Ctrl-C on the terminal then reaches only this process. The temporary files of the new process go to the folder
+    `temporary`, so that they go with that folder even where it is ended at once. With a `leash`, which another `etalon`
+    heeds, it ends when this process does, even where this one is killed.
     """
     environment = dict(os.environ)
     if temporary is not None:
@@ -49,10 +56,10 @@ def start(
 
 
 def send(process: subprocess.Popen[str], line: str) -> None:
-    """Write `line` to the process's standard input at once; raises OSError if nobody reads it any more.
+    """Write `line` to the process's standard input at once.
 
-    Python ignores SIGPIPE and gets that error; inside Blender the signal would end Blender. Nothing stays in a buffer
-    that could be written later, without this guard.
+    Raises OSError if nobody reads it any more. Python ignores SIGPIPE and gets that error; inside Blender the signal
+    would end Blender. Nothing stays in a buffer that could be written later, without this guard.
     """
     if process.stdin is None:
         raise ValueError("the process was started without a pipe to its standard input")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One comparison of a batch on a worker: its command line and files go there, the files of its report come back."""
+"""One comparison of a batch on a worker.
+
+Its command line and files go there, and the files of its report come back.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ from .process import etalon_command
 
 @dataclass(frozen=True)
 class Done:
-    """What a comparison came to on a worker, as `run_comparison` says it, and the `report`: contents by file names."""
+    """The result of a comparison on a worker, in the form of `run_comparison`.
+
+    `report` has contents by file names.
+    """
 
     status: str
     code: int
@@ -34,10 +40,10 @@ class Done:
 def run_on_cluster(
     cluster: Cluster, words: Sequence[str], files: Mapping[str, str], out: Path, limits: Limits
 ) -> tuple[str, int, str]:
-    """Run `etalon` with these words, the second of which is the scene, on a worker, and write its report to `out`.
+    """Run `etalon` with these words on a worker, and write its report to `out`.
 
-    `files` are the paths of the scene's files with their digests. Returns what `run_comparison` does; workers that die again and again, and a
-    scheduler that is gone, make it FAILED and ENDED.
+    The second of the words is the scene. `files` are the paths of the scene's files with their digests. Returns what
+    `run_comparison` does; workers that die again and again give FAILED, and a lost scheduler gives ENDED.
     """
     contents = {digest: Path(path) for path, digest in files.items()}
     arguments = (VERSION, list(words), dict(files), limits.seconds, limits.memory)
@@ -90,7 +96,10 @@ def _find_absolute(scene: str, copy: str) -> str:
 
 
 def _threads(words: Sequence[str]) -> list[str]:
-    """An equal share of the processors for each call that the worker runs at once, where the plan does not say."""
+    """An equal share of the processors for each call that the worker runs at once.
+
+    It applies where the plan does not set the threads.
+    """
     from distributed import get_worker
 
     if any(word.startswith("--threads=") for word in words):

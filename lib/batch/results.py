@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a batch leaves: tables, JSON, JUnit XML and a page; the lines that say what it came to, and its exit code."""
+"""The results of a batch.
+
+They are tables, JSON, JUnit XML and a page, the lines that sum them up, and the exit code.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ DIFFERENT, CHANGED, BOUND = "different", "changed", "bound"
 
 @dataclass(frozen=True)
 class FailOn:
-    """What makes a batch fail: a verdict DIFFERENT, a change against an earlier batch, or a bound above `limit`."""
+    """The rule by which a batch fails.
+
+    It is a verdict DIFFERENT, a change against an earlier batch, or a bound above `limit`.
+    """
 
     rule: str
     limit: float = 0.0
@@ -59,7 +65,10 @@ def read_fail_on(text: str) -> FailOn:
 
 @dataclass(frozen=True)
 class End:
-    """How a batch ends: the rule by which it fails (None: the code of its worst comparison), and the batch.json of an `earlier` one."""
+    """How a batch ends.
+
+    It has the rule by which it fails (None: the code of its worst comparison), and the batch.json of an `earlier` one.
+    """
 
     fail_on: FailOn | None = None
     earlier: Mapping[str, Any] | None = None
@@ -86,7 +95,10 @@ class Results:
 
     @property
     def exit_code(self) -> ExitCode:
-        """BAD_INPUT where a comparison has no verdict, else what the rule says, else the code of the worst comparison."""
+        """The exit code of the batch.
+
+        It is BAD_INPUT where a comparison has no verdict, else that of the rule, else the code of the worst comparison.
+        """
         if any(row.status != FINISHED for _, row in self.rows):
             return ExitCode.BAD_INPUT
         if self.end.fail_on is not None:
@@ -114,7 +126,10 @@ def outcome_of(entry: Entry) -> str:
 
 
 def write_results(results: Results) -> None:
-    """Write batch.csv, batch.json, junit.xml and batch.html about the whole plan, as far as the journal knows it."""
+    """Write batch.csv, batch.json, junit.xml and batch.html.
+
+    They are about the whole plan, as far as the journal knows it.
+    """
     plan, rows = results.plan, [row for _, row in results.rows]
     names = [v.name for v in plan.variations]
     with replace_files(plan.out) as beside:
@@ -145,7 +160,10 @@ def _document(results: Results, names: list[str]) -> dict[str, Any]:
 
 
 def _junit(results: Results) -> ElementTree.ElementTree:
-    """The rows as JUnit XML: what breaks the rule is a failure, without a rule what is DIFFERENT; UNDECIDED is skipped, no verdict an error."""
+    """The rows as JUnit XML.
+
+    What breaks the rule is a failure; without a rule what is DIFFERENT. UNDECIDED is skipped, no verdict an error.
+    """
     failing = set(results.failing) if results.end.fail_on else _different(results)
     seconds = sum(row.seconds for _, row in results.rows)
     suite = ElementTree.Element(
@@ -177,7 +195,10 @@ def _different(results: Results) -> set[str]:
 
 
 def read_row(plan: BatchPlan, unit: Unit, entry: Entry | None) -> tuple[str, Row]:
-    """The label of a unit; and what the journal says of it, and the comparison's own verdict.json of the whole image."""
+    """The label of a unit, and its row.
+
+    The row is what the journal has on it, and the comparison's own verdict.json of the whole image.
+    """
     values = tuple(value for _, value in unit.assignments)
     if entry is None:
         return unit.label, Row(unit.scene, values, status="not run")

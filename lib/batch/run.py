@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many comparisons: each in a process of its own, side by side where there are processors for it, finished ones kept in a journal."""
+"""Many comparisons, each in a process of its own.
+
+They run side by side where there are processors for it, and a journal keeps the finished ones.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +36,9 @@ _TIME = 120.0
 
 @dataclass(frozen=True)
 class Outlook:
-    """What a plan would do: all its comparisons with the journal's entry of each, those to run, and the most seconds that they take.
+    """What a plan would do.
 
+    It has all its comparisons with the journal's entry of each, those to run, and the most seconds that they take.
     `expected` are the seconds that they take if they are like those in the journal, None where there are none.
     """
 
@@ -45,9 +49,10 @@ class Outlook:
 
 
 def run_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_PROGRESS, end: End = End()) -> int:  # noqa: B008
-    """Run what the plan asks for and its journal lacks, write the tables, and return the exit code of the batch, as `end` says.
+    """Run the comparisons that the journal lacks, and write the tables.
 
-    `tell` gets a line about each comparison, and one about all; `progress` is told what is begun, and the share that is done.
+    Returns the exit code of the batch, as `end` says. `tell` gets a line about each comparison, and one about all;
+    `progress` receives what is begun, and the share that is done.
     """
     with prepare(plan, how, tell, progress) as batch:
         # Also what a killed batch left of comparisons that this plan does not ask for.
@@ -79,7 +84,10 @@ def preview_plan(plan: BatchPlan, how: How, tell: Tell, progress: Progress = NO_
 
 
 def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
-    """Run every unit that is missing, side by side, journal each as it ends, and tell what it came to."""
+    """Run every missing unit, side by side, and journal each as it ends.
+
+    `tell` gets the result of each.
+    """
     total, missing = len(batch.units), batch.missing
     done = total - len(missing)
     if done:

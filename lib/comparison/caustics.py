@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light that camera paths can hardly find: how much of it each region receives, and how much may have been missed.
+"""Light that camera paths can hardly find.
 
-A diffuse face that a mirror or a clear glass lights from a small lamp gets that light, in path tracing, from the rare path that happens to
-be reflected into the lamp. Light tracing finds it at once, so a short pass of it, before anything that counts, tells where a verdict
+It says how much of this light each region receives, and how much may have been missed. A diffuse face that a mirror or
+a clear glass lights from a small lamp gets that light, in path tracing, from the rare path that happens to be reflected
+into the lamp. Light tracing finds it at once, so a short pass of it, before anything that counts, shows where a verdict
 of path tracers must not be trusted before they have had the samples to meet it.
 """
 
@@ -32,22 +33,28 @@ STANDARD_ERRORS, UNMET = 3.0, 5.3
 
 @dataclass(frozen=True)
 class Caustics:
-    """Of K regions: `radiance` (K, 3), what they receive by caustics at most, and `brightness` (K,), the radiance of the brightest lamp that
-    arrives so: what one sample is worth that meets it. Both in W m^-2 sr^-1.
+    """The caustics of K regions, in W m^-2 sr^-1.
+
+    `radiance` (K, 3) is what the regions receive by caustics at most. `brightness` (K,) is the radiance of the
+    brightest lamp that arrives so, which is the worth of one sample that meets it.
     """
 
     radiance: np.ndarray
     brightness: np.ndarray
 
     def share(self, reference: np.ndarray, floor: np.ndarray | float) -> np.ndarray:
-        """The part (K,) of the light of each region, of means `reference` (K, 3), in the channel where it is largest."""
+        """The part (K,) that caustics have in each region's light of means `reference` (K, 3).
+
+        It is that of the channel where it is largest.
+        """
         scale = difference_scale(reference, floor)
         return np.divide(self.radiance, scale, out=np.zeros(scale.shape), where=scale > 0).max(axis=1)
 
     def room(self, reference: np.ndarray, floor: np.ndarray | float, samples: np.ndarray, level: float) -> np.ndarray:
-        """The relative difference (K,) that a region of so many `samples` (K,) may owe to caustics that none of them met.
+        """The relative difference (K,) of each region that unmet caustics may explain.
 
-        It is at most all that arrives so, and at most what samples of that worth may hide with probability `level` (verdict/rare.py).
+        None of its `samples` (K,) met them. The difference is at most all that arrives so, and at most what samples
+        of that worth may hide with probability `level` (verdict/rare.py).
         """
         mean = np.maximum(difference_scale(reference, floor).mean(axis=1), np.finfo(float).tiny)
         missed = room_for_rare_light(self.brightness / mean, samples, level)

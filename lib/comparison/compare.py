@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The whole comparison in one function: two renderers of one scene, their films, and the verdict on them."""
+"""The whole comparison in one function: two renderers, their films and the verdict."""
 
 from __future__ import annotations
 
@@ -103,18 +103,20 @@ def compare(
     passes: Sequence[Part] = (),
     unsupported: UnsupportedLight | None = None,
 ) -> Comparison:
-    """Render `scene` with both renderers in turns until every region is decided, or a limit of `options` is reached.
+    """Render `scene` with both renderers in turns until the comparison is decided.
 
-    `coverage` maps a kind of region ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small
-    replicates gives a first answer and lays out the rest. Once the open regions fill no more than a part of the image, only that is
-    sampled on. `progress` is told the share of the time (or of the replicates) that is spent, and at each look of the bound and an
-    Interim. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or if the renderers disagree on the size
-    of the image. Where regions differ, the causes are sought `among` departures, in a time that is set aside for it, and sampling goes on
-    until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor do those whose paths meet a
-    material that is not known; EtalonError is raised where none is left. `divisor` is how many times narrower and lower the image is than
-    the user's, for the record. `scouted` tells of light that path tracing can hardly find. `passes` are the light passes to compare,
-    which the images of both renderers have to come with. `unsupported` is what materials may add that the reference takes for black; its
-    pixels are left out, and claims on the others leave room for it. EtalonError is raised where light passes are to be compared beside it.
+    Sampling ends when every region is decided, or at a limit of `options`. `coverage` maps a kind of region
+    ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small replicates gives
+    a first answer and lays out the rest. Once the open regions fill only a part of the image, only that is sampled
+    on. `progress` receives the share of the time (or of the replicates) that is spent, and at each look the bound and
+    an Interim. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or if the
+    renderers disagree on the size of the image. Where regions differ, the causes are sought `among` departures, in a
+    time that is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that
+    are `left_out` belong to no region, nor do those whose paths meet an unknown material; EtalonError is raised where
+    none is left. `divisor` is how many times narrower and lower the image is than the user's. `scouted` is light that
+    path tracing can hardly find. `passes` are the light passes to compare, which the images of both renderers must
+    have. `unsupported` is what materials may add that are black in the reference; its pixels are left out, and claims
+    on the others leave room for it. EtalonError is raised where light passes are to be compared beside it.
     """
     if unsupported is not None and passes:
         raise EtalonError(
@@ -134,7 +136,7 @@ def compare(
 
 
 class _Loop:
-    """One comparison under way; `compare` calls its methods in the order in which they stand here."""
+    """One comparison under way; `compare` calls its methods in the order of the file."""
 
     def __init__(
         self,
@@ -159,7 +161,7 @@ class _Loop:
         self.unsupported: UnsupportedLight | None = None
 
     def time_calls(self) -> None:
-        """Find out what samples cost, and from that how to begin; or take the samples that the user asked for."""
+        """Measure what samples cost, and lay out the first look; or take the user's samples."""
         asked = self._options.samples
         shape = (self._scene.camera.height, self._scene.camera.width)
         self._timings = None
@@ -220,7 +222,7 @@ class _Loop:
         self._meter.mark(0)
 
     def render_round(self) -> None:
-        """Add one replicate to each side; one that is cancelled, or cut short by the time, is not kept."""
+        """Add one replicate to each side; one that is cancelled or cut short is not kept."""
         weight = self._weigh_round()
         for k, (side, renderer) in enumerate(zip(self._sides, self._renderers, strict=True)):
             number = COUNTED.number(self._before + side.replicates)
@@ -301,7 +303,7 @@ class _Loop:
         return np.maximum(room, self._caustics.room(mean, self._test.floor, least, level))
 
     def begin_main_run(self) -> None:
-        """After the first look: begin anew with larger replicates and finer grids, or go on with the first look as it is."""
+        """Begin anew with larger replicates and finer grids, or go on with the first look."""
         if self._timings is None or not self._is_first or self.stopped is not None:
             return
         self._is_first = False
@@ -327,7 +329,7 @@ class _Loop:
             self.stopped = Stop.REPLICATES
 
     def narrow(self) -> None:
-        """End where nothing is open; else sample on where something is, once that is a small part of the image."""
+        """End where nothing is open; else sample on the open part, once that is small."""
         if not self._open.any():
             self.stopped = self.stopped or Stop.DECIDED
             return

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What departures do to an image: pairs of replicates of the reference, with them and without, under the same scrambling."""
+"""The effect of departures on an image.
+
+It comes from pairs of replicates of the reference, with the departures and without, under the same scrambling.
+"""
 
 from __future__ import annotations
 
@@ -42,10 +45,11 @@ def alternatives(reference: ReferenceRenderer) -> Alternatives:
 
 
 class PairedEffects:
-    """Calling it with a set of names gives what they add to each region, (pairs, N, 3), one row for each pair of replicates.
+    """The effects of departures, by calling it with a set of names.
 
-    `render(renderer, replicate, samples)` does the work, and may raise Cancelled. Pairs are kept, and more are made as they are asked for,
-    while `has_time` says so. `seconds` (None: no limit) are what may be planned with.
+    The result, (pairs, N, 3), is what they add to each region, one row for each pair of replicates. `render(renderer,
+    replicate, samples)` does the work, and may raise Cancelled. Pairs are kept, and more are made as they are asked
+    for, while `has_time` says so. `seconds` (None: no limit) are what may be planned with.
     """
 
     def __init__(
@@ -64,9 +68,10 @@ class PairedEffects:
         self.samples = 0
 
     def budget(self, samples: int, pairs: int, cost: float) -> None:
-        """Settle the samples per pixel, once: `samples`, halved until `pairs` of each departure alone fit into the time.
+        """Settle the samples per pixel, once.
 
-        A replicate of one sample takes `cost` seconds.
+        They are `samples`, halved until `pairs` of each departure alone fit into the time. A replicate of one sample
+        takes `cost` seconds.
         """
         if self.samples:
             return
@@ -78,7 +83,10 @@ class PairedEffects:
             self.samples = (self.samples + 1) // 2
 
     def __call__(self, names: frozenset[str], count: int, regions: Regions, excluded: np.ndarray) -> np.ndarray | None:
-        """The effects of `names` on `regions` without the pixels `excluded` (height, width); None without a pair of them."""
+        """The effects of `names` on `regions` without the pixels `excluded` (height, width).
+
+        None without a pair of them.
+        """
         if self._regions is None or (self._regions.excluded != excluded).any():
             # Images are not kept, so what was made of them without these pixels is made again.
             self._plain.clear()

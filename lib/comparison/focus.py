@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where sampling goes on: once most regions are decided, on the parts of the image that hold the others.
+"""Where sampling goes on, once most regions are decided.
 
-A region's replicates stay a prefix of all replicates, judged at the same numbers of them as if the whole image were rendered: what was seen
-elsewhere decides whether it is looked at again, never after how many of its replicates. In a part of the image, a round renders
-several of them at once, as one replicate of that weight, for about the time that one takes in the whole image.
+It goes on in the parts of the image that hold the others. A region's replicates stay a prefix of all replicates, judged
+at the same numbers of them as if the whole image were rendered: what was seen elsewhere decides whether it is looked at
+again, never after how many of its replicates. In a part of the image, a round renders several of them at once, as one
+replicate of that weight, for about the time that one takes in the whole image.
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ LARGEST = 0.75
 
 
 def focus(regions: Regions, wanted: np.ndarray, samples: int, replicates: int) -> Windows | None:
-    """The windows that hold the regions `wanted` (K,) bool, or None where the whole image is to be rendered.
+    """The windows that hold the regions `wanted` (K,) bool.
 
-    `samples` is what a pixel gets in a replicate, `replicates` how many there are.
+    None where the whole image is to be rendered. `samples` is what a pixel gets in a replicate, `replicates` how many
+    there are.
     """
     inside = np.zeros(regions.shape, bool)
     for left, top, right, bottom in regions.boxes[wanted]:
@@ -35,9 +37,10 @@ def focus(regions: Regions, wanted: np.ndarray, samples: int, replicates: int) -
 
 
 def weigh_round(share: float, replicates: int, samples: int, most: int | None = None) -> int:
-    """How many replicates to render at once, after so many `replicates`, in a `share` of the image.
+    """How many replicates to render at once, in a `share` of the image.
 
-    As many as take no longer than one of the whole image, but not past the next look, nor past `most` in all.
+    `replicates` is how many were rendered before. It is as many as take no longer than one of the whole image, but
+    not past the next look, nor past `most` in all.
     """
     until = min(next_look(replicates), most or next_look(replicates)) - replicates
     return max(min(int(1.0 / share), until, MOST_SAMPLES // samples), 1)

@@ -13,9 +13,10 @@ from .sides import Side
 
 @dataclass(frozen=True)
 class BoundAt:
-    """What was shown after so many `seconds`, from so many `replicates` of both sides: all regions agree to within `bound`.
+    """A bound that was shown: all regions agree to within `bound`.
 
-    `first` marks the first look, on a coarse grid, whose samples the verdict does not use.
+    It was shown after so many `seconds`, from so many `replicates` of both sides. `first` marks the first look, on a
+    coarse grid, whose samples the verdict does not use.
     """
 
     seconds: float
@@ -26,9 +27,10 @@ class BoundAt:
 
 @dataclass(frozen=True, eq=False)
 class Interim:
-    """What a comparison has found at a look: the bound, and both sides, whose films change when the next replicate is added.
+    """The findings of a comparison at a look: the bound, and both sides.
 
-    `outcomes` (K,) are those of the `regions` so far; `floor`, `tolerance` and `left_out` as in the Verdict and the Comparison.
+    The films of the sides change when the next replicate is added. `outcomes` (K,) are those of the `regions` so far;
+    `floor`, `tolerance` and `left_out` as in the Verdict and the Comparison.
     """
 
     bound: BoundAt

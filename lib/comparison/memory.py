@@ -32,7 +32,10 @@ def describe_memory(width: int, height: int, passes: int = 0) -> str:
 
 
 def require_memory(width: int, height: int, passes: int = 0) -> None:
-    """Raise EtalonError where the machine does not have the memory for so many pixels and light passes."""
+    """Raise EtalonError where the machine lacks the memory for an image.
+
+    Its pixels and light passes count.
+    """
     if lacking_memory(width, height, passes):
         raise EtalonError(describe_memory(width, height, passes))
 

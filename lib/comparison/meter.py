@@ -19,7 +19,10 @@ ASIDE_AT_MOST = 0.25
 
 
 class Meter(TimedRun):
-    """What a comparison has spent and what it may spend; a share `aside` of the time is kept for finding causes."""
+    """What a comparison has spent and what it may spend.
+
+    A share `aside` of the time is kept for finding causes.
+    """
 
     def __init__(self, options: CompareOptions, progress: Progress, aside: float) -> None:
         super().__init__(options.time, progress)
@@ -33,24 +36,36 @@ class Meter(TimedRun):
 
     @property
     def is_overdrawn(self) -> bool:
-        """Whether more than was set aside is spent aside: from then on, when sampling ends depends on what was seen."""
+        """Whether more time was spent on causes than was set aside.
+
+        From then on, when sampling ends depends on what was seen.
+        """
         return self.seconds_aside is not None and self.spent_aside > self.seconds_aside
 
     def has_time_aside(self, last: bool) -> bool:
-        """Whether effects of departures may go on: in the time set aside, and beyond it unless this look is the `last`."""
+        """Whether effects of departures may go on.
+
+        They may in the time set aside, and beyond it unless this look is the `last`.
+        """
         if self.seconds_aside is None or self._options.time is None:
             return True
         most = self.seconds_aside if last else ASIDE_AT_MOST * self._options.time
         return self.spent_aside < most and (last or self.elapsed < self._options.time)
 
     def mark(self, replicates: int) -> None:
-        """From here on, with `replicates` on both sides, a replicate costs something else than before."""
+        """Note that the cost of a replicate changes from here on.
+
+        There are `replicates` on both sides.
+        """
         self._mark = self.elapsed - self.spent_aside, replicates
 
     def render_counted(
         self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None
     ) -> tuple[Rendering, float]:
-        """One replicate that counts towards the limits, and its seconds; raises Cancelled also where it outruns the time."""
+        """Render one replicate that counts towards the limits; return it and its seconds.
+
+        Raises Cancelled also where it outruns the time.
+        """
         self._is_counted = True
         try:
             found = self.render(renderer, replicate, samples, windows)
@@ -60,7 +75,10 @@ class Meter(TimedRun):
         return found
 
     def is_ending(self) -> bool:
-        """Whether the call under way is to end: the user wants it, or it counts and outruns the time."""
+        """Whether the call under way is to end.
+
+        It ends where the user wants it, or where it counts and outruns the time.
+        """
         return super().is_ending() or (self._is_counted and self.is_over)
 
     @property
@@ -77,10 +95,10 @@ class Meter(TimedRun):
         return rendering
 
     def why_stop(self, replicates: int, goal: int, most: int | None) -> Stop | None:
-        """Why sampling ends with `replicates` on both sides, of at `most` so many, or None if it goes on.
+        """Why sampling ends with `replicates` on both sides, or None if it goes on.
 
-        Of whole images this never depends on what was rendered. Time ends it when less is left than `goal` replicates will take,
-        the number at which there is something to gain.
+        There may be at `most` so many. Of whole images this never depends on what was rendered. Time ends it when
+        less is left than `goal` replicates will take, the number at which there is something to gain.
         """
         if self.progress.is_cancelled:
             return Stop.CANCELLED

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which parts of the image are compared beside it, by what the user asks for and what the scene has."""
+"""The parts of the image that are compared beside it.
+
+They follow from what the user asks for and what the scene has.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,10 @@ from ..wavefront.render import ReferenceRenderer
 
 
 def asked_parts(reference: ReferenceRenderer, settings: Settings) -> tuple[Part, ...]:
-    """The light passes, limits of bounces and emitters that `settings` ask for, of the scene that `reference` renders.
+    """The parts that `settings` ask for, of the scene that `reference` renders.
 
-    Raises EtalonError for a limit of bounces beyond the scene's own, and where there are too many emitters.
+    They are light passes, limits of bounces and emitters. Raises EtalonError for a limit of bounces beyond the
+    scene's own, and where there are too many emitters.
     """
     scene = reference.scene
     parts: list[Part] = [name for name in light_passes(scene, reference.plan) if is_asked(name, settings.passes)]

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a sample costs on either side and how noisy it is, and from that the samples of a replicate and the finest grid.
+"""The cost of a sample on either side and its noise, which give the layout of a run.
 
-A comparison begins with renders of 1, 4, 16, ... samples that are timed and counted nowhere. Then comes the first look: FIRST_LOOK
-replicates small enough to take FIRST_SHARE of the time, on a coarse grid. It gives a first answer, the noise of every region, and more
-timings. From these the replicates of the main run are laid out; the first look's own samples are not used there, so nothing
-that the main run claims depends on data that chose how much of them there would be.
+The layout is the samples of a replicate and the finest grid. A comparison begins with renders of 1, 4, 16, ... samples
+that are timed and counted nowhere. Then comes the first look: FIRST_LOOK replicates small enough to take FIRST_SHARE of
+the time, on a coarse grid. It gives a first answer, the noise of every region, and more timings. From these the
+replicates of the main run are laid out; the first look's own samples are not used there, so nothing that the main run
+claims depends on data that chose how much of them there would be.
 """
 
 from __future__ import annotations
@@ -53,7 +54,11 @@ class Timings:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a run goes about it: `samples` per replicate of both sides, the `blocks` of its grids from coarse to fine, and the looks expected."""
+    """The layout of a run.
+
+    It has the `samples` per replicate of both sides, the `blocks` of its grids from coarse to fine, and the looks
+    expected.
+    """
 
     samples: tuple[int, int]
     blocks: tuple[int, ...]
@@ -61,9 +66,10 @@ class Layout:
 
 
 def time_calls(renderers: tuple[Renderer, Renderer], run: TimedRun) -> tuple[Timings, Timings]:
-    """Timings of both sides, whose first calls set things up and count nowhere; raises Cancelled.
+    """Measure timings of both sides; raises Cancelled.
 
-    Samples grow while the next call, were it STEP times as long as the last, would stay within CALL_SHARE of the time.
+    Their first calls set things up and count nowhere. Samples grow while the next call, were it STEP times as long as
+    the last, would stay within CALL_SHARE of the time.
     """
     both = Timings(), Timings()
     number = 0
@@ -82,13 +88,19 @@ def time_calls(renderers: tuple[Renderer, Renderer], run: TimedRun) -> tuple[Tim
 
 
 def coarse_grid(height: int, width: int) -> int:
-    """The edge of a coarse grid's cells: BLOCK times the power of two that comes nearest to COLUMNS x ROWS cells."""
+    """The edge of a coarse grid's cells.
+
+    It is BLOCK times the power of two that comes nearest to COLUMNS x ROWS cells.
+    """
     edge = min(width / COLUMNS, height / ROWS) / BLOCK
     return BLOCK * 2 ** max(round(np.log2(edge)), 0) if edge > 0 else BLOCK
 
 
 def first_layout(shape: tuple[int, int], timings: tuple[Timings, Timings], run: TimedRun) -> Layout:
-    """The first look: as many samples, a power of two, as FIRST_LOOK replicates can have in its time; 1 at least."""
+    """The layout of the first look.
+
+    It has as many samples, a power of two, as FIRST_LOOK replicates can have in its time; 1 at least.
+    """
     seconds = min(run.share(FIRST_SHARE), FIRST_SECONDS) / FIRST_LOOK
     costs = [one.cost for one in timings]
     samples = 1
@@ -106,9 +118,10 @@ def main_layout(
     tolerance: float,
     level: float,
 ) -> Layout | None:
-    """The run after the first look, from the noise of the first look's `sides`; None where it is not worthwhile.
+    """The layout after the first look, from the noise of the first look's `sides`.
 
-    `limits` are the seconds that are left, and the most replicates if there is such a limit; `level` is the error of one region's test.
+    None where it is not worthwhile. `limits` are the seconds that are left, and the most replicates if there is such a
+    limit; `level` is the error of one region's test.
     """
     left, most = limits
     costs = timings[0].cost, timings[1].cost
@@ -127,7 +140,10 @@ def main_layout(
 
 
 def relative_variances(side: RegionMoments, samples: int) -> np.ndarray:
-    """The relative variance (K,) of one sample of one pixel, averaged over channels, in the cells of the finest grid."""
+    """The relative variance (K,) of one sample of one pixel in the cells of the finest grid.
+
+    It is averaged over channels.
+    """
     cells = np.flatnonzero(side.regions.families == side.regions.families.max())
     mean, variance = side.moments.mean[cells], side.moments.variance[cells]
     scale = np.maximum(np.abs(mean), 1e-3 * np.nanmean(np.abs(mean)))
@@ -136,9 +152,10 @@ def relative_variances(side: RegionMoments, samples: int) -> np.ndarray:
 
 
 def choose_grids(coarse: int, variance: np.ndarray, error: float) -> tuple[int, ...]:
-    """The edges of the grids from coarse to fine: halved while most cells can still reach the relative standard `error`.
+    """The edges of the grids from coarse to fine.
 
-    `variance` (K,) is the relative variance, at the end of the run, of one pixel's mean in each coarse cell.
+    They are halved while most cells can still reach the relative standard `error`. `variance` (K,) is the relative
+    variance, at the end of the run, of one pixel's mean in each coarse cell.
     """
     edges = [coarse]
     known = variance[np.isfinite(variance)]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders against the clock: what comparisons, cost measurements and audits have in common."""
+"""Renders against the clock.
+
+Comparisons, cost measurements and audits have this in common.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,10 @@ class TimedRun:
     def render(
         self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None = None
     ) -> tuple[Rendering, float]:
-        """One replicate, and the seconds of the whole call; raises Cancelled when the run is to end."""
+        """Render one replicate; return it and the seconds of the whole call.
+
+        Raises Cancelled when the run is to end.
+        """
         start = time.monotonic()
         rendering = renderer.render(replicate, samples, Progress(self.report, self.is_ending), windows)
         self.progress.check()

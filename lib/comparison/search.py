@@ -20,9 +20,10 @@ from .sides import Side
 
 
 class Search:
-    """Attribution while sampling goes on: it asks for the effects of departures when a region is found to differ.
+    """Attribution while sampling goes on.
 
-    Its claims have a `share` of the error level, 1 - confidence.
+    It computes the effects of departures when a region is found to differ. Its claims have a `share` of the error
+    level, 1 - confidence.
     """
 
     def __init__(self, among: Alternatives, test: SequentialTest, meter: Meter, regions: Regions, share: float) -> None:
@@ -42,7 +43,10 @@ class Search:
     def look(
         self, sides: tuple[Side, Side], excluded: np.ndarray, last: bool, differing: Set[LightPass] = frozenset()
     ) -> bool:
-        """One look, at which these light passes are `differing`; whether more sampling may yet explain what differs."""
+        """Take one look; return whether more sampling may yet explain what differs.
+
+        `differing` are the light passes that differ at this look.
+        """
         film, regions = sides[0].film, sides[0].regions.regions
         self._last = last
         self._effects.budget(
@@ -63,7 +67,10 @@ class Search:
 
 
 def conclude_causes(search: Search | None, test: SequentialTest, sides: tuple[Side, Side]) -> Explanation | None:
-    """What is known of causes; None where no region differs. There is no `search` where no departure applies to the scene."""
+    """The known causes; None where no region differs.
+
+    `search` is None where no departure applies to the scene.
+    """
     if search is not None:
         return search.conclude(sides)
     if not (test.outcomes == Outcome.DIFFERENT).any():

@@ -58,9 +58,10 @@ class Renderer(Protocol):
 
 @dataclass(eq=False)
 class Side:
-    """One renderer's part: its `name` and `settings`, its film, and the moments of its regions.
+    """One renderer's part: its `name` and `settings`, its film, and its regions' moments.
 
-    Of each light pass that is compared, `passes` are the moments of the image and of the regions with a name, `pass_films` those of the pixels.
+    Of each light pass that is compared, `passes` are the moments of the image and of the regions with a name,
+    `pass_films` those of the pixels.
     """
 
     name: str
@@ -100,7 +101,10 @@ class Side:
             regions.exclude(pixels, self.pass_films[name], None if of is None else of[: len(regions.regions)])
 
     def add(self, rendering: Rendering, of: np.ndarray | None, weight: int = 1) -> None:
-        """Take one replicate more, with `weight` times the usual samples, for the regions `of` (K,), or for all."""
+        """Add one replicate, with `weight` times the usual samples.
+
+        It is added for the regions `of` (K,), or for all.
+        """
         self.film.add(rendering, weight)
         self.regions.add(rendering.radiance, of, weight)
         where = None if rendering.windows is None else rendering.windows.mask
@@ -112,9 +116,10 @@ class Side:
 
 
 def room_left_by(sides: tuple[Side, Side], cells: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """The relative difference (K,) that light may make which no sample of both sides has met, and the samples (K,) of the side with fewer.
+    """The relative difference (K,) that unmet light may make, and the samples (K,).
 
-    `cells` (K,) bool are the regions in which isolated bright samples are looked for; `level` is the chance that more is missing.
+    No sample of both sides has met that light; the samples are those of the side with fewer. `cells` (K,) bool are the
+    regions in which isolated bright samples are looked for; `level` is the chance that more is missing.
     """
     worth, least = 0.0, np.full(cells.shape, np.inf)
     for side in sides:

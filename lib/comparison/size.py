@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large an image to compare: what a region's mean is known to depends on its samples, not on its pixels.
+"""The size of the image to compare.
 
-In little time a large image gets a few samples in each pixel, which costs whole renders before there is any answer. The same time on an
-image a few times narrower and lower, in which every region means the same, gives as many samples to each region, in more
-replicates. The size is decided from short renders of a small image, before anything that counts.
+The accuracy of a region's mean depends on its samples, not on its pixels. In little time a large image gets a few
+samples in each pixel, which costs whole renders before there is any answer. The same time on an image a few times
+narrower and lower, in which every region means the same, gives as many samples to each region, in more replicates. The
+size is decided from short renders of a small image, before anything that counts.
 """
 
 from __future__ import annotations

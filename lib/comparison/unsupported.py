@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an unsupported material may do to an image: the pixels that show it, and the light that it may bring to the others.
+"""What an unsupported material may do to an image.
 
-The reference takes the material for black, so it shows the least light that there can be: whatever the material does, it adds. How much it adds
-at most is estimated with stand-ins that waste no light: one that reflects all of it diffusely, one that lets all of it through diffusely, and
-one that lets all of it pass straight. A mirror or a lens may focus light on a small place, where it is brighter than with any of them.
+These are the pixels that show it, and the light that it may bring to the others. The reference takes the material for
+black, so it shows the least light that there can be: whatever the material does, it adds. How much it adds at most is
+estimated with stand-ins that waste no light: one that reflects all of it diffusely, one that lets all of it through
+diffusely, and one that lets all of it pass straight. A mirror or a lens may focus light on a small place, where it is
+brighter than with any of them.
 """
 
 from __future__ import annotations
@@ -33,9 +35,10 @@ UNDERESTIMATED = 0.005
 
 @dataclass(frozen=True, eq=False)
 class UnsupportedLight:
-    """Of an image (height, width): the pixels `left_out` that show an unsupported material, and those `reached` by its light.
+    """The light of unsupported materials in an image (height, width).
 
-    `differences` are images (height, width, 3) for each stand-in: what it adds to the image with a black one, W m^-2 sr^-1.
+    `left_out` are the pixels that show an unsupported material, `reached` those that its light reaches. `differences`
+    are images (height, width, 3) for each stand-in: what it adds to the image with a black one, W m^-2 sr^-1.
     """
 
     left_out: np.ndarray
@@ -47,9 +50,10 @@ class UnsupportedLight:
         return side.regions.weights @ (self.reached & ~side.excluded).ravel().astype(float) > 0.0
 
     def room(self, side: RegionMoments, floor: np.ndarray | float) -> np.ndarray:
-        """The relative difference (K,) that it may make in each region, in the channel where it is largest.
+        """The relative difference (K,) that this light may make in each region.
 
-        The upper end of Student's interval for the stand-in that adds most; infinite where a pixel has no finite value.
+        It is that of the channel where it is largest. It is the upper end of Student's interval for the stand-in that
+        adds most; infinite where a pixel has no finite value.
         """
         quantile = -float(stdtrit(PAIRS - 1, UNDERESTIMATED))
         most = np.zeros(side.moments.mean.shape)
@@ -65,14 +69,17 @@ class UnsupportedLight:
 def room_beside(
     light: UnsupportedLight | None, side: RegionMoments, floor: np.ndarray
 ) -> tuple[np.ndarray | float, np.ndarray | bool]:
-    """The relative difference (K,) that unsupported materials may make, and the regions (K,) that their light reaches."""
+    """The relative difference (K,) that unsupported materials may make.
+
+    Also the regions (K,) that their light reaches.
+    """
     return (0.0, False) if light is None else (light.room(side, floor), light.is_in(side))
 
 
 def find_unsupported_light(reference: ReferenceRenderer, run: TimedRun) -> UnsupportedLight | None:
-    """What the unsupported materials of the reference's scene may do; None where one of them may emit, which has no bound.
+    """Estimate what the unsupported materials of the reference's scene may do.
 
-    Raises Cancelled.
+    None where one of them may emit, which has no bound. Raises Cancelled.
     """
     if not reference.kernel.is_passive:
         return None
