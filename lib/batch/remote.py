@@ -43,7 +43,8 @@ def run_on_cluster(
     """Run `etalon` with these words on a worker, and write its report to `out`.
 
     The second of the words is the scene. `files` are the paths of the scene's files with their digests. Returns what
-    `run_comparison` does; workers that die again and again give FAILED, and a lost scheduler gives ENDED.
+    `run_comparison` does. Workers that die again and again, or a scheduler that is gone, give FAILED; the end of the
+    command gives ENDED.
     """
     contents = {digest: Path(path) for path, digest in files.items()}
     arguments = (VERSION, list(words), dict(files), limits.seconds, limits.memory)

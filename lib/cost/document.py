@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All figures of a measurement as plain data: cost.json, and cost.csv with a line for each point."""
+"""All figures of a measurement as plain data.
+
+They are cost.json, and cost.csv with a line for each point.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ BASELINE = "cycles"
 
 @dataclass(frozen=True)
 class Extras:
-    """What stands beside the measurement: forms of the model, the scene's plan, targets, the check of a forecast, the command."""
+    """The data beside the measurement.
+
+    They are forms of the model, the scene's plan, targets, the check of a forecast, and the command.
+    """
 
     forms: tuple[Form, ...] = ()
     plan: Plan | None = None
@@ -44,7 +50,10 @@ def error(measured: Measured, point: Point) -> Estimate:
 
 
 def bias(measured: Measured) -> Estimate:
-    """Relative RMS of the bias at the last point: what is left however often the way is repeated."""
+    """Relative RMS of the bias at the last point.
+
+    It is what is left however often the way is repeated.
+    """
     return of_mean(measured.points[-1].column("bias")).map(lambda v: math.sqrt(max(v, 0.0)))
 
 

@@ -16,7 +16,10 @@ MEASURES = ("mean", "trimmed", "median")
 
 
 def relmse(measured: Measured, point: Point, measure: str = "mean") -> np.ndarray:
-    """The relative squared error of one image, a value a pair; without bias where theory knows of none."""
+    """The relative squared error of one image, a value a pair.
+
+    The bias is left out where theory says that there is none.
+    """
     if measure != "mean":
         return point.column(measure)
     variance = point.column("variance")
@@ -24,16 +27,20 @@ def relmse(measured: Measured, point: Point, measure: str = "mean") -> np.ndarra
 
 
 def efficiency(measured: Measured, measure: str = "mean") -> Estimate:
-    """1 / (relMSE x seconds of rendering alone) at the way's last point, s^-1; NaN where there is none."""
+    """1 / (relMSE x seconds of rendering alone) at the way's last point, s^-1.
+
+    NaN where there is no point.
+    """
     if not measured.points:
         return Estimate(math.nan)
     return of_geometric_mean(_pairs(measured, measured.points[-1], measure))
 
 
 def ratio(measured: Measured, other: Measured, measure: str = "mean") -> Estimate:
-    """Efficiency of `measured` over that of `other` at the largest number of samples that both have.
+    """Efficiency of `measured` over that of `other`.
 
-    Pair by pair: what slows the machine for a while slows both.
+    It is taken at the largest number of samples that both have, pair by pair: what slows the machine for a while slows
+    both.
     """
     shared = min(len(measured.points), len(other.points)) - 1
     if shared < 0:

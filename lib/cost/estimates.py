@@ -15,7 +15,10 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value and the interval that covers the true one with probability `CONFIDENCE`; NaN ends where nothing can be said."""
+    """A value and the interval that covers the true one with probability `CONFIDENCE`.
+
+    Its ends are NaN where nothing can be said.
+    """
 
     value: float
     low: float = math.nan
@@ -44,7 +47,10 @@ def of_mean(values: np.ndarray) -> Estimate:
 
 
 def of_positive_mean(values: np.ndarray) -> Estimate:
-    """The mean of positive values: Student's t on the logarithm's scale, to first order, so that no end is below zero."""
+    """The mean of positive values.
+
+    Its interval is Student's t on the logarithm's scale, to first order, so that no end is below zero.
+    """
     values = np.asarray(values, float)
     mean = float(values.mean())
     if mean <= 0.0:
@@ -54,7 +60,10 @@ def of_positive_mean(values: np.ndarray) -> Estimate:
 
 
 def of_geometric_mean(values: np.ndarray) -> Estimate:
-    """The geometric mean of positive values (Student's t on logarithms); NaN where one of them is not positive."""
+    """The geometric mean of positive values (Student's t on logarithms).
+
+    NaN where one of them is not positive.
+    """
     values = np.asarray(values, float)
     if not np.all(values > 0.0):
         return Estimate(math.nan)

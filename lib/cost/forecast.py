@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long each way takes to an error: drawn from what the pilots leave open, so that the interval is that of the next run.
+"""Forecasts of the time that each way takes to an error.
 
-A way's relMSE is variance(N) + bias^2. Between measured points the variance is read off the line through them on log axes; beyond the last it
-falls as N^-r. Theory gives r = 1 for independent samples; for low-discrepancy points it is at least 1 in the long run, the slope measured so
-far may last or not, and each draw takes a value from a range that holds both.
+They are drawn from what the pilots leave open, so that the interval is that of the next run. A way's relMSE is
+variance(N) + bias^2. Between measured points the variance is read off the line through them on log axes; beyond the
+last it falls as N^-r. Theory gives r = 1 for independent samples; for low-discrepancy points it is at least 1 in the
+long run, the slope measured so far may last or not, and each draw takes a value from a range that holds both.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ STEEPEST_UNKNOWN, STEEPEST = 1.5, 2.0
 
 @dataclass(frozen=True)
 class Range:
-    """The median of what will be, and the ends of the interval that holds it with probability `COVERAGE`; infinite where it is not reached."""
+    """The median of a future value, and the ends of its interval.
+
+    The interval holds the value with probability `COVERAGE`; its ends are infinite where the target is not reached.
+    """
 
     median: float
     low: float
@@ -41,9 +45,10 @@ class Range:
 
 @dataclass(frozen=True)
 class Forecast:
-    """What the error `target` (relative RMSE of one image) takes: `samples` a pixel, seconds of rendering alone and of the `whole` command.
+    """What the error `target` (relative RMSE of one image) takes.
 
-    Infinite samples and seconds: the way's bias, or what was measured of it, stays above the target.
+    It is `samples` a pixel, seconds of rendering alone and of the `whole` command. Samples and seconds are infinite
+    where the way's bias, or what was measured of it, stays above the target.
     """
 
     target: float
@@ -81,13 +86,19 @@ def forecast(measured: Measured, target: float, seed: int = 0) -> Forecast | Non
 
 
 def found_floor(measured: Measured) -> float:
-    """The squared bias of a way that ends in a floor, 0 where its 95 % interval holds 0: a floor that was not found is taken for none."""
+    """The squared bias of a way that ends in a floor.
+
+    0 where its 95 % interval holds 0: a floor that was not found counts as none.
+    """
     found = of_mean(measured.points[-1].column("bias"))
     return found.value if measured.way.bias is Bias.FLOOR and found.low > 0.0 else 0.0
 
 
 def _positive(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Draws of the logarithm of a positive mean, (DRAWS,); no spread is known of a single value, nor of a mean that is not positive."""
+    """Draws of the logarithm of a positive mean, (DRAWS,).
+
+    A single value has no known spread, nor has a mean that is not positive.
+    """
     mean = float(values.mean())
     if mean <= 0.0:
         return np.full(DRAWS, -np.inf)
@@ -116,7 +127,10 @@ def _slopes(logs: np.ndarray, variance: np.ndarray, rate: float | None, rng: np.
 
 
 def _crossing(logs: np.ndarray, curves: np.ndarray, goal: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Samples (DRAWS,) at which each curve, logarithms (DRAWS, levels) at `logs`, first is as low as its `goal`; infinite if never."""
+    """Samples (DRAWS,) at which each curve first is as low as its `goal`.
+
+    Curves are logarithms (DRAWS, levels) at `logs`. Infinite where a curve never is as low.
+    """
     with np.errstate(invalid="ignore"):
         beyond = np.where(np.isfinite(slope), logs[-1] + (curves[:, -1] - goal) / slope, np.inf)
     n = np.where(curves[:, -1] <= goal, logs[-1], beyond)
@@ -131,14 +145,20 @@ def _crossing(logs: np.ndarray, curves: np.ndarray, goal: np.ndarray, slope: np.
 
 
 def _rounded(n: np.ndarray) -> np.ndarray:
-    """Whole samples, at most an eighth more: low-discrepancy points are best in numbers with few binary digits."""
+    """Whole samples, at most an eighth more.
+
+    Low-discrepancy points are best in numbers with few binary digits.
+    """
     n = np.maximum(n, 1.0)
     step = 2.0 ** np.maximum(np.floor(np.log2(np.where(np.isfinite(n), n, 1.0))) - 3.0, 0.0)
     return np.where(np.isfinite(n), np.ceil(n / step - 1e-9) * step, np.inf)
 
 
 def _seconds(points: list[Point], samples: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Seconds of rendering (DRAWS,): through the mean times of the points, on a line beyond them, with the spread of single calls."""
+    """Seconds of rendering (DRAWS,).
+
+    They go through the mean times of the points, and on a line beyond them, with the spread of single calls.
+    """
     n = np.array([p.samples for p in points], float)
     mean = np.array([p.seconds.mean() for p in points])
     slope = mean[-1] / n[-1]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error and seconds of many ways to render one scene, measured side by side within a budget."""
+"""Error and seconds of many ways to render one scene.
+
+They are measured side by side within a budget.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +34,10 @@ MOST_SAMPLES = 4096
 
 @dataclass(frozen=True)
 class Point:
-    """One way at `samples` per pixel: for each pair of replicates its score, for each replicate the seconds of rendering alone
-    and of the whole call (`wall`).
+    """One way at `samples` per pixel.
+
+    It has for each pair of replicates its score, and for each replicate the seconds of rendering alone and of the whole
+    call (`wall`).
     """
 
     samples: int
@@ -52,8 +57,10 @@ class Point:
 
 @dataclass
 class Measured:
-    """All that was measured of one way; `setup` are the seconds from the command's start to its second render call, less that of
-    rendering: opening, export, building, and what the first call takes longer. `missing` says why there is no point, or ''.
+    """All that was measured of one way.
+
+    `setup` are the seconds from the command's start to its second render call, less that of rendering: opening, export,
+    building, and what the first call takes longer. `missing` says why there is no point, or ''.
     """
 
     way: Way
@@ -68,7 +75,10 @@ class Measured:
 
 @dataclass(frozen=True)
 class Truth:
-    """The long render that all are measured against, and the relative squared error it still has."""
+    """The long render that all ways are measured against.
+
+    It has the relative squared error that is left in it.
+    """
 
     way: str
     samples: int
@@ -122,14 +132,13 @@ def measure(
     truth_share: float = TRUTH_SHARE,
     progress: Progress = NO_PROGRESS,
 ) -> Measurement:
-    """Measure `ways` of the scene named `scene` within `budget` seconds, the way `best` being the truth for all.
+    """Measure `ways` of the scene named `scene` within `budget` seconds.
 
-    At 1, 4, 16 ... samples a pixel as many ways as the time that is left still allows, `first` and then the quick ones, render `pairs` pairs of
-    replicates, all in turns, so that a machine that changes its pace does so for all. The best way gets its first level whatever
-    it takes; ways that cannot begin before the budget is spent say so in `missing`. Cancelling keeps the levels that are done.
-    `truth_share` of the budget goes into the truth.
-
-    Raises Cancelled if there is none, EtalonError where pairs are fewer than two or images differ in size.
+    The way `best` is the truth for all. At 1, 4, 16 ... samples a pixel as many ways as the time that is left still
+    allows, `first` and then the quick ones, render `pairs` pairs of replicates, all in turns, so that a machine that
+    changes its pace does so for all. The best way gets its first level whatever it takes; ways that cannot begin
+    before the budget is spent say so in `missing`. Cancelling keeps the levels that are done. `truth_share` of the
+    budget goes into the truth.
     """
     if pairs < 2:
         raise EtalonError(f"pairs is {pairs}; give at least 2, for an interval")
@@ -154,9 +163,10 @@ def measure(
 
 
 def _first_calls(run: TimedRun, limit: float, measured: list[Measured], first: tuple[str, ...]) -> list[_Entry]:
-    """Build every renderer and call it once: what that takes longer than later calls belongs to the setup.
+    """Build every renderer and call it once.
 
-    The first is built in any case, the others within `limit` seconds from the start of the run.
+    What this call takes longer than later ones belongs to the setup. The first renderer is built in any case, the
+    others within `limit` seconds from the start of the run.
     """
     entries = []
     for m in sorted(measured, key=lambda m: (m.way.key != first[0], m.way.key not in first)):
@@ -238,7 +248,10 @@ def _levels(
 
 
 def _affordable(entries: list[_Entry], left: float, first: tuple[str, ...]) -> list[_Entry]:
-    """Those whose next level fits into the seconds `left`: the keys `first`, then the quick ones."""
+    """The entries whose next level fits into the seconds `left`.
+
+    The keys `first` come first, then the quick ones.
+    """
     chosen: list[_Entry] = []
     ready = [e for e in entries if e.measured.points]
     for entry in sorted(ready, key=lambda e: (e.measured.way.key not in first, e.latest)):

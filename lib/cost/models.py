@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What approximations of the model, and half the digits, leave in error and save in nanoseconds: measured on arrays of a tile.
+"""The error and the saving of approximations of the model, and of half the digits.
 
-Directions follow the cosine, as light on a white surface; errors are relative to the exact form at the same arguments, where that is above
-a millionth of its largest value. For masking it is the albedo of the whole lobe that is compared, for Lambda it is G1 = 1 / (1 + Lambda).
+Savings are in nanoseconds, and all is measured on arrays of a tile. Directions follow the cosine, as light on a white
+surface; errors are relative to the exact form at the same arguments, where that is above a millionth of its largest
+value. For masking the albedo of the whole lobe is compared, for Lambda it is G1 = 1 / (1 + Lambda).
 """
 
 from __future__ import annotations
@@ -34,7 +35,10 @@ Kernel = Callable[[], np.ndarray]
 
 @dataclass(frozen=True)
 class Form:
-    """One form of an equation beside the exact one: its mean and largest relative error, and nanoseconds an element of both."""
+    """One form of an equation beside the exact one.
+
+    It has its mean and largest relative error, and nanoseconds an element of both.
+    """
 
     equation: str
     form: str

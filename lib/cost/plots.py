@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures: error against seconds on log axes, and where the time of a camera sample goes."""
+"""The pictures of a measurement.
+
+They show error against seconds on log axes, and where the time of a camera sample goes.
+"""
 
 from __future__ import annotations
 
@@ -62,9 +65,10 @@ def _nothing(_value: float, _position: int | None = None) -> str:
 
 
 def error_figure(figures: dict[str, Any]) -> Figure:
-    """Error of one image against seconds, of rendering alone on the left and of the whole command on the right.
+    """Draw the error of one image against seconds.
 
-    Bars are 95 % intervals. Biased ways go on to their floor, dotted, as far as it was found.
+    Seconds of rendering alone are on the left, those of the whole command on the right. Bars are 95 % intervals. Biased
+    ways go on to their floor, dotted, as far as it was found.
     """
     with mpl.rc_context(_FONT):
         figure = Figure(figsize=(13.0, 6.4), layout="constrained", facecolor="white")
@@ -134,7 +138,10 @@ def _slope(axes: Axes) -> None:
 
 
 def _floor(axes: Axes, way: dict[str, Any]) -> None:
-    """From the last point on towards the bias that stays: sqrt(variance x seconds / s + bias^2), if the interval excludes zero."""
+    """Draw the line from the last point on towards the bias that stays.
+
+    It is sqrt(variance x seconds / s + bias^2), drawn if the interval excludes zero.
+    """
     last = way["points"][-1]
     floor = last["squared_bias"]
     if way["bias_kind"] == "none" or floor["low"] is None or floor["low"] <= 0.0:
@@ -149,7 +156,10 @@ def _floor(axes: Axes, way: dict[str, Any]) -> None:
 
 
 def stage_figure(figures: dict[str, Any]) -> Figure:
-    """Nanoseconds of a thread per camera sample, stage by stage, a bar for each way that has clocks of its own."""
+    """Draw nanoseconds of a thread per camera sample, stage by stage.
+
+    There is a bar for each way that has clocks of its own.
+    """
     ways = [way for way in figures["ways"] if way["points"] and len(way["stages"]) > 3]
     names = list(dict.fromkeys(stage["name"] for way in ways for stage in way["stages"]))
     with mpl.rc_context(_FONT):

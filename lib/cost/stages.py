@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the time goes: the stages of the integrator by their own clocks, and the effects of the scene that run in each."""
+"""Where the time goes: the stages of the integrator by their own clocks.
+
+The effects of the scene that run in each are named too.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,11 @@ from .measure import Measured
 
 @dataclass(frozen=True)
 class StageTime:
-    """One stage: its `share` of the threads' time, `nanoseconds` of a thread per camera sample, and the effects that run in it."""
+    """One stage and its time.
+
+    It has its `share` of the threads' time, `nanoseconds` of a thread per camera sample, and the effects that run in
+    it.
+    """
 
     name: str
     share: float

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cost measurement in one sentence: the cheapest unbiased way to the error that most people want."""
+"""A cost measurement in one sentence.
+
+It names the cheapest unbiased way to the error that most people want.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ USUAL = 0.01
 
 
 def summarize(figures: dict[str, Any]) -> str:
-    """The cheapest unbiased way to 1 %, or to the first target, and what Cycles takes; from the figures of cost.json."""
+    """The cheapest unbiased way to 1 %, or to the first target, and what Cycles takes.
+
+    `figures` are those of cost.json.
+    """
     targets = list(figures["targets"])
     k = targets.index(USUAL) if USUAL in targets else 0
     goal = f"{100 * targets[k]:g} %"

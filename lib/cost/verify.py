@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A forecast put to the test: render the way that it calls cheapest, and look at the clock and at the error."""
+"""A test of a forecast.
+
+The way that it calls cheapest is rendered, and its time and error are compared with the forecast.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +20,11 @@ from .ways import Bias
 
 @dataclass(frozen=True)
 class Verification:
-    """What was forecast for the way of that `key`, and what came: mean `seconds` of two renders of `samples`, relative RMSE of one.
+    """The forecast for the way `key`, and what was measured.
 
-    `to_target` are the seconds that the target would have taken, the variance falling as 1/N between what was reached and it.
+    Measured are the mean `seconds` of two renders of `samples`, and the relative RMSE of one. `to_target` are the
+    seconds that the target would have taken, with the variance falling as 1/N between the error that was reached and
+    the target.
     """
 
     key: str
@@ -38,7 +43,10 @@ class Verification:
 
 
 def cheapest(measurement: Measurement, target: float) -> tuple[str, Forecast] | None:
-    """The way with the least forecast seconds of rendering, other models aside; None where none reaches the target."""
+    """The way with the least forecast seconds of rendering.
+
+    Ways with other models are left out. None where no way reaches the target.
+    """
     told = {m.way.key: forecast(m, target) for m in measurement.ways if m.points and m.way.group != "model"}
     reached = {key: f for key, f in told.items() if f is not None and f.reached}
     if not reached:
@@ -52,9 +60,10 @@ def verify(
     target: float,
     progress: Progress = NO_PROGRESS,
 ) -> Verification | None:
-    """Run the cheapest way to `target` twice: their difference gives the variance, the truth of the pilots the bias.
+    """Run the cheapest way to `target` twice.
 
-    None where no way reaches the target; raises Cancelled when asked to stop.
+    The difference of the two gives the variance, the truth of the pilots the bias. None where no way reaches the
+    target; raises Cancelled when asked to stop.
     """
     found = cheapest(measurement, target)
     if found is None:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ways to render a scene that are measured side by side, each with what is known of its error beforehand."""
+"""The ways to render a scene that are measured side by side.
+
+Each has what is known of its error beforehand.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from ..wavefront.render import ReferenceRenderer
 
 
 class Bias(Enum):
-    """What more samples do to an error: bring it to nothing, to a floor, or where only measuring tells."""
+    """What more samples do to an error.
+
+    They bring it to nothing, to a floor, or only measuring tells.
+    """
 
     NONE = "none"
     FLOOR = "floor"
@@ -61,10 +67,11 @@ BEST = "mis"
 
 
 def reference_ways(scene: Scene, seed: int, threads: int, opening: float) -> list[Way]:
-    """The reference integrator: each strategy of sampling, plain random numbers, and the other masking forms.
+    """The ways of the reference integrator.
 
-    The masking of the model is Cycles' (height-correlated), so the other forms end in a floor: the difference of the models.
-    All share one acceleration structure, whose building counts as part of each one's opening.
+    They are each strategy of sampling, plain random numbers, and the other masking forms. The masking of the model is
+    Cycles' (height-correlated), so the other forms end in a floor: the difference of the models. All share one
+    acceleration structure, whose building counts as part of each one's opening.
     """
     start = perf_counter()
     base = ReferenceRenderer(scene, Options(seed=seed, threads=threads))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder a measurement leaves: cost.html, cost.json, cost.csv, and the pictures as PNG and SVG."""
+"""The folder that a measurement writes.
+
+It holds cost.html, cost.json, cost.csv, and the pictures as PNG and SVG.
+"""
 
 from __future__ import annotations
 

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The relative squared error of images, from pairs of independent replicates and a truth that is itself an estimate.
+"""The relative squared error of images, from pairs of replicates and a truth.
 
-With weights w = 1 / (T^2 + e^2) and replicates a, b of one way, truths T', T'' of another run, all independent:
+The replicates are independent, and the truth is itself an estimate. With weights w = 1 / (T^2 + e^2) and replicates
+a, b of one way, truths T', T'' of another run, all independent:
 
     variance  E[w (a - b)^2 / 2]         needs no truth
     bias^2    E[w (a - T')(b - T'')]     noise of neither image is left in the mean
     relMSE    variance + bias^2          of one replicate
 
-Every pair has truths of its own, so that pairs are independent estimates and their spread is the error of their mean; T in its weights is the
-mean of all others, for weights that follow T' and T'' would make a bias of their noise. Pixels share point sets, in Cycles as
-here, and count as nothing independent.
+Every pair has truths of its own, so that pairs are independent estimates and their spread is the error of their mean; T
+in its weights is the mean of all others, for weights that follow T' and T'' would make a bias of their noise. Pixels
+share point sets, in Cycles as here, and do not count as independent.
 """
 
 from __future__ import annotations
@@ -26,9 +27,10 @@ TRIMMED = 0.01
 
 @dataclass(frozen=True)
 class Score:
-    """What a pair of replicates says of one image's error: each the mean over pixels and channels, in units of the weights.
+    """One image's error by a pair of replicates.
 
-    `trimmed` and `median` are over pixels, of the squared error against the whole truth, its own noise taken off.
+    Each value is the mean over pixels and channels, in units of the weights. `trimmed` and `median` are over pixels,
+    of the squared error against the whole truth, less the truth's own noise.
     """
 
     variance: float
@@ -38,10 +40,10 @@ class Score:
 
 
 class Yardstick:
-    """The truth for `pairs` pairs: two independent images for each, (height, width, 3), in order.
+    """The truth for `pairs` pairs.
 
-    `noise` is the relative squared error that their mean still has; `excluded` (height, width) marks pixels in which a sample was
-    not finite.
+    It has two independent images for each, (height, width, 3), in order. `noise` is the relative squared error that
+    their mean still has; `excluded` (height, width) marks pixels in which a sample was not finite.
     """
 
     def __init__(self, images: list[np.ndarray]) -> None:
@@ -60,7 +62,10 @@ class Yardstick:
         return len(self._pieces) // 2
 
     def score(self, a: np.ndarray, b: np.ndarray, pair: int) -> Score:
-        """The error of replicates `a` and `b` of one way; a pixel that is not finite in one of them does not count."""
+        """The error of replicates `a` and `b` of one way.
+
+        A pixel that is not finite in one of them does not count.
+        """
         used = np.isfinite(a).all(axis=2) & np.isfinite(b).all(axis=2) & ~self.excluded
         a, b = (np.where(used[..., None], image, 0.0) for image in (a, b))
         one, two = self._pieces[2 * pair], self._pieces[2 * pair + 1]

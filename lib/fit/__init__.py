@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Identification: which model, with which parameters, explains a measured BRDF or a picture of a sphere."""
+"""Identification of a model, with its parameters.
+
+The model explains a measured BRDF or a picture of a sphere.
+"""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The candidates of a fit: a distribution, a masking and a Fresnel term, with their parameters.
+"""The candidates of a fit.
 
-Colour c of f |n.wi| is d_c (n.wi) / pi + M F_c, M the white microfacet lobe. d and, for most terms, F are linear in
-their parameters and are solved for; alpha, the anisotropy, 1/g and the indices of metals are searched.
+Each is a distribution, a masking and a Fresnel term, with their parameters. Colour c of f |n.wi| is
+d_c (n.wi) / pi + M F_c, M the white microfacet lobe. d and, for most terms, F are linear in their parameters and are
+solved for; alpha, the anisotropy, 1/g and the indices of metals are searched.
 """
 
 from __future__ import annotations
@@ -38,7 +39,10 @@ class ExactStudentT(StudentT):
 
 @dataclass(frozen=True)
 class Candidate:
-    """One model: names of its distribution, masking and Fresnel term; `anisotropic` gives it two alphas, along x and y."""
+    """One model: names of its distribution, masking and Fresnel term.
+
+    `anisotropic` gives it two alphas, along x and y.
+    """
 
     distribution: str
     masking: str
@@ -52,11 +56,17 @@ class Candidate:
         return shape + (("1/g",) if self.distribution == "student-t" else ())
 
     def parameters(self, colors: int) -> int:
-        """How many parameters are free: diffuse albedo and reflectance of each colour, and those of its shape."""
+        """How many parameters are free.
+
+        They are the diffuse albedo and reflectance of each colour, and those of the lobe's shape.
+        """
         return len(self.names) + colors * (3 if self.fresnel == "exact" else 2)
 
     def bounds(self, colors: int) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the searched vector: log alpha, log ratio, 1/g, then log ior and log k of each colour."""
+        """Lower and upper bounds of the searched vector.
+
+        It holds log alpha, log ratio, 1/g, then log ior and log k of each colour.
+        """
         limits = {
             "alpha": (np.log(LEAST_ALPHA), np.log(LARGEST_ALPHA)),
             "anisotropy": (-np.log(LARGEST_RATIO), np.log(LARGEST_RATIO)),
@@ -69,7 +79,10 @@ class Candidate:
         return np.array(low), np.array(high)
 
     def named(self, vector: np.ndarray) -> dict[str, float]:
-        """The shape's parameters of a searched vector in their own units; anisotropy is alpha_x / alpha_y."""
+        """The shape's parameters of a searched vector in their own units.
+
+        The anisotropy is alpha_x / alpha_y.
+        """
         found = dict(zip(self.names, map(float, vector), strict=False))
         return {name: value if name == "1/g" else float(np.exp(value)) for name, value in found.items()}
 
@@ -93,10 +106,10 @@ def _distribution(name: str, inverse: float, directions: int) -> Distribution:
 def design(
     candidate: Candidate, seen: Observations, vector: np.ndarray, lobe: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """For each colour the columns of what it is linear in, (c, k, n), and what is fixed, (c, n).
+    """The linear columns (c, k, n) and the fixed part (c, n) for each colour.
 
-    The first column is the diffuse one, the second, if any, belongs to the colour (no Fresnel term) or F0 (Schlick). `lobe` is that of
-    `vector`.
+    The first column is the diffuse one, the second, if any, belongs to the colour (no Fresnel term) or F0 (Schlick).
+    `lobe` is that of `vector`.
     """
     diffuse, white = seen.diffuse, seen.collect(lobe)
     if candidate.fresnel == "exact":

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which model the data show: all candidates at their best, those that the data cannot tell apart, and whether any of them fits."""
+"""Which model the data show.
+
+It finds all candidates at their best, those that the data cannot tell apart, and whether any of them fits.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +30,12 @@ _HOPELESS = 5.0
 
 @dataclass(frozen=True)
 class Identification:
-    """The answer about `seen`: `best`, the candidates that the data cannot tell from it, and all of them, the best fit first.
+    """The answer about `seen`: `best`, its equivalents, and all candidates.
 
-    `fits` says whether the best one explains the data; `p_value` is the share of data sets of the right model that fit worse.
-    `intervals` are 95 % intervals of the best one's shape by name, `inverse_g` that of 1/g among all Student-t distributions.
+    Equivalents are the candidates that the data cannot tell from the best; of all, the best fit is first. `fits` says
+    whether the best one explains the data; `p_value` is the share of data sets of the right model that fit worse.
+    `intervals` are 95 % intervals of the best one's shape by name, `inverse_g` that of 1/g among all Student-t
+    distributions.
     """
 
     seen: Observations
@@ -99,7 +104,10 @@ def _require_light(seen: Observations) -> None:
 
 
 def _search(distribution: str, seen: Observations) -> Solution:
-    """The best start of a distribution; metals are too slow to search by, and begin where the others end."""
+    """The best start of a distribution.
+
+    Metals are too slow to search by, and begin where the others end.
+    """
     masked = [Candidate(distribution, "correlated", term, seen.anisotropic) for term in _terms(seen)]
     return min((search(one, seen) for one in masked), key=lambda one: one.chi2)
 
@@ -133,7 +141,10 @@ def _terms(seen: Observations) -> tuple[str, ...]:
 
 
 def _again(seen: Observations, earlier: list[Solution], progress: Progress) -> list[Solution]:
-    """The same candidates under another noise, the best fit first; what fits far worse than the best is not searched again."""
+    """Fit the same candidates under another noise, and sort them, the best fit first.
+
+    What fits far worse than the best is not searched again.
+    """
     found = []
     for one in earlier:
         progress.check()
@@ -144,7 +155,10 @@ def _again(seen: Observations, earlier: list[Solution], progress: Progress) -> l
 
 
 def _metals(start: Solution, seen: Observations) -> list[np.ndarray]:
-    """Logarithms of indices to begin with: an insulator and two metals that reflect about as much."""
+    """Logarithms of indices to begin with.
+
+    They are those of an insulator and two metals that reflect about as much.
+    """
     f0 = np.clip(start.linear[:, 1], 0.01, 0.98)
     insulator = np.stack([(1.0 + np.sqrt(f0)) / (1.0 - np.sqrt(f0)), np.full(seen.colors, 0.05)], axis=1)
     metals = []
@@ -155,7 +169,10 @@ def _metals(start: Solution, seen: Observations) -> list[np.ndarray]:
 
 
 def _cannot_tell(one: Solution, best: Solution, seen: Observations) -> bool:
-    """Whether chi^2 rises from `best` to `one` by no more than noise explains, for the parameters that differ in number."""
+    """Whether chi^2 rises from `best` to `one` by no more than noise explains.
+
+    The number of parameters in which the two differ is taken into account.
+    """
     from scipy.stats import chi2
 
     more = abs(one.candidate.parameters(seen.colors) - best.candidate.parameters(seen.colors))
@@ -163,7 +180,10 @@ def _cannot_tell(one: Solution, best: Solution, seen: Observations) -> bool:
 
 
 def _best(solutions: list[Solution], seen: Observations) -> Solution:
-    """Of the candidates that the data cannot tell from the best fit the one with the fewest parameters."""
+    """The simplest candidate that the data cannot tell from the best fit.
+
+    It is the one with the fewest parameters.
+    """
     alike = [one for one in solutions if _cannot_tell(one, solutions[0], seen)]
     return min(alike, key=lambda one: (one.candidate.parameters(seen.colors), one.chi2))
 

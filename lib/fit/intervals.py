@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Intervals by profile likelihood: where the other parameters, at their best, make up for the change of one."""
+"""Intervals by profile likelihood.
+
+The other parameters, at their best, make up for the change of one.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,10 @@ _DOUBLINGS = 12
 
 
 def profile_interval(solution: Solution, seen: Observations, index: int) -> tuple[float, float]:
-    """The 95 % interval of entry `index` of the searched vector: chi^2 rises by 3.84 at its ends, or a bound is met.
+    """The 95 % interval of entry `index` of the searched vector.
 
-    Residuals whose errors are estimated are larger by `inflation`, and so is the rise.
+    chi^2 rises by 3.84 at its ends, or a bound is met. Residuals whose errors are estimated are larger by
+    `inflation`, and so is the rise.
     """
     from scipy.optimize import root_scalar
     from scipy.stats import chi2
@@ -47,7 +51,10 @@ def profile_interval(solution: Solution, seen: Observations, index: int) -> tupl
 
 
 def _step(solution: Solution, seen: Observations, index: int) -> float:
-    """Two standard errors of an entry by the curvature of chi^2, the others held: an interval's half width at least."""
+    """Two standard errors of an entry by the curvature of chi^2, the others held.
+
+    The interval's half width is at least that.
+    """
     shift = 1e-4
     moved = solution.vector.copy()
     high = solution.candidate.bounds(seen.colors)[1][index]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Observations from a measured BRDF: directions that cover its lobe, and noise estimated from the scatter of its table."""
+"""Observations from a measured BRDF.
+
+Directions cover its lobe, and the noise is estimated from the scatter of its table.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +26,9 @@ _VIEWS = np.radians([5.0, 20.0, 35.0, 50.0, 65.0, 75.0])
 
 
 def observe_brdf(path: Path, noise: float | None = None) -> Observations:
-    """Values of a MERL or RGL file with the relative standard error `noise`; None: as the file's scatter shows.
+    """Values of a MERL or RGL file with the relative standard error `noise`.
 
-    Raises EtalonError for a file that cannot be used, or without light.
+    None: as the file's scatter shows. Raises EtalonError for a file that cannot be used, or without light.
     """
     brdf = read_measured(path)
     wi, wo = _merl_directions() if isinstance(brdf, Merl) else _directions(brdf)
@@ -40,9 +43,10 @@ def observe_brdf(path: Path, noise: float | None = None) -> Observations:
 
 
 def scatter(values: np.ndarray) -> float:
-    """Relative noise of a MERL table: third differences along phi_d, where a BRDF is smooth; at least 0.1 %.
+    """Relative noise of a MERL table, at least 0.1 %.
 
-    The median of |third difference| / mean of the four, over that of a normal variable of variance 1 + 9 + 9 + 1.
+    It comes from third differences along phi_d, where a BRDF is smooth. It is the median of |third difference| / mean
+    of the four, over that of a normal variable of variance 1 + 9 + 9 + 1.
     """
     part = values[:, 2:60:4, 5:60:5]
     four = np.stack([part[..., k : 177 + k] for k in range(4)])
@@ -53,7 +57,10 @@ def scatter(values: np.ndarray) -> float:
 
 
 def _merl_directions() -> tuple[np.ndarray, np.ndarray]:
-    """The middles of some cells of a MERL table, both directions within 80 degrees of the normal."""
+    """The middles of some cells of a MERL table.
+
+    Both directions lie within 80 degrees of the normal.
+    """
     k, d, p = (
         a.ravel() + 0.5
         for a in np.meshgrid(
@@ -66,7 +73,10 @@ def _merl_directions() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _directions(brdf: MeasuredBrdf) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of directions whose half vectors lie densest about the normal; views of all azimuths where these matter."""
+    """Pairs of directions whose half vectors lie densest about the normal.
+
+    Views have all azimuths where these matter.
+    """
     theta = 0.5 * np.pi * np.square((np.arange(_HALF_ANGLES) + 0.5) / _HALF_ANGLES)
     phi = 2.0 * np.pi * (np.arange(_AZIMUTHS) + 0.25) / _AZIMUTHS
     turns = np.zeros(1) if brdf.isotropic else np.radians([10.0, 50.0, 100.0, 140.0])

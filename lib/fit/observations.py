@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a fit explains: values of f |n.wi| at pairs of directions, or their means over pixels, with the noise of each."""
+"""The data that a fit explains.
+
+They are values of f |n.wi| at pairs of directions, or their means over pixels, with the noise of each.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +21,12 @@ _ONE_COSINE = 1e-3
 
 @dataclass(frozen=True)
 class Observations:
-    """`values` (c, n) of c colours with independent noise, and the directions that they are made of.
+    """`values` (c, n) of c colours with independent noise, and their directions.
 
-    Directions `wi`, `wo` are (3, m) in local frames. Value j is the sum of weight times f |n.wi| over the directions from `first`[j] on, up
-    to the next. Its variance is `variances` (c, n) plus that of the relative `noise`. `degrees` are the degrees of freedom of
-    the variances, infinite where they are known. `anisotropic` says that the frames' azimuths mean something.
+    Directions `wi`, `wo` are (3, m) in local frames. Value j is the sum of weight times f |n.wi| over the directions
+    from `first`[j] on, up to the next. Its variance is `variances` (c, n) plus that of the relative `noise`.
+    `degrees` are the degrees of freedom of the variances, infinite where they are known. `anisotropic` says that the
+    frames' azimuths mean something.
     """
 
     wi: np.ndarray
@@ -49,7 +53,10 @@ class Observations:
         return np.add.reduceat(terms * self.weights, self.first, axis=-1)
 
     def at_level(self, level: np.ndarray) -> Observations:
-        """The same, with relative noise taken of `level` (c, n) in place of the noisy values themselves."""
+        """The same observations, with relative noise taken of `level` (c, n).
+
+        `level` takes the place of the noisy values themselves.
+        """
         return replace(self, level=level)
 
     @cached_property
@@ -71,19 +78,28 @@ class Observations:
 
     @property
     def tells_fresnel(self) -> bool:
-        """Whether light meets the microfacets at more than one angle: a far sun and a far camera make it one."""
+        """Whether light meets the microfacets at more than one angle.
+
+        A far sun and a far camera make it one angle.
+        """
         return float(np.ptp(self.cosines)) > _ONE_COSINE
 
     @property
     def inflation(self) -> float:
-        """The mean square of a residual over its estimated error where the model holds: 1, or more for few degrees of freedom."""
+        """The mean square of a residual over its estimated error where the model holds.
+
+        It is 1, or more for few degrees of freedom.
+        """
         return 1.0 if np.isinf(self.degrees) else self.degrees / (self.degrees - 2.0)
 
 
 def plain_observations(
     wi: np.ndarray, wo: np.ndarray, values: np.ndarray, noise: float, anisotropic: bool, source: str
 ) -> Observations:
-    """Values of f |n.wi|, (c, n), at pairs of directions (3, n), with the relative standard error `noise`."""
+    """Observations from values of f |n.wi|, (c, n), at pairs of directions (3, n).
+
+    `noise` is their relative standard error.
+    """
     count = wi.shape[1]
     return Observations(
         wi, wo, np.ones(count), np.arange(count), values, np.zeros_like(values), noise, np.inf, anisotropic, source

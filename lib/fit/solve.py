@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The least weighted squares of a candidate: linear parameters by projection, the others from several starts."""
+"""The least weighted squares of a candidate.
+
+Linear parameters are found by projection, the others from several starts.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +27,10 @@ _INSIDE = 1e-4  # at a bound itself the sine does not move
 
 @dataclass(frozen=True)
 class Solution:
-    """A candidate at its best: the searched `vector`, `linear` (c, k) parameters, chi^2, and the values it predicts, (c, n).
+    """A candidate at its best.
 
-    `errors` (c, k) are standard errors of the linear ones, with the others as found.
+    It has the searched `vector`, `linear` (c, k) parameters, chi^2, and the values it predicts, (c, n). `errors` (c,
+    k) are standard errors of the linear ones, with the others as found.
     """
 
     candidate: Candidate
@@ -43,7 +47,10 @@ class Solution:
 
 
 class Lobes:
-    """The white lobes of a candidate's last few shapes: a change of the Fresnel term alone needs no new one."""
+    """The white lobes of a candidate's last few shapes.
+
+    A change of the Fresnel term alone needs no new one.
+    """
 
     def __init__(self, candidate: Candidate, seen: Observations) -> None:
         self._candidate, self._seen = candidate, seen
@@ -63,7 +70,10 @@ class Lobes:
 def solve_linear(
     candidate: Candidate, seen: Observations, vector: np.ndarray, lobes: Lobes | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The best linear parameters (c, k) for a searched vector, what they predict (c, n), and their standard errors (c, k)."""
+    """The best linear parameters (c, k) for a searched vector.
+
+    Also returns what they predict (c, n), and their standard errors (c, k).
+    """
     columns, fixed = design(candidate, seen, vector, (lobes or Lobes(candidate, seen)).at(vector))
     scaled = columns / seen.deviations[:, None]
     scale = np.maximum(np.sqrt(np.square(scaled).sum(axis=2)), 1e-300)
@@ -83,9 +93,10 @@ def residuals(candidate: Candidate, seen: Observations, vector: np.ndarray, lobe
 def solve_from(
     candidate: Candidate, seen: Observations, starts: list[np.ndarray], fixed: dict[int, float] | None = None
 ) -> Solution:
-    """The best of the local minima that `starts` lead to; entries of the vector that are `fixed` stay.
+    """The best of the local minima that `starts` lead to.
 
-    Bounds are kept by a sine (as in MINUIT), so that the search itself has none.
+    Entries of the vector that are `fixed` stay. Bounds are kept by a sine (as in MINUIT), so that the search itself has
+    none.
     """
     from scipy.optimize import least_squares
 
@@ -123,9 +134,10 @@ def solve_from(
 
 
 def search(candidate: Candidate, seen: Observations) -> Solution:
-    """The best minimum of a candidate without indices of metals: the most promising points of a grid, then descent from each.
+    """The best minimum of a candidate without indices of metals.
 
-    Narrow lobes over a broad one, or the reverse, are a false minimum: hence several starts.
+    The search descends from the most promising points of a grid. Narrow lobes over a broad one, or the reverse, are a
+    false minimum: hence several starts.
     """
     axes: list[np.ndarray] = [np.log(_ALPHAS)]
     if candidate.anisotropic:

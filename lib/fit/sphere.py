@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Observations from an image of one sphere under one sun: what every pixel sees of it, and from where it is lit."""
+"""Observations from an image of one sphere under one sun.
+
+They have what every pixel sees of the sphere, and from where it is lit.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,10 @@ _LARGEST_RATIO = 1e6
 
 @dataclass(frozen=True)
 class _Sight:
-    """What subpixels see: wi and wo in local frames, (3, m), and the place of the pixel of each, (m,)."""
+    """What subpixels see.
+
+    It has wi and wo in local frames, (3, m), and the place of the pixel of each, (m,).
+    """
 
     wi: np.ndarray
     wo: np.ndarray
@@ -42,9 +48,9 @@ class _Sight:
 
 
 def require_sphere(scene: Scene, name: str | None) -> tuple[SunLight, str]:
-    """The sun of a scene that has one sphere, one sun without width and nothing else; and the sphere's name.
+    """The sun of a scene with one sphere and one sun without width, and the sphere's name.
 
-    Raises EtalonError that says what must change.
+    Raises EtalonError that says what must change where the scene has anything else.
     """
     names = [item.name for item in scene.mesh.objects]
     if len(names) != 1:
@@ -133,7 +139,10 @@ def _some(pixels: np.ndarray) -> np.ndarray:
 
 
 def _steepness(image: np.ndarray) -> np.ndarray:
-    """By what factor the light differs among a pixel and its eight neighbours, at least 1, (height, width)."""
+    """By what factor the light differs among a pixel and its eight neighbours.
+
+    It is at least 1, (height, width).
+    """
     padded = np.pad(image, 1, mode="edge")
     height, width = image.shape
     near = [padded[i : i + height, j : j + width] for i in range(3) for j in range(3)]
@@ -142,7 +151,10 @@ def _steepness(image: np.ndarray) -> np.ndarray:
 
 
 def _look(scene: Scene, sun: SunLight, pixels: np.ndarray, split: int) -> _Sight:
-    """What `split` x `split` subpixels of each pixel see of the sphere; those that miss it or see it unlit have wi.z = 0."""
+    """What `split` x `split` subpixels of each pixel see of the sphere.
+
+    Those that miss it or see it unlit have wi.z = 0.
+    """
     camera = scene.camera
     row, column = np.divmod(pixels, camera.width)
     step = (np.arange(split) + 0.5) / split
@@ -187,5 +199,8 @@ def _frame(scene: Scene, points: SurfacePoints) -> tuple[np.ndarray, np.ndarray]
 
 
 def _whole(seen: _Sight, count: int, split: int) -> np.ndarray:
-    """Whether all subpixels of a pixel see the lit sphere, neither grazing nor under grazing light, (count,) bool."""
+    """Whether all subpixels of a pixel see the lit sphere, (count,) bool.
+
+    They may see it neither grazing nor under grazing light.
+    """
     return np.bincount(seen.pixel, seen.wi[2] > 0.0, minlength=count) == split * split

@@ -17,7 +17,10 @@ _FRESNEL = {"none": "no Fresnel term", "schlick": "Schlick's Fresnel term", "exa
 
 
 def fit_lines(found: Identification) -> list[str]:
-    """The answer in lines: the model, its parameters with intervals, whether it fits, and what cannot be told."""
+    """The answer in lines.
+
+    It has the model, its parameters with intervals, whether it fits, and what cannot be told.
+    """
     seen, best = found.seen, found.best
     lines = [
         f"{seen.source}: {plural(seen.values.shape[1], 'value')} in {plural(seen.colors, 'colour')}",
@@ -77,7 +80,10 @@ def describe(one: Solution) -> str:
 
 
 def untold(found: Identification) -> dict[str, list[str]]:
-    """What differs among models that are alike but for it, and its values: distribution, masking, Fresnel term."""
+    """The parts of the model that the data cannot tell, with their possible values.
+
+    A part is a distribution, a masking or a Fresnel term. Models are compared that are alike in the other two.
+    """
     best, result = found.best.candidate, {}
     fields = {"distribution": "distribution", "masking": "masking", "Fresnel term": "fresnel"}
     for what, field in fields.items():

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same scenes under several Blenders: finding these, rendering all in rounds, and what is claimed of each change."""
+"""The same scenes under several Blenders.
+
+The package finds the Blenders, renders all in rounds, and judges each change.
+"""

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is claimed of the change from one version to another: whether there is one, where, why, and which is nearer to the reference."""
+"""The claims on the change from one version to another.
+
+They say whether there is a change, where, why, and which version is nearer to the reference.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ SEVERITY = (Outcome.EQUIVALENT, Outcome.EXPLAINED, Outcome.UNDECIDED, Outcome.DI
 
 
 class Nearer(Enum):
-    """Which of two versions lies nearer to the reference in a region: one of them, each in another channel, or not known."""
+    """Which of two versions lies nearer to the reference in a region.
+
+    It is one of them, each in another channel, or not known.
+    """
 
     FIRST = "first"
     SECOND = "second"
@@ -39,7 +45,10 @@ class Nearer(Enum):
 
 @dataclass(frozen=True)
 class PassChange:
-    """What came of one light pass: `outcomes` (n,) of the image and the regions with a name, and the relative change (n, 3) with its ends."""
+    """The result for one light pass.
+
+    It has the `outcomes` (n,) of the image and the regions with a name, and the relative change (n, 3) with its ends.
+    """
 
     outcomes: np.ndarray
     difference: np.ndarray
@@ -70,7 +79,11 @@ class Change:
 
     @property
     def outcome(self) -> Outcome:
-        """DIFFERENT if a region or a pass is, else UNDECIDED if one is, EXPLAINED if all that changed is, EQUIVALENT if nothing changed."""
+        """The outcome of the whole change.
+
+        DIFFERENT if a region or a pass is, else UNDECIDED if one is, EXPLAINED if all that changed is, EQUIVALENT if
+        nothing changed.
+        """
         found = np.concatenate([self.outcomes, *(one.outcomes for one in self.passes.values())])
         return next(one for one in reversed(SEVERITY) if (found == one).any())
 
@@ -87,7 +100,10 @@ class Change:
 
     @property
     def worst(self) -> tuple[int, int]:
-        """Region and channel with the largest change that is sure; of the largest estimate, where none is."""
+        """Region and channel with the largest change that is sure.
+
+        Where none is sure, those with the largest estimate.
+        """
         sure = np.nan_to_num(np.maximum(np.maximum(self.low, -self.high), 0.0))
         size = sure if sure.any() else np.nan_to_num(np.abs(self.difference))
         place, channel = np.unravel_index(np.argmax(size), size.shape)
@@ -95,7 +111,10 @@ class Change:
 
 
 def judge(rounds: Rounds, departures: Sequence[tuple[Departure, ...]], options: CompareOptions) -> tuple[Change, ...]:
-    """Judge all pairs together, so that one level holds for all that is claimed; `departures` are those that changed, for each pair."""
+    """Judge all pairs together, so that one level holds for all claims.
+
+    `departures` are those that changed, for each pair.
+    """
     level = 1 - options.confidence
     reference = np.mean([series.of(IMAGE).mean(axis=0)[0] for series in rounds.references], axis=0)
     floor = FLOOR_SHARE * float(np.abs(reference).mean())
@@ -137,7 +156,10 @@ class _Pair:
         self._rounds, self.first, self.second = rounds, first, second
 
     def sides(self, name: Part | str) -> tuple[np.ndarray, np.ndarray]:
-        """The second version and the first one, which changes are relative to, in one kind of light."""
+        """The second version and the first one, in one kind of light.
+
+        Changes are relative to the first one.
+        """
         return self._rounds.cycles[self.second].of(name), self._rounds.cycles[self.first].of(name)
 
     def errors(self) -> tuple[np.ndarray, np.ndarray]:
@@ -148,7 +170,10 @@ class _Pair:
         return one, two
 
     def p_explained(self, tolerance: float, floor: float) -> np.ndarray:
-        """p-values (k,) of "what the models of both versions do not say of the change is within the tolerance"; 1 without models."""
+        """p-values (k,) of "the unexplained change is within the tolerance".
+
+        Unexplained is what the models of both versions do not account for. 1 without models.
+        """
         models = [self._rounds.models[k] for k in (self.first, self.second)]
         second, first = self.sides(IMAGE)
         if models[0] is None or models[1] is None:
@@ -158,7 +183,10 @@ class _Pair:
 
 
 def _rejected(p: list[np.ndarray], level: float) -> list[np.ndarray]:
-    """Which claims are made at one level for all arrays of p-values together (Holm), in their shapes."""
+    """Which claims are made at one level for all arrays of p-values together (Holm).
+
+    They have the shapes of the arrays.
+    """
     flat = holm(np.nan_to_num(np.concatenate([one.ravel() for one in p]), nan=1.0), level)
     parts = np.split(flat, np.cumsum([one.size for one in p])[:-1])
     return [part.reshape(one.shape) for part, one in zip(parts, p, strict=True)]
@@ -173,7 +201,10 @@ def _outcomes(rejected: np.ndarray) -> np.ndarray:
 
 
 def _explain_passes(whole: PassChange, planes: dict[Part | str, PassChange]) -> None:
-    """Passes tell where a change is; where the whole light of a region is explained, so are its passes."""
+    """Mark the passes of a region as explained where its whole light is.
+
+    Passes show where a change is.
+    """
     for one in planes.values():
         region = whole.outcomes[: len(one.outcomes)]
         one.outcomes[(one.outcomes == Outcome.DIFFERENT) & (region == Outcome.EXPLAINED)] = Outcome.EXPLAINED

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All figures of `etalon versions` as plain data: versions.json, whose published form is versions.schema.json beside this file."""
+"""All figures of `etalon versions` as plain data: versions.json.
+
+Its published form is versions.schema.json beside this file.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,10 @@ VERSION = 1
 def document(
     scenes: Sequence[dict[str, Any]], blenders: Sequence[Blender], options: CompareOptions, seconds: float, command: str
 ) -> dict[str, Any]:
-    """versions.json as a dictionary; numbers that are not finite are None. `scenes` are made by `scene_figures`."""
+    """versions.json as a dictionary; numbers that are not finite are None.
+
+    `scenes` are made by `scene_figures`.
+    """
     figures = make_plain(
         {
             "format": FORMAT,
@@ -63,7 +69,10 @@ def _has_failed(scene: Mapping[str, Any]) -> bool:
 def scene_figures(
     name: str, versions: Sequence[dict[str, Any]], measured: Measured | None, error: str
 ) -> dict[str, Any]:
-    """One scene: its `versions`, made by `version_figures`, and what was measured, or the `error` why nothing was."""
+    """One scene: its `versions`, and what was measured.
+
+    `versions` are made by `version_figures`; `error` says why nothing was measured.
+    """
     found: dict[str, Any] = {"scene": name, "error": error, "versions": list(versions), "changes": []}
     if measured is None:
         return found | {"sentence": scene_sentence(found)}
@@ -87,7 +96,10 @@ def scene_figures(
 
 
 def version_figures(label: str, folder: Path, below: Path, status: str, code: int, message: str) -> dict[str, Any]:
-    """What came of comparing one version with the reference, whose report lies in `folder`; paths are told `below` the page's."""
+    """The result of comparing one version with the reference.
+
+    Its report lies in `folder`; paths are relative to `below`, the folder of the page.
+    """
     found: dict[str, Any] = {"label": label, "status": status, "message": message, "report": None}
     found |= dict.fromkeys(("verdict", "bound", "image", "causes"))
     if status != "finished":
@@ -139,7 +151,10 @@ def _change(measured: Measured, change: Change) -> dict[str, Any]:
 
 
 def _places(change: Change, named: int) -> list[tuple[int, int]]:
-    """The regions with a name that changed, and the channel of each that changed most, the largest sure change first."""
+    """The regions with a name that changed, and the channel of each that changed most.
+
+    The largest sure change is first.
+    """
     sure = np.nan_to_num(np.maximum(np.maximum(change.low, -change.high), 0.0))
     moved = (change.outcomes == Outcome.DIFFERENT) | (change.outcomes == Outcome.EXPLAINED)
     found = [k for k in range(1, named) if moved[k]]
@@ -169,7 +184,10 @@ def _interval(of: Change | PassChange, k: int, channel: int) -> dict[str, Any]:
 
 
 def _pass(measured: Measured, name: str, one: PassChange) -> dict[str, Any]:
-    """One light pass: what is claimed of it in the image and the regions with a name together, and where it changed most."""
+    """The figures of one light pass.
+
+    They have the claim on it in the image and the regions with a name together, and where it changed most.
+    """
     sure = np.nan_to_num(np.maximum(np.maximum(one.low, -one.high), 0.0))
     size = sure if sure.any() else np.nan_to_num(np.abs(one.difference))
     k, channel = (int(n) for n in np.unravel_index(np.argmax(size), size.shape))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Environments of their own for releases of Blender as a Python module, kept in the user's cache folder."""
+"""Environments for releases of Blender as a Python module.
+
+They are kept in the user's cache folder.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ Tell = Callable[[str], None]
 
 
 def cache_folder() -> Path:
-    """Where this user's programs keep what they can make again; the folder below it for Étalon."""
+    """Étalon's folder in this user's cache.
+
+    Programs keep there what they can make again.
+    """
     home = Path.home()
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")) / "etalon" / "Cache"
@@ -38,7 +44,10 @@ def cache_folder() -> Path:
 
 
 def requirements() -> tuple[str, ...]:
-    """What Étalon needs besides Blender, from its installed metadata or the pyproject.toml of a checkout."""
+    """The packages that Étalon needs besides Blender.
+
+    They come from its installed metadata or the pyproject.toml of a checkout.
+    """
     checkout = Path(__file__).resolve().parents[2] / "pyproject.toml"
     if checkout.is_file():
         listed = tomllib.loads(checkout.read_text(encoding="utf-8"))["project"]["dependencies"]
@@ -53,9 +62,10 @@ def requirements() -> tuple[str, ...]:
 
 
 def python_of_release(release: str, tell: Tell) -> str:
-    """The Python of an environment that has Blender `release` (4.5 or 4.5.3) as a module; it is made where it is missing.
+    """The Python of an environment that has Blender `release` as a module.
 
-    Raises EtalonError where there is no Python of the version that the release needs, or no such release to install.
+    `release` is as 4.5 or 4.5.3. The environment is made where it is missing. Raises EtalonError where there is no
+    Python of the version that the release needs, or no such release to install.
     """
     folder = cache_folder() / f"blender-{release}"
     python = folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
@@ -70,7 +80,10 @@ def python_of_release(release: str, tell: Tell) -> str:
 
 
 def install_packages(asked: str, python: str, tell: Tell) -> str:
-    """A folder with what Étalon needs for a Blender whose `python` (3.11) lacks it; raises EtalonError where it cannot be had."""
+    """A folder with what Étalon needs for a Blender whose `python` (3.11) lacks it.
+
+    Raises EtalonError where it cannot be had.
+    """
     folder = cache_folder() / f"packages-{python}"
     with _made(folder, tell) as missing:
         if missing:
@@ -82,7 +95,10 @@ def install_packages(asked: str, python: str, tell: Tell) -> str:
 
 @contextmanager
 def _made(folder: Path, tell: Tell) -> Iterator[bool]:
-    """Whether a folder of the cache is still to be made; another process that makes it is waited for, and what failed is removed."""
+    """Yield whether a folder of the cache is still to be made.
+
+    Another process that makes it is waited for, and what failed is removed.
+    """
     held = _wait_for_lock(folder.with_suffix(folder.suffix + ".lock"), tell)
     try:
         missing = not (folder / _READY).is_file()
@@ -135,7 +151,10 @@ def _find_python(version: str) -> str | None:
 
 
 def _install(where: Sequence[str], packages: Sequence[str], what: str) -> None:
-    """Install wheels of `packages`, by uv where that is installed, else by pip; nothing is built."""
+    """Install wheels of `packages`, by uv where that is installed, else by pip.
+
+    Nothing is built.
+    """
     uv = shutil.which("uv")
     pip = [uv, "pip", "install"] if uv else [sys.executable, "-m", "pip", "install", "--disable-pip-version-check"]
     if not uv and where[0] == "--python":

@@ -25,7 +25,10 @@ from .rounds import Contestant, Rounds, pairs_of, render_rounds
 
 @dataclass(frozen=True)
 class Opened:
-    """A scene in one Blender: that version's label, the scene as it was exported there, and Cycles."""
+    """A scene in one Blender.
+
+    It has that version's label, the scene as it was exported there, and Cycles.
+    """
 
     label: str
     scene: Scene
@@ -50,7 +53,10 @@ class Measured:
 
 
 def measure(name: str, versions: Sequence[Opened], settings: Settings, progress: Progress) -> Measured:
-    """Render the scene called `name` in all `versions`, and judge each change; raises EtalonError where nothing was rendered."""
+    """Render the scene called `name` in all `versions`, and judge each change.
+
+    Raises EtalonError where nothing was rendered.
+    """
     run = TimedRun(settings.time, progress)
     prints = [fingerprint(one.scene) for one in versions]
     by_print: dict[str, ReferenceRenderer] = {}
@@ -97,7 +103,10 @@ def _changed(versions: Sequence[Opened], masking: str) -> list[tuple[Departure, 
 def _models(
     versions: Sequence[Opened], prints: Sequence[str], references: dict[str, Any], settings: Settings
 ) -> list[ReferenceRenderer]:
-    """For each version the reference with all departures that it has; those that are the same are one."""
+    """For each version the reference with all departures that it has.
+
+    References that are the same are one.
+    """
     options, made = settings.part(Options), {}
     models = []
     for one, key in zip(versions, prints, strict=True):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page of `etalon versions`, one file with its pictures in it, and versions.json beside it."""
+"""The page of `etalon versions`, one file with its pictures in it.
+
+versions.json lies beside it.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ SHOWN = 400 * 400
 
 
 def pictures_of(measured: Measured, tolerance: float) -> dict[str, str]:
-    """The pictures of a scene, PNG in base64: the image of each version by its label, the map of each change by 'FROM to TO'."""
+    """The pictures of a scene, PNG in base64.
+
+    They are the image of each version by its label, and the map of each change by 'FROM to TO'.
+    """
     exposure = middle_exposure(measured.rounds.images[0])
     shown = {
         label: srgb8(image, exposure) for label, image in zip(measured.labels, measured.rounds.images, strict=True)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Blenders that `--blender` names: programs, Pythons that have Blender as a module, and releases by their number."""
+"""The Blenders that `--blender` names.
+
+They are programs, Pythons that have Blender as a module, and releases by their number.
+"""
 
 from __future__ import annotations
 
@@ -30,9 +33,10 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Blender:
-    """One Blender: what the user `asked` for, the words that start it with a script, its version and build.
+    """One Blender.
 
-    `label` is what tables call it. `packages` is a folder with Python modules that it lacks, or None.
+    It has what the user `asked` for, the words that start it with a script, its version and build. `label` is its
+    name in tables. `packages` is a folder with Python modules that it lacks, or None.
     """
 
     asked: str
@@ -53,11 +57,12 @@ class Blender:
 
 
 def find_blenders(asked: Sequence[str], script: Path, modules: dict[str, str], tell: Tell) -> tuple[Blender, ...]:
-    """The Blenders that the texts `asked` name, each ready to run `script`; raises EtalonError for one that cannot serve.
+    """The Blenders that the texts `asked` name, each ready to run `script`.
 
-    A text is the path of a program, or a release such as 4.5 or 4.5.3: the Blender that runs, a program that is installed, or a module in
-    an environment of its own, which is made where it is missing. `modules` are those that Étalon needs, by the package that has them.
-    `tell` is told what is being made.
+    Raises EtalonError for one that cannot serve. A text is the path of a program, or a release such as 4.5 or 4.5.3:
+    the Blender that runs, a program that is installed, or a module in an environment of its own, which is made where
+    it is missing. `modules` are those that Étalon needs, by the package that has them. `tell` receives what is being
+    made.
     """
     found = [_find(text, script, modules, tell) for text in asked]
     labels = [one.label for one in found]
@@ -97,7 +102,10 @@ def _has_module(release: tuple[int, ...]) -> bool:
 
 
 def _installed() -> list[str]:
-    """The Blender that this process is, and programs on the search path and where installers put them."""
+    """Candidates for Blender programs.
+
+    They are the Blender that this process is, and programs on the search path and where installers put them.
+    """
     folders = {
         "darwin": (Path("/Applications"), "Blender*.app/Contents/MacOS/Blender"),
         "win32": (Path(os.environ.get("PROGRAMFILES", "C:/Program Files")), "Blender Foundation/Blender */blender.exe"),
@@ -107,7 +115,10 @@ def _installed() -> list[str]:
 
 
 def _program(asked: str) -> str:
-    """The program that a path or a name on the search path leads to; raises EtalonError where it cannot be run."""
+    """The program that a path or a name on the search path leads to.
+
+    Raises EtalonError where it cannot be run.
+    """
     path = Path(asked).expanduser()
     if path.is_dir():
         inside = [path / name for name in ("blender", "Contents/MacOS/Blender", "blender.exe", "bin/python")]
@@ -146,7 +157,10 @@ def _words(program: str, script: Path, said: re.Match[str] | None) -> tuple[str,
 
 
 def _probe(asked: str, program: str, script: Path, modules: dict[str, str], tell: Tell) -> Blender:
-    """The Blender that `program` is, with the packages that it lacks; raises EtalonError where it is none, or too old."""
+    """The Blender that `program` is, with the packages that it lacks.
+
+    Raises EtalonError where it is no Blender, or too old.
+    """
     command = _words(program, script, _says_version(program))
     if command is None:
         raise EtalonError(f"--blender {asked}: is neither Blender nor a Python with the module bpy")

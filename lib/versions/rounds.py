@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rounds of renders: every version and the reference, each round from random numbers of its own that all versions share.
+"""Rounds of renders of every version and the reference.
 
-Common random numbers make most differences between versions nearly free of noise. They do not make the two sides independent, nor need
-they: claims.py and audit/paired.py judge one series of differences a round. How many rounds there are depends on time alone, never
-on what was rendered.
+Each round has random numbers of its own that all versions share. Common random numbers make most differences between
+versions nearly free of noise. They do not make the two sides independent, nor need they: claims.py and audit/paired.py
+judge one series of differences a round. How many rounds there are depends on time alone, never on what was rendered.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ IMAGE = "image"
 
 @dataclass(frozen=True)
 class Contestant:
-    """One version: its label, Cycles there, and the reference on the scene as that version exported it.
+    """One version: its label, its Cycles, and the reference on its own export of the scene.
 
-    `model` is the reference with all departures that this version is known to have, None where it has none that another one lacks. Contestants
-    whose scenes are the same have one reference, and may have one model.
+    `model` is the reference with all departures that this version is known to have, None where it has none that
+    another one lacks. Contestants whose scenes are the same have one reference, and may have one model.
     """
 
     label: str
@@ -86,7 +86,10 @@ class Rounds:
 
 
 def pairs_of(count: int) -> tuple[tuple[int, int], ...]:
-    """The pairs of versions that are compared: each with the next, and of more than two the first with the last."""
+    """The pairs of versions that are compared.
+
+    Each is compared with the next, and of more than two the first with the last.
+    """
     return tuple((k, k + 1) for k in range(count - 1)) + (((0, count - 1),) if count > 2 else ())
 
 
@@ -98,10 +101,10 @@ def render_rounds(
     options: CompareOptions,
     run: TimedRun,
 ) -> Rounds:
-    """Render all contestants in rounds until the time or the replicates of `options` are spent.
+    """Render all contestants in rounds until the limits of `options` are reached.
 
-    `coverage` names regions beside the image and its blocks. Cancelling keeps the rounds that are complete; raises EtalonError where there
-    is none.
+    They are the time and the replicates. `coverage` names regions beside the image and its blocks. Cancelling keeps the
+    rounds that are complete; raises EtalonError where there are none.
     """
     rounds = _Rounds(contestants, tuple(passes), options, run)
     try:
@@ -150,7 +153,10 @@ class _Rounds:
         self._images = [np.zeros((height, width, CHANNELS)) for _ in self._contestants]
 
     def render_round(self) -> Stop | None:
-        """One image of every renderer, in turns, from the same random numbers; returns the reason to stop, or None."""
+        """Render one image with every renderer, in turns, from the same random numbers.
+
+        Returns the reason to stop, or None.
+        """
         begin = self._run.elapsed
         got: dict[int, Rendering] = {}
         for index in take_turns(self.count, len(self._renderers)):

@@ -51,7 +51,10 @@ def scene_sentence(scene: Mapping[str, Any]) -> str:
 
 
 def change_sentences(change: Mapping[str, Any]) -> list[str]:
-    """What is said of one pair of versions: how much changed and where, why, and which version is nearer to the reference."""
+    """Sentences on one pair of versions.
+
+    They say how much changed and where, why, and which version is nearer to the reference.
+    """
     if change["is_same"]:
         return ["Both render the same image, bit for bit."]
     if not change["has_changed"]:
@@ -100,7 +103,7 @@ def _name(region: Mapping[str, Any]) -> str:
 
 
 def _why(change: Mapping[str, Any]) -> list[str]:
-    """The departures that are not the same in both versions, and whether they say what changed."""
+    """The departures that differ between both versions, and whether they explain the change."""
     if not change["departures"]:
         return ["No known departure of Cycles from the model is different in these versions on this scene."]
     names = listed([f"{one['name']} ({_when(one)})" for one in change["departures"]])
