@@ -4,14 +4,14 @@
 import os
 import zlib
 
-import pytest
-from etalon.lib.blender_versions import NEWEST_CHECKED
-from etalon.tests.probes import fingerprint
-
 # Workers share the cores: threads of BLAS would wait for each other. The plan of a sphere of 20,480 faces took 10 s of CPU time, not 0.8.
+# NumPy reads it when it is first imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+import pytest
+from etalon.lib.blender_versions import NEWEST_CHECKED
+from etalon.tests.probes import fingerprint
 
 
 @pytest.fixture

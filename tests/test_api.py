@@ -117,6 +117,7 @@ def test_one_import_serves_scripts_inside_blender_too(tmp_path):
     assert run_script(script, tmp_path).split("\n")[-3:-1] == ["True", "not a package"]
 
 
+@pytest.mark.slow
 def test_a_package_installed_by_pip_keeps_its_name(tmp_path):
     (tmp_path / "etalon.py").write_text("OTHER = True\n")
     script = """

@@ -98,6 +98,7 @@ def test_every_wheel_of_the_extension_has_a_version_and_a_hash(build):
         assert all(re.fullmatch(r"[\w.-]+==[\w.]+ --hash=sha256:[0-9a-f]{64}", line) for line in lines), path.name
 
 
+@pytest.mark.slow
 def test_pip_refuses_a_wheel_with_another_hash(build, tmp_path):
     wheel = tmp_path / "changed-1.0-py3-none-any.whl"
     with zipfile.ZipFile(wheel, "w") as file:

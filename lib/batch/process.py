@@ -43,7 +43,8 @@ def start(
     `temporary`, so that they go with that folder even where it is ended at once. With a `leash`, which another `etalon`
     heeds, it ends when this process does, even where this one is killed.
     """
-    environment = dict(os.environ)
+    # BLAS's own threads would wait for those that render: Étalon's products of matrices have three rows.
+    environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ}
     if temporary is not None:
         environment |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary))
     if leash:

@@ -43,7 +43,10 @@ COMMANDS = (
 
 @pytest.mark.parametrize(
     ("state", "remedy"),
-    [(NOT_INSTALLED, "pip install bpy"), (NO_LIBRARY, "apt-get install libx11-6")],
+    [
+        (NOT_INSTALLED, "pip install bpy"),
+        pytest.param(NO_LIBRARY, "apt-get install libx11-6", marks=pytest.mark.slow),
+    ],
     ids=["not installed", "without a library"],
 )
 def test_one_line_of_each_command_says_what_to_install(state, remedy, tmp_path):

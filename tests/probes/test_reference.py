@@ -50,15 +50,11 @@ def departed(release):
     return largest(release, True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("release", "fact"),
     [
-        pytest.param(
-            release,
-            fact,
-            id=f"{format_release(release)}-{fact}",
-            marks=() if release == NEWEST_CHECKED else pytest.mark.slow,
-        )
+        pytest.param(release, fact, id=f"{format_release(release)}-{fact}")
         for release in fingerprint.releases()
         for fact in facts_of(release)
     ],

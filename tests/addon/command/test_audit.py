@@ -104,6 +104,7 @@ def test_a_scene_at_the_neutral_state_has_nothing_to_report():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
     """Six times the same state under seeds of its own: differences are noise, of the same size on both sides."""
@@ -134,6 +135,7 @@ def test_a_clamp_on_what_the_camera_sees_is_its_closed_form():
     np.testing.assert_array_equal(clamp.map[:, 17:], 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_a_clamp_on_light_is_what_clipping_each_sample_by_hand_gives():
     """Independent neutral renders of one sample a pixel, clipped at the clamp's value: each sample is a single contribution."""
@@ -155,6 +157,7 @@ def test_a_clamp_on_light_is_what_clipping_each_sample_by_hand_gives():
     assert found.neutral.mean() == pytest.approx(samples.mean(), rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_the_light_threshold_costs_noise_and_no_bias():
     scene = lamp()

@@ -67,6 +67,7 @@ def test_whole_command(capfd, tmp_path):
     assert figures["verification"]["key"] in found
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_settings_of_the_user():
     """What the user trades for time is in force for that way alone, the denoiser smooths, and the neutral state renders as before."""

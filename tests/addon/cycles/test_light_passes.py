@@ -218,6 +218,7 @@ def patches(image):
     return image[PATCH // 2, start + PATCH // 2 : start + PATCH * len(SURFACES) : PATCH]
 
 
+@pytest.mark.slow
 def test_a_pass_taken_for_another_is_seen(monkeypatch, seed):
     """The error planted: Cycles' glossy direct light read as its diffuse direct light."""
     scene = samples_of_surfaces(list(SURFACES))

@@ -99,6 +99,7 @@ def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch)
         assert found.scenes == ["floor unexplained"]
 
 
+@pytest.mark.slow
 def test_materials_that_are_not_simulated_come_over_as_unknown(program, tmp_path):
     scene = floor()
     tree = bpy.data.materials["rough"].node_tree

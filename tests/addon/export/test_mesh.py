@@ -359,6 +359,7 @@ def test_too_many_instances_are_refused_before_they_are_made(studio):
         place(placements, local, 1000)
 
 
+@pytest.mark.slow
 def test_reading_and_joining_a_mesh_takes_little_beyond_its_arrays(studio):
     """At most 160 bytes a triangle, with normals and texture coordinates: 160 MB a million."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=500, y_subdivisions=500)

@@ -124,6 +124,7 @@ def test_camera_rays_pass_what_hides_from_them(studio):
     assert seen == {"floor", "wall", "veil"}
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_the_card_would_be_seen(studio):
     """The comparison notices a card that should hide and does not."""

@@ -131,6 +131,7 @@ def test_a_bias_that_no_pixel_is_sure_of_is_drawn_in_squares(clock, seed):
     assert np.mean(drawn[:, ~LEFT] == 0.0) > 0.95
 
 
+@pytest.mark.slow
 def test_false_alarms_are_no_more_often_than_the_level(clock, seed):
     alarms = 0
     for trial in range(60):

@@ -41,6 +41,7 @@ def test_white_layers_leave_a_white_furnace_white(seed):
     assert_mean(replicates(picture, 10, 256, seed=seed), 1.0, 0.008, rounding=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("eta", [1.5, pytest.param(0.7, marks=pytest.mark.slow)])
 def test_glass_albedo_is_what_samples_weigh(eta, rng):
     """The mean weight of sampled directions is the albedo, which compensation makes 1."""

@@ -119,6 +119,7 @@ def test_a_difference_in_a_part_is_found_as_in_the_whole():
     assert (found.verdict.high[corner] > 0.05).all()
 
 
+@pytest.mark.slow
 def test_decisions_are_those_of_whole_images(monkeypatch):
     """Parts save time, and change no decision: each region is judged on the same replicates at the same numbers of them."""
 

@@ -47,6 +47,10 @@ REPLICATES = 62
 # Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
 PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
 LONG = (
+    ("layer albedo table",),
+    ("light below the face",),
+    ("narrow spread",),
+    ("thin film series", "thin film from inside"),
     ("rational Beckmann density",),
     ("rational Beckmann Lambda",),
     ("texture interpolation",),
@@ -338,6 +342,7 @@ def test_the_passes_that_differ_cut_the_search_and_the_cause_stays_the_same(seed
     assert cut == {Role.UNTRIED}
 
 
+@pytest.mark.slow
 def test_all_that_cycles_does_at_once(seed):
     names = tuple(d.name for d in relevant(furnace()))
     assert len(names) == 7
@@ -416,6 +421,7 @@ def test_what_lies_between_none_and_all_of_what_rounding_decides_is_put_down_to_
     assert "Explained by the scene: faces in one plane and other of two faces." in " ".join(sentences(found))
 
 
+@pytest.mark.slow
 def test_what_rounding_cannot_make_stays_unexplained(seed):
     """A floor brighter than with or without its copy."""
     found = judged(rug, Brighter(planted(rug, (), seed), np.where(np.arange(4) < 2, 1.05, 1.0)[:, None]))

@@ -423,6 +423,7 @@ def test_a_step_moves_to_the_next_node():
     )
 
 
+@pytest.mark.slow
 def test_how_light_is_sampled_does_not_matter_without_the_departure(seed):
     """A floor whose normals lean by 0.5 in a uniform world that both strategies sample: every way gives (1 + cos 0.5) / 2.
 

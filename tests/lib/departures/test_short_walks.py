@@ -39,6 +39,7 @@ def test_light_that_scatters_often_is_a_part_of_the_colour(color, least):
     assert series[MOST_PATHS:].sum() > least * series.sum()
 
 
+@pytest.mark.slow
 def test_short_walks_are_the_first_terms_of_the_series(rng):
     """256 free paths are up to 255 scatterings; walks without a bound are the whole series."""
     assert SHORT_WALKS in SWITCHES

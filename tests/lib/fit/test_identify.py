@@ -32,6 +32,7 @@ def test_beckmann_and_ggx_are_told_apart_and_their_parameters_found(rng):
         assert found.reflectances() == pytest.approx([0.9], rel=0.01)
 
 
+@pytest.mark.slow
 def test_two_lobes_in_one_are_called_none_of_these(seed):
     """A broad one and a narrow one, at the same directions."""
     broad, narrow = (

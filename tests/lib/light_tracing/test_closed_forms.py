@@ -18,6 +18,7 @@ def test_rectangle(seed):
     assert_mean(light_traced(lit([light]), 12, 4096, seed=seed), exact, 0.02)
 
 
+@pytest.mark.slow
 def test_point(seed):
     """I cos / D^2."""
     light = PointLight("point", (0.3, 0.2, 0.8), (1.0, 1.0, 1.0))
@@ -25,6 +26,7 @@ def test_point(seed):
     assert_mean(light_traced(lit([light]), 12, 4096, seed=seed), exact, 0.02)
 
 
+@pytest.mark.slow
 def test_small_sphere(seed):
     """pi L (r / D)^2 cos."""
     light = SphereLight("sphere", (0.3, 0.2, 1.0), 0.05, (200.0,) * 3)
@@ -42,6 +44,7 @@ def test_sun(angle, seed):
     assert_mean(light_traced(lit([light]), 12, 4096, seed=seed), exact, 0.02)
 
 
+@pytest.mark.slow
 def test_a_white_sphere_vanishes_in_a_white_world(seed):
     """Radiance 1 everywhere: where the camera sees the sphere, and where it sees the world past it."""
     sphere = scene(icosphere(1.5, 2), diffuse(1.0), perspective(6, 6, 0.8, (0.0, 0.0, 4.0)), world=1.0)

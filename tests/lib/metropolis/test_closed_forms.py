@@ -46,6 +46,7 @@ def assert_agree(seed):
     assert_same(blocks(replicates(the_scene, 6, 64, seed=seed + 1), 5), blocks(images, 5), 0.05)
 
 
+@pytest.mark.slow
 def test_it_gives_the_image_of_path_tracing(seed):
     assert_agree(seed)
 

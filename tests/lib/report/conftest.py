@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from etalon.tests.lib.report.comparisons import CASES, made
 
+QUICK = ("different", "undecided", "passes", "partial", "non-finite", "one pixel")
 
-@pytest.fixture(params=CASES)
+
+@pytest.fixture(params=[pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in CASES])
 def comparison(request):
     with np.errstate(invalid="ignore"):
         return made(**CASES[request.param])

@@ -61,6 +61,7 @@ def test_bounds_are_those_of_the_atlas():
     }
 
 
+@pytest.mark.slow
 def test_identities():
     broken = [case for case in identities() if not case.passed]
     assert not broken

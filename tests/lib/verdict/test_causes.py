@@ -69,6 +69,7 @@ def test_a_share_on_the_edge_of_the_band_is_claimed_no_more_often_than_allowed(r
     assert (p <= level).sum() >= binom.ppf(0.001, count, 0.8 * level / 3)
 
 
+@pytest.mark.slow
 def test_a_true_cause_is_named_alone_and_in_pairs(rng):
     steps = {"a": GAP * [1.0, 2.0, 0.0, 0.0, 2.0], "b": GAP * [1.0, 0.0, 2.0, 2.0, 0.0], "c": NOTHING}
     for names in (("a",), ("b",), ("a", "b")):

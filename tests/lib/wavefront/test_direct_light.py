@@ -25,7 +25,10 @@ SIZE, PIXELS = 2.0, 4
 CAMERA = orthographic(PIXELS, PIXELS, SIZE, (0.0, 0.0, 0.9))
 # Standard errors of the mean, relative, that the tests ask for; what is met is mostly far less.
 PRECISION = {"mis": 0.01, "lights": 0.01, "bsdf": 0.09}
-DIRECT = pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
+# The default run finds light by both ways together; each alone is a slow test.
+DIRECT = pytest.mark.parametrize(
+    "direct", ["mis", *(pytest.param(way, marks=pytest.mark.slow) for way in ("lights", "bsdf"))]
+)
 
 
 def lit(lights=(), parts=(), materials=(), **more):

@@ -107,6 +107,7 @@ def test_a_prism_keeps_the_wavelength_from_face_to_face(seed):
     assert_mean(images, expected, 0.01)
 
 
+@pytest.mark.slow
 def test_rough_faces_spread_light_about_the_same_mean(seed):
     """Hardly rough facets: the smooth face's colours."""
     rough, smooth = (single(dispersive(roughness=Constant(r), distribution="GGX")) for r in (0.02, 0.0))

@@ -84,6 +84,7 @@ def test_the_quadrature_itself():
     np.testing.assert_allclose(albedo("GGX", 1.0, "correlated")[0], 1.0 - np.log(2.0), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("masking", MASKING)
 def test_the_quadrature_has_settled(masking):
     """Other nodes, the same albedo."""

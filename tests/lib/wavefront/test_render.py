@@ -57,6 +57,7 @@ def test_tiles_and_threads_do_not_show(veil, options, seed):
     assert parted.camera_samples == whole.camera_samples == 13 * 9 * 16
 
 
+@pytest.mark.slow
 def test_more_samples_than_a_tile_holds(seed):
     """The samples of one pixel are parted over tiles and added up."""
     whole = ReferenceRenderer(stage(), Options(seed=seed, threads=1)).render(0, 20)
@@ -116,6 +117,7 @@ def test_replicates_and_pixels_are_uncorrelated(sampler, seed):
     assert stats.ttest_1samp((first * second).mean(axis=1), -1.0 / 39.0).pvalue > 1e-4
 
 
+@pytest.mark.slow
 def test_standard_errors_are_honest(seed):
     """The scatter of means of replicates is what the replicates' own variance says: replicates are independent."""
     images = blocks(replicates(stage(), 48, 4, seed=seed)[:, :8, :12], 4)

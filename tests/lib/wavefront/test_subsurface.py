@@ -130,6 +130,7 @@ def test_channels_without_a_radius_reflect_where_they_arrive(seed):
     assert abs(mine[..., 0].mean() / other[..., 0].mean() - 1.0) > 0.02
 
 
+@pytest.mark.slow
 def test_what_enters_is_chosen_beside_the_other_lobes(seed):
     """A mix is the sum of its parts, whatever the chances by which a path takes one of them."""
 

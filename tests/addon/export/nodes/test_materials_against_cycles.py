@@ -67,7 +67,14 @@ def cells(tmp_path_factory):
         corner = np.array([[index % side], [index // side], [0.0]])
         points[name] = Points({**coordinates, "POSITION": shown["UV"] + corner}, stance)
     return {
-        name: (materials[name], shown[name], predicted(materials[name], points[name]), points[name]) for name in cases
+        # What colour spaces give is predicted in the test that needs it: each conversion reads Blender's whole configuration.
+        name: (
+            materials[name],
+            shown[name],
+            None if " in " in name else predicted(materials[name], points[name]),
+            points[name],
+        )
+        for name in cases
     }
 
 

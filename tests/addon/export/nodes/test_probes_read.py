@@ -25,16 +25,12 @@ def assert_same(light, read_materials, defined):
     np.testing.assert_allclose(got, expected, rtol=1e-9, atol=1e-15)
 
 
-@pytest.mark.parametrize(
-    "light",
-    [
-        pytest.param(light, marks=pytest.mark.slow if light == "back" else ())
-        for light in sorted({probe.light for probe in probes_of(RELEASE)} & set(SUNS))
-    ],
-)
-def test_probes_are_exported_as_they_are_defined(light):
+# Of the default run: every sixth probe of each light.
+@pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("light", sorted({probe.light for probe in probes_of(RELEASE)} & set(SUNS)))
+def test_probes_are_exported_as_they_are_defined(light, step):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    probes = [probe for probe in probes_of(RELEASE) if probe.light == light]
+    probes = [probe for probe in probes_of(RELEASE) if probe.light == light][::step]
     assert_same(light, [read(cycles.node_tree(p)) for p in probes], [reference.material(p, RELEASE) for p in probes])
 
 
