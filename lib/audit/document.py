@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All figures of an audit as plain data: audit.json, whose published form is audit.schema.json beside this file; and its table."""
+"""All figures of an audit as plain data, audit.json, and its table.
+
+The published form of audit.json is audit.schema.json beside this file.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ HEADINGS = ("setting", "value", "verdict", "whole image", "worst block", "where"
 
 
 def document(audit: Audit, command: str) -> dict[str, Any]:
-    """audit.json as a dictionary; numbers that are not finite are None. Settings come in the order of what they cost."""
+    """audit.json as a dictionary; numbers that are not finite are None.
+
+    Settings come in the order of what they cost.
+    """
     return make_plain(
         {
             "format": FORMAT,
@@ -59,7 +65,10 @@ def document(audit: Audit, command: str) -> dict[str, Any]:
 
 
 def _cost(finding: Finding) -> tuple[bool, int, float]:
-    """What was found first: single settings before those together, biased ones, the largest first."""
+    """The key that sorts findings by what they cost.
+
+    It ranks single settings before those together, biased ones before others, and by the largest difference.
+    """
     rank = (Outcome.EQUIVALENT, Outcome.UNDECIDED, Outcome.DIFFERENT).index(finding.outcome)
     worst = float(np.nan_to_num(np.abs(finding.difference[finding.worst])))
     return not finding.setting.together, rank, worst
@@ -119,7 +128,10 @@ def cells(entry: dict[str, Any]) -> list[str]:
 
 
 def bias(told: dict[str, Any]) -> str:
-    """A relative difference and its interval, in per cent; SAME where both sides are equal to the last bit."""
+    """A relative difference and its interval, in per cent.
+
+    SAME where both sides are exactly equal.
+    """
     value, (low, high) = told["difference"], told["interval"]
     if value == low == high == 0:
         return SAME

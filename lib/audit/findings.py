@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What came of an audit: the series that the rounds leave of each setting, and what is claimed from them."""
+"""The result of an audit.
+
+It is the series that the rounds give for each setting, and the claims from them.
+"""
 
 from __future__ import annotations
 
@@ -59,8 +62,10 @@ class Finding:
 
     @property
     def worst(self) -> tuple[int, int]:
-        """Region and channel of the block to show: where it is biased, the one that is off by the most at least; where it is undecided, the
-        undecided one that may be off by the most; else the one whose estimate is the largest.
+        """Region and channel of the block to show.
+
+        Where the setting is biased, it is the one with the largest least difference. Where it is undecided, it is the
+        undecided one with the largest possible difference; else the one with the largest estimate.
         """
         low, high = self.low[1:], self.high[1:]
         size = np.abs(self.difference[1:])
@@ -78,12 +83,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class Audit:
-    """All settings of one scene in one run; `same` are those that are at their neutral value, `missing` those that cannot be rendered.
+    """All settings of one scene in one run.
 
-    `boxes` (k, 4) are the first column, first row, last column and last row of each region; k is 0 where there was nothing to measure.
-    `neutral` (height, width, 3) is the image of the neutral state, `seconds_neutral` the mean seconds of one render call of it, `nonfinite` the
-    number of pixels in which a sample of any image was not finite, `asked` the samples a pixel that the user's file asks for. `stopped`
-    says why the audit ended.
+    `same` are those that are at their neutral value, `missing` those that cannot be rendered. `boxes` (k, 4) are the
+    first column, first row, last column and last row of each region; k is 0 where there was nothing to measure.
+    `neutral` (height, width, 3) is the image of the neutral state, `seconds_neutral` the mean seconds of one render
+    call of it, `nonfinite` the number of pixels in which a sample of any image was not finite, `asked` the samples a
+    pixel that the user's file asks for. `stopped` says why the audit ended.
     """
 
     scene: str
@@ -108,7 +114,10 @@ class Audit:
 
 @dataclass
 class Series:
-    """What the rounds so far say of one setting: regions' means of both sides, pixels' differences, seconds, and noise for each two rounds."""
+    """The data of the rounds so far on one setting.
+
+    They are regions' means of both sides, pixels' differences, seconds, and noise for each two rounds.
+    """
 
     regions: Regions
     user: list[np.ndarray] = field(default_factory=list)
@@ -119,7 +128,10 @@ class Series:
     before: tuple[np.ndarray, np.ndarray] | None = None
 
     def add(self, neutral: np.ndarray, rendering: Rendering) -> np.ndarray:
-        """Take one pair more; pixels (height, width) that are not finite on either side count on neither, and are returned."""
+        """Add one pair; pixels (height, width) that are not finite on either side are returned.
+
+        Such pixels count on neither side.
+        """
         used = np.isfinite(neutral).all(axis=2) & np.isfinite(rendering.radiance).all(axis=2)
         user, plain = rendering.radiance, neutral
         if not used.all():
@@ -145,9 +157,10 @@ class Series:
 def _noise_ratio(
     regions: Regions, now: tuple[np.ndarray, np.ndarray], then: tuple[np.ndarray, np.ndarray], means: np.ndarray
 ) -> float:
-    """Variance of the pixels of the first image over that of the second, from two independent replicates of both; NaN where that has none.
+    """Variance of the pixels of the first image over that of the second.
 
-    Each block counts relative to its own brightness, the region `means` (k, 3), so that neither the brightest nor the darkest speak for all.
+    It comes from two independent replicates of both; NaN where the second has no variance. Each block counts relative
+    to its own brightness, the region `means` (k, 3), so that neither the brightest nor the darkest dominate.
     """
     levels = np.square(means).mean(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -158,9 +171,10 @@ def _noise_ratio(
 
 
 def drawn(squares: list[Moments], neutral: np.ndarray, floor: float) -> np.ndarray:
-    """The relative difference (height, width) that a map shows: that of the smallest square around each pixel that is sure of it, else 0.
+    """The relative difference (height, width) that a map shows.
 
-    Where a larger one is sure of the other sign, its word stands: single pixels that no firefly has reached yet are sure too soon.
+    It is that of the smallest square around each pixel that is sure of it, else 0. Where a larger square is sure of the
+    other sign, that one counts: single pixels that no firefly has reached yet are sure too soon.
     """
     height, width, _ = neutral.shape
     out = np.zeros((height, width))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rounds of renders: the neutral state and every setting, each round from random numbers of its own that all of them share.
+"""Rounds of renders of the neutral state and every setting.
 
-The same random numbers on both sides make most differences nearly free of noise, and turns within a round make what slows the machine
-for a while slow both sides. How many rounds there are depends on time alone, never on what was rendered.
+Each round has random numbers of its own that all of them share. The same random numbers on both sides make most
+differences nearly free of noise, and turns within a round make what slows the machine for a while slow both sides. How
+many rounds there are depends on time alone, never on what was rendered.
 """
 
 from __future__ import annotations
@@ -46,12 +47,12 @@ def audit(
     missing: tuple[Setting, ...] = (),
     progress: Progress = NO_PROGRESS,
 ) -> Audit:
-    """Render the `neutral` state and each of the `candidates` in rounds, and compare them pair by pair.
+    """Render the `neutral` state and each of the `candidates` in rounds.
 
-    There are rounds for `options.time` seconds, and at most `options.replicates`.
-    A renderer must draw the same random numbers for the same replicate, whatever its setting. Samples a pixel are
-    `options.samples`, or what the time allows, at most the `asked`. Cancelling keeps the rounds that are complete; raises EtalonError
-    where there is none, or where `options.samples` are two numbers.
+    They are compared pair by pair. There are rounds for `options.time` seconds, and at most `options.replicates`. A
+    renderer must draw the same random numbers for the same replicate, whatever its setting. Samples a pixel are
+    `options.samples`, or what the time allows, at most the `asked`. Cancelling keeps the rounds that are complete;
+    raises EtalonError where there are none, or where `options.samples` are two numbers.
     """
     rounds = _Rounds(scene, neutral, candidates, options, TimedRun(options.time, progress))
     stopped = None if candidates else Stop.NOTHING
@@ -90,9 +91,9 @@ class _Rounds:
         self._bad = np.zeros((0, 0), bool)
 
     def prepare(self, asked: int) -> Stop | None:
-        """Call every renderer once, settle the samples, and set settings aside that so few samples cannot show.
+        """Call every renderer once, and settle the samples.
 
-        Returns the reason to stop, or None.
+        Settings that so few samples cannot show are set aside. Returns the reason to stop, or None.
         """
         cost, shape = _first_calls(self._run, [self._neutral, *(renderer for _, renderer in self._candidates)])
         self._samples = n = self._samples or choose_samples(self._run.left, cost, asked)
@@ -105,9 +106,9 @@ class _Rounds:
         return None if self._candidates else Stop.NOTHING
 
     def render_round(self) -> Stop | None:
-        """One image of the neutral state and one of each setting, in turns, from the same random numbers.
+        """Render one image of the neutral state and one of each setting, in turns.
 
-        Returns the reason to stop, or None.
+        All use the same random numbers. Returns the reason to stop, or None.
         """
         begin = self._run.elapsed
         renderers = [self._neutral, *(renderer for _, renderer in self._candidates)]
@@ -161,7 +162,10 @@ class _Rounds:
 
 
 def _first_calls(run: TimedRun, renderers: list[Renderer]) -> tuple[Cost, tuple[int, int]]:
-    """The first call of every renderer, which also sets things up; the cost of a round, and the image's height and width."""
+    """Make the first call of every renderer, which also sets things up.
+
+    Returns the cost of a round, and the image's height and width.
+    """
     few, more = FIRST_SAMPLES
     rendering, _ = run.render(renderers[0], FIRST_CALLS.number(0), few)
     calls = [run.render(renderer, FIRST_CALLS.number(1), few)[1] for renderer in renderers]
@@ -172,9 +176,10 @@ def _first_calls(run: TimedRun, renderers: list[Renderer]) -> tuple[Cost, tuple[
 
 
 def choose_samples(seconds: float, cost: Cost, asked: int) -> int:
-    """Samples a pixel for ROUNDS rounds in `seconds`, or for no fewer than FEWEST while calls cost more than their samples.
+    """Samples a pixel for ROUNDS rounds in `seconds`.
 
-    A power of two, at which low-discrepancy sequences are best.
+    The rounds may be fewer, but not below FEWEST, while calls cost more than their samples. It is a power of two, at
+    which low-discrepancy sequences are best.
     """
     many, few = ((seconds / rounds - cost.fixed) / cost.per_sample for rounds in (ROUNDS, FEWEST))
     wanted = max(many, min(few, cost.fixed / cost.per_sample), 1.0)
@@ -195,6 +200,9 @@ def block_edge(height: int, width: int) -> int:
 
 
 def take_turns(number: int, count: int) -> list[int]:
-    """The order of one round: every other one backwards, and then another one first, so that nobody has a place of its own."""
+    """The order of one round.
+
+    Every other one is backwards, and then another one is first, so that nobody has a place of its own.
+    """
     order = [(number // 2 + k) % count for k in range(count)]
     return order[::-1] if number % 2 else order

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two images made from the same random numbers: claims about their true relative difference, from replicates taken in pairs.
+"""Claims on the true relative difference of two images from the same random numbers.
 
-Replicate i gives the mean of a region with the setting, u_i, and without it, n_i. They are not independent of each other, and need
-not be: every claim is about one series of numbers, u_i - (1 -+ t) n_i, whose mean and spread Student's t judges. The claims, their
-p-values and the floor below which a difference is not relative to its region any more are those of the verdict (verdict/claims.py).
+They are made from replicates taken in pairs. Replicate i gives the mean of a region with the setting, u_i, and without
+it, n_i. They are not independent of each other, and need not be: every claim is about one series of numbers,
+u_i - (1 -+ t) n_i, whose mean and spread Student's t judges. The claims, their p-values and the floor below which a
+difference is not relative to its region any more are those of the verdict (verdict/claims.py).
 """
 
 from __future__ import annotations
@@ -19,9 +20,10 @@ CHANNELS = 3
 
 
 def p_values(user: np.ndarray, neutral: np.ndarray, tolerance: float, floor: float) -> np.ndarray:
-    """p-values (2, k) of "inside the tolerance in every channel" and "outside it in some", for series (replicates, k, 3).
+    """p-values (2, k) for series (replicates, k, 3).
 
-    1 everywhere with fewer than two replicates.
+    The claims are "inside the tolerance in every channel" and "outside it in some". 1 everywhere with fewer than two
+    replicates.
     """
     mean = neutral.mean(axis=0)
     inside = np.abs(mean) >= floor
@@ -35,11 +37,11 @@ def p_values(user: np.ndarray, neutral: np.ndarray, tolerance: float, floor: flo
 
 
 def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -> tuple[np.ndarray, np.ndarray]:
-    """Both ends (k, 3) of the interval of the relative difference, with probability `tail` beyond each.
+    """Both ends (k, 3) of the interval of the relative difference.
 
-    Fieller's for paired observations ("Some problems in interval estimation", 1954): all rho with |D - rho E| <= q s(d - rho n),
-    where d = u - n; infinite ends where E is not distinct from 0, and (D -+ q s(d)) / floor where |E| is below `floor`. NaN with fewer
-    than two replicates.
+    The probability beyond each end is `tail`. Fieller's for paired observations ("Some problems in interval
+    estimation", 1954): all rho with |D - rho E| <= q s(d - rho n), where d = u - n; infinite ends where E is not
+    distinct from 0, and (D -+ q s(d)) / floor where |E| is below `floor`. NaN with fewer than two replicates.
     """
     count = len(user)
     if count < 2:

@@ -12,7 +12,10 @@ from .document import ORIGINS, bias
 
 
 def summarize(figures: dict[str, Any]) -> str:
-    """The setting whose bias is the largest, or that none is biased; from the figures of audit.json, whose settings are in that order."""
+    """The setting whose bias is the largest, or that none is biased.
+
+    `figures` are those of audit.json, whose settings are sorted by what they cost.
+    """
     single = [entry for entry in figures["settings"] if not entry["together"]]
     limit = format_percent(figures["tolerance"], sign=False)
     if not single:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder an audit leaves: audit.html, audit.json, the neutral image, and a signed map for each setting, as PNG."""
+"""The folder that an audit writes.
+
+It holds audit.html, audit.json, the neutral image, and a signed map for each setting, as PNG.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ def write_audit(audit: Audit, folder: Path, command: str = "") -> dict[str, Any]
 
 
 def old_pictures(folder: Path) -> list[str]:
-    """The pictures of the audit whose figures are in `folder`; which there are depends on the settings."""
+    """The pictures of the audit whose figures are in `folder`.
+
+    Which there are depends on the settings.
+    """
     try:
         figures = json.loads((folder / "audit.json").read_text(encoding="utf-8"))
         return [NEUTRAL, *(map_name(str(setting["key"])) for setting in figures["settings"])]
@@ -60,7 +66,10 @@ def old_pictures(folder: Path) -> list[str]:
 
 
 def _small(pixels: np.ndarray, path: Path) -> str:
-    """A picture (height, width, 3) as the page carries it: no more pixels than it shows, PNG in base64; `path` holds the whole of it."""
+    """A picture (height, width, 3) for the page: no more pixels than it shows, PNG in base64.
+
+    The file `path` gets the whole picture.
+    """
     step = math.ceil(math.sqrt(max(pixels.shape[0] * pixels.shape[1] / SHOWN, 1.0)))
     if step == 1:
         return base64.b64encode(path.read_bytes()).decode()

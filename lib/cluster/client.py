@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The side that asks: a connection to a scheduler of Dask, calls to its workers, and the files that these calls need.
+"""The client of a cluster: a connection to a scheduler of Dask, and calls to its workers.
 
-A worker that lacks a file says so, and gets its content once. So workers may come, die and start again at any time: the scheduler hands the
-call of a worker that died to another one, which says in turn what it lacks.
+It also sends the files that these calls need. A worker that lacks a file says so, and gets its content once. So workers
+may come, die and start again at any time: the scheduler hands the call of a worker that died to another one, which says
+in turn what it lacks.
 """
 
 from __future__ import annotations
@@ -39,7 +40,10 @@ class Cluster:
         return sum(self._client.nthreads().values())
 
     def check(self, blender: str | None = None) -> None:
-        """Raise EtalonError for a worker without this version of Étalon or, unless None, with another `blender` than this release and build."""
+        """Raise EtalonError for a worker without this version of Étalon.
+
+        Unless `blender` is None, every worker must have that release and build too.
+        """
         # By name, so that a worker that has no Étalon can answer.
         from pydoc import locate
 
@@ -116,9 +120,10 @@ class Cluster:
 
 @contextmanager
 def connect(address: str) -> Iterator[Cluster]:
-    """A connection to the scheduler at `address`, such as tcp://host:8786, for the length of a block.
+    """Connect to the scheduler at `address` for the length of a block.
 
-    Raises EtalonError where Dask is not installed, nobody answers, or there is no worker.
+    The address is as tcp://host:8786. Raises EtalonError where Dask is not installed, nobody answers, or there is no
+    worker.
     """
     try:
         from distributed import Client

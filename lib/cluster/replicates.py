@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One image of the reference on several machines: each call renders one replicate, and the film takes them in their order."""
+"""One image of the reference on several machines.
+
+Each call renders one replicate, and the film takes them in their order.
+"""
 
 from __future__ import annotations
 
@@ -30,11 +33,12 @@ _RENDERING = Lock()
 def render_film_on_cluster(
     cluster: Cluster, scene: Scene, options: RenderOptions, progress: Progress = NO_PROGRESS
 ) -> Film:
-    """The film that `render_film` makes, bit for bit, with each replicate rendered by some worker.
+    """Render the film that `render_film` makes, bit for bit, on workers.
 
-    A replicate depends on its number and the seed alone, and the film takes replicate after replicate, whichever is done first. Cancelling
-    keeps those that are done before the first that is not. Raises EtalonError where workers fail, and for photon mapping, whose stated
-    bias is measured over all replicates of one renderer.
+    Some worker renders each replicate. A replicate depends on its number and the seed alone, and the film takes
+    replicate after replicate, whichever is done first. Cancelling keeps those that are done before the first that is
+    not. Raises EtalonError where workers fail, and for photon mapping, whose stated bias is measured over all
+    replicates of one renderer.
     """
     if options.strategy == PHOTON_MAPPING:
         raise EtalonError(f"--strategy {PHOTON_MAPPING} states its bias on one machine only; leave out --scheduler")
@@ -53,7 +57,10 @@ def render_film_on_cluster(
 
 
 def _renderings(cluster: Cluster, content: bytes, options: RenderOptions, progress: Progress) -> Iterator[Rendering]:
-    """The replicates in their order; twice as many as workers are under way or wait, so that memory is bounded."""
+    """Yield the replicates in their order.
+
+    Twice as many as workers are under way or wait, so that memory is bounded.
+    """
     digest, stop, ahead = digest_of(content), Event(), 2 * cluster.slots
 
     def is_ending() -> bool:
@@ -74,7 +81,10 @@ def _renderings(cluster: Cluster, content: bytes, options: RenderOptions, progre
 
 
 def render_replicate(version: str, digest: str, options: RenderOptions, replicate: int) -> Rendering | Lacks:
-    """Replicate number `replicate` on the worker that this call came to, of the saved scene with that digest."""
+    """Render replicate number `replicate` on the worker that this call came to.
+
+    It is of the saved scene with that digest.
+    """
     if version != VERSION:
         raise EtalonError(f"worker {worker_name()} has Étalon {VERSION}; install Étalon {version} there, as here")
     path = find_content(digest)

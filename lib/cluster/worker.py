@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The side that works: what a worker of Dask keeps of the files that calls need, and how it notices that nobody waits any more."""
+"""A worker of a cluster.
+
+It keeps files that calls need, and notices that nobody waits for a call any more.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,10 @@ _DESCRIBE = "import bpy; print(); print(bpy.app.version_string, bpy.app.build_ha
 
 @dataclass(frozen=True)
 class Lacks:
-    """What a call returns that cannot run yet: its `worker` needs the files of these `digests`."""
+    """What a call returns that cannot run yet.
+
+    Its `worker` needs the files of these `digests`.
+    """
 
     worker: str
     digests: tuple[str, ...]
@@ -33,7 +39,10 @@ def digest_of(content: bytes) -> str:
 
 
 def describe_blender() -> str:
-    """Release and build of the Blender that a worker's comparisons run in; '' where it has none."""
+    """Release and build of the Blender that a worker's comparisons run in.
+
+    '' where it has none.
+    """
     done = subprocess.run([sys.executable, "-c", _DESCRIBE], capture_output=True, text=True, check=False)
     return done.stdout.strip().splitlines()[-1] if done.returncode == 0 else ""
 
@@ -53,7 +62,10 @@ def folder() -> Path:
 
 
 def keep(digest: str, content: bytes, dask_worker: Any) -> None:
-    """Keep a file by its content; the name appears when it is whole. Dask fills in `dask_worker`."""
+    """Keep a file by its content; the name appears when it is whole.
+
+    Dask fills in `dask_worker`.
+    """
     place = Path(dask_worker.local_directory) / digest
     with tempfile.NamedTemporaryFile(dir=place.parent, delete=False) as file:
         file.write(content)
@@ -61,7 +73,10 @@ def keep(digest: str, content: bytes, dask_worker: Any) -> None:
 
 
 def find_content(digest: str, path: str | None = None) -> Path | None:
-    """A file with that content: the one at `path`, where machines share files, or the one that was sent; None where there is neither."""
+    """A file with that content; None where there is none.
+
+    It is the one at `path`, where machines share files, or the one that was sent.
+    """
     if path is not None:
         with suppress(OSError):
             status = os.stat(path)
@@ -79,7 +94,10 @@ def _digest_at(path: str, time: int, size: int) -> str:
 
 
 def find_files(files: Mapping[str, str]) -> dict[str, Path] | Lacks:
-    """Where this worker has the `files`, paths with their digests: at those paths, or as copies that lie to each other as these do."""
+    """Where this worker has the `files`, paths with their digests.
+
+    They are at those paths, or copies that lie to each other as these do.
+    """
     found = {path: find_content(digest, path) for path, digest in files.items()}
     if missing := [files[path] for path, place in found.items() if place is None]:
         return Lacks(worker_name(), tuple(dict.fromkeys(missing)))
@@ -100,7 +118,10 @@ def find_files(files: Mapping[str, str]) -> dict[str, Path] | Lacks:
 
 
 def watch_task() -> Callable[[], bool]:
-    """A question that is answered with yes once nobody waits for the call that runs: it was cancelled, or its client is gone."""
+    """A function that returns whether nobody waits any more for the call that runs.
+
+    The call was then cancelled, or its client is gone.
+    """
     from distributed import get_worker
 
     worker = get_worker()

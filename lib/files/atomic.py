@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that appear together and whole, or not at all: written beside their place, checked, then renamed."""
+"""Files that appear together and whole, or not at all.
+
+They are written beside their place, checked, then renamed.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +25,14 @@ _NEW, _OLD, _COMPLETE = "new", "old", "complete"
 
 @contextmanager
 def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
-    """Yield an empty folder; when the block ends well, its files replace those of their names in `folder`, all or none.
+    """Yield an empty folder whose files replace those of their names in `folder`.
 
-    The files `without`, which belonged to the results before, go away with them where they are not new; other files in `folder` stay.
-    Old and new files never lie in `folder` together. If the process ends while they move, the next call for `folder` finishes that.
+    They do when the block ends well, all or none. The files `without`, which belonged to the results before, go away
+    with them where they are not new; other files in `folder` stay. Old and new files never lie in `folder` together.
+    If the process ends while they move, the next call for `folder` finishes that.
 
-    Entering it proves that `folder` can be written, before any time is spent, and removes what processes that were ended left there.
-    Raises EtalonError where it cannot be written or the disk is full; then `folder` is as it was.
+    Entering it proves that `folder` can be written, before any time is spent, and removes what processes that were
+    ended left there. Raises EtalonError where it cannot be written or the disk is full; then `folder` is as it was.
     """
     missing = _make_folder(folder)
     finished = False
@@ -55,7 +59,10 @@ def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
 
 @contextmanager
 def replace_file(path: Path) -> Iterator[Path]:
-    """Yield a path whose file becomes `path` when the block ends well, as `replace_files` does for a folder."""
+    """Yield a path whose file becomes `path` when the block ends well.
+
+    It does as `replace_files` does for a folder.
+    """
     if path.is_dir():
         raise EtalonError(f"{path} is a folder; name a file")
     with replace_files(path.parent) as folder:
@@ -63,7 +70,10 @@ def replace_file(path: Path) -> Iterator[Path]:
 
 
 def _make_folder(folder: Path) -> list[Path]:
-    """Make `folder` and finish what was left in it; return those of its parents, and itself, that were not there."""
+    """Make `folder` and finish what was left in it.
+
+    Returns those of its parents, and itself, that did not exist.
+    """
     try:
         if folder.exists() and not folder.is_dir():
             raise EtalonError(f"{folder} is a file, not a folder; name another folder")
@@ -76,7 +86,10 @@ def _make_folder(folder: Path) -> list[Path]:
 
 
 def clear_unfinished(folder: Path) -> None:
-    """Finish or remove what a process that was ended left in `folder`, which goes too where nothing else is in it."""
+    """Finish or remove what a process that was ended left in `folder`.
+
+    The folder goes too where nothing else is in it.
+    """
     if folder.is_dir():
         with suppress(OSError):
             _finish(folder)
@@ -113,7 +126,10 @@ def _place(folder: Path, name: str) -> str:
 
 
 def _flush(new: Path) -> None:
-    """Have every file of `new` on the disk; raises OSError for one that is empty, as full disks leave them."""
+    """Write every file of `new` to the disk.
+
+    Raises OSError for one that is empty, as full disks leave them.
+    """
     for path in new.iterdir():
         with path.open("rb+") as file:
             os.fsync(file.fileno())
@@ -144,7 +160,10 @@ def _note(beside: Path, stale: Sequence[str]) -> None:
 
 
 def _swap(folder: Path, beside: Path, stale: Sequence[str]) -> None:
-    """Move the old files out of `folder`, then the new ones in; raises OSError, after which `folder` is as it was."""
+    """Move the old files out of `folder`, then the new ones in.
+
+    Raises OSError, after which `folder` is as it was.
+    """
     new, old = beside / _NEW, beside / _OLD
     moved: list[tuple[Path, Path]] = []
     try:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files locked by a process, and folders that belong to one: when it is gone, however it ended, the lock is too."""
+"""Files locked by a process, and folders that belong to one.
+
+When the process is gone, however it ended, the lock is too.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +37,10 @@ else:
 
 
 def lock(path: Path, create: bool = True) -> int | None:
-    """Lock the file `path` and return its descriptor, which holds the lock until it is closed; None where it is locked.
+    """Lock the file `path`; return the descriptor that holds the lock, or None.
 
-    Raises OSError where the file cannot be opened, or its file system has no locks.
+    It holds the lock until it is closed. None where the file is locked already. Raises OSError where the file cannot be
+    opened, or its file system has no locks.
     """
     while True:
         descriptor = os.open(path, os.O_RDWR | _NO_LINK | (os.O_CREAT if create else 0), 0o600)
@@ -62,9 +66,10 @@ def _is_open_file(path: Path, descriptor: int) -> bool:
 
 @contextmanager
 def owned_folder(parent: Path, prefix: str) -> Iterator[Path]:
-    """Make a folder in `parent` that belongs to this process, and remove it at the end; raises OSError.
+    """Make a folder in `parent` that belongs to this process, and remove it at the end.
 
     It holds the file OWNER. Where the file system has no locks, the folder is one that nobody removes but this process.
+    Raises OSError.
     """
     folder, descriptor = _make(parent, prefix)
     try:
@@ -89,7 +94,10 @@ def _make(parent: Path, prefix: str) -> tuple[Path, int | None]:
 
 
 def _remove(folder: Path, descriptor: int | None) -> None:
-    """Remove an owned folder, its lock last: whoever is ended meanwhile leaves a folder that can be swept."""
+    """Remove an owned folder, its lock last.
+
+    If the process is ended meanwhile, the folder that is left can be swept.
+    """
     with suppress(OSError):
         for entry in folder.iterdir():
             if entry.name == OWNER:
@@ -137,7 +145,10 @@ def _sweep_temporary(parent: Path) -> None:
 
 @contextmanager
 def temporary_folder() -> Iterator[Path]:
-    """Make a temporary folder and remove it at the end; the first one of a process sweeps those that ended ones left."""
+    """Make a temporary folder and remove it at the end.
+
+    The first one of a process sweeps those that ended processes left.
+    """
     parent = Path(tempfile.gettempdir())
     _sweep_temporary(parent)
     with owned_folder(parent, TEMPORARY) as folder:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figures as JSON: plain types only, no number that is not finite, one way of writing the file."""
+"""Figures as JSON.
+
+They have plain types only and no number that is not finite, and there is one way of writing the file.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +34,9 @@ def make_plain(value: Any) -> Any:
 
 
 def write_json(path: Path, figures: Any) -> None:
-    """Write plain `figures` as UTF-8; ValueError where a number is not finite, OSError where the file cannot be written."""
+    """Write plain `figures` as UTF-8.
+
+    Raises ValueError where a number is not finite, OSError where the file cannot be written.
+    """
     text = json.dumps(figures, indent=1, ensure_ascii=False, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")

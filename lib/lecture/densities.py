@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: D for the four sigmas of the lecture, with the integral of D cos beside each curve."""
+"""Figure: D for the four sigmas of the lecture.
+
+The integral of D cos stands beside each curve.
+"""
 
 from __future__ import annotations
 

@@ -15,7 +15,10 @@ SIGMA, DEGREES, COUNT, SHOWN = 0.5, 75.0, 4096, 500
 
 
 def illustrate_facets(seed: int) -> Figure:
-    """Normals on their disc; red ones do not face the observer, or send light below the surface."""
+    """Normals on their disc.
+
+    Red ones do not face the observer, or send light below the surface.
+    """
     angle = np.radians(DEGREES)
     wo = np.repeat(np.array([[np.sin(angle)], [0.0], [np.cos(angle)]]), COUNT, axis=1)
     u1, u2 = np.random.default_rng(seed).random((2, COUNT))

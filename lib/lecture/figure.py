@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One figure of the page: its texts in two languages, its drawing, its numbers, and what holds them."""
+"""One figure of the page.
+
+It has texts in two languages, a drawing, its numbers, and what proves them.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,10 @@ class Words:
 
 @dataclass(frozen=True)
 class Caption:
-    """What stands around a figure: the lecture's slide, a title, an explanation, and the test that holds the numbers."""
+    """The texts around a figure.
+
+    They are the lecture's slide, a title, an explanation, and the test that proves the numbers.
+    """
 
     slide: str
     title: Words
@@ -29,7 +35,10 @@ class Caption:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing (SVG or a table, as HTML that is safe), and `numbers`, plain data from which it was drawn."""
+    """A drawing (SVG or a table, as HTML that is safe), and its data.
+
+    `numbers` are plain data from which it was drawn.
+    """
 
     drawing: Markup
     numbers: dict[str, Any]

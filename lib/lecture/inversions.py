@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: the inversions, from (xi1, xi2) to m to i, and the Jacobian as the stretch of a cell."""
+"""Figure: the inversions, from (xi1, xi2) to m to i.
+
+The Jacobian is shown as the stretch of a cell.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ def reflect(m: np.ndarray) -> np.ndarray:
 
 
 def solid_angle(corners: np.ndarray) -> float:
-    """The solid angle of a grid of directions (3, k, k): the sum over spherical triangles (Van Oosterom and Strackee 1983)."""
+    """The solid angle of a grid of directions (3, k, k).
+
+    It is the sum over spherical triangles (Van Oosterom and Strackee 1983).
+    """
     a, b, c, d = (
         w.reshape(3, -1) for w in (corners[:, :-1, :-1], corners[:, 1:, :-1], corners[:, 1:, 1:], corners[:, :-1, 1:])
     )
@@ -45,7 +51,10 @@ def solid_angle(corners: np.ndarray) -> float:
 
 
 def cell_grid(row: int, column: int, parts: int) -> np.ndarray:
-    """(xi1, xi2) at the corners of a cell that is parted in parts x parts, (2, parts + 1, parts + 1)."""
+    """(xi1, xi2) at the corners of the parts of a cell, (2, parts + 1, parts + 1).
+
+    The cell is divided into parts x parts.
+    """
     along = np.linspace(0.0, 1.0, parts + 1)
     return np.stack(np.meshgrid((column + along) / CELLS, (row + along) / CELLS, indexing="ij"))
 
@@ -60,7 +69,10 @@ def cell_outline(row: int, column: int) -> np.ndarray:
 
 
 def stretch(row: int, column: int) -> tuple[float, float]:
-    """By how much reflection widens a cell of normals, and the mean of 4 |o.m| over the same cell."""
+    """The factor by which reflection widens a cell of normals.
+
+    Also returns the mean of 4 |o.m| over the same cell.
+    """
     m = normals(*cell_grid(row, column, 64).reshape(2, -1))
     grid = m.reshape(3, 65, 65)
     widened = solid_angle(reflect(m).reshape(3, 65, 65)) / solid_angle(grid)
@@ -68,7 +80,10 @@ def stretch(row: int, column: int) -> tuple[float, float]:
 
 
 def illustrate_inversions(seed: int) -> Figure:
-    """A grid of cells in the unit square, on the disc of normals, and on the disc of directions; nothing in it is random."""
+    """A grid of cells in the unit square, on the disc of normals, and on that of directions.
+
+    The figure has no random part.
+    """
     square: list[str] = []
     discs: tuple[list[str], list[str]] = ([], [])
     for row in range(CELLS):

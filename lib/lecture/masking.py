@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: which geometry underlies G: facets of traced height fields beside three formulas."""
+"""Figure: which geometry underlies G.
+
+It shows facets of traced height fields beside three formulas.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,10 @@ ALPHA, ANGLES, FIELDS, CORRELATION = 0.6, (30.0, 60.0, 75.0, 82.0), 4, 8
 
 
 def illustrate_masking(seed: int) -> Figure:
-    """The share of level facets that a direction and its mirror image both see, traced and by each formula."""
+    """The share of level facets that a direction and its mirror image both see.
+
+    It is traced, and given by each formula.
+    """
     found = measure_microsurface(ALPHA, ANGLES, FIELDS, CORRELATION, seed)
     at = np.array(ANGLES)
     lines = [Line(at, np.array([one.shared.mean for one in found]), "traced / tracé", 0)]

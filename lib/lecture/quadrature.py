@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Integrals over microfacet normals, for the numbers that decide between two forms of an equation."""
+"""Integrals over microfacet normals.
+
+They give the numbers that decide between two forms of an equation.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +20,10 @@ def _nodes() -> tuple[np.ndarray, np.ndarray]:
 
 
 def integrate_normals(function: Callable[[np.ndarray], np.ndarray], sigma: float) -> float:
-    """The integral of `function` over the hemisphere of normals m, for functions as wide as sigma.
+    """The integral of `function` over the hemisphere of normals m.
 
-    `function` takes unit normals (3, n) and returns (n,) values per steradian. Gauss-Legendre in x, with tan(theta) = sigma x / (1 - x),
-    times the trapezoidal rule in phi.
+    It serves functions as wide as sigma. `function` takes unit normals (3, n) and returns (n,) values per steradian.
+    Gauss-Legendre in x, with tan(theta) = sigma x / (1 - x), times the trapezoidal rule in phi.
     """
     node, weight = _nodes()
     x = 0.5 * (1.0 + node)

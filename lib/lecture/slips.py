@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: the five slips of the slides; each has a number that decides, computed here by quadrature."""
+"""Figure: the five slips of the slides.
+
+Each has a number that decides, computed here by quadrature.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ def _exponent(m: np.ndarray, divisor: float) -> np.ndarray:
 
 
 def _masked(m: np.ndarray) -> np.ndarray:
-    """D G1(o) (o.m): what white facets reflect of the light in each solid angle of m, once 4 (o.m) has been changed for."""
+    """D G1(o) (o.m), the light that white facets reflect in each solid angle of m.
+
+    It is written after the change of variable 4 (o.m).
+    """
     beckmann = Beckmann()
     shared = 1.0 / (1.0 + beckmann.smith_lambda(WO[:, None], SIGMA, SIGMA))
     return beckmann.density(m, SIGMA, SIGMA) * shared * np.maximum(WO @ m, 0.0)
@@ -35,7 +41,10 @@ def _of_normals(m: np.ndarray) -> np.ndarray:
 
 
 def printed_at_ends() -> np.ndarray:
-    """The printed forms at the ends of their domains, (4,): G and D at grazing directions, g / p at xi2 = 1, f cos at a grazing light."""
+    """The printed forms at the ends of their domains, (4,).
+
+    They are G and D at grazing directions, g / p at xi2 = 1, and f cos at a grazing light.
+    """
     flat = np.zeros(1)
     with np.errstate(all="ignore"):
         masking = 2.0 * flat / flat
@@ -63,7 +72,10 @@ def count_no_numbers(values: np.ndarray) -> float:
 
 
 def decide() -> list[dict[str, float]]:
-    """For each slip what the printed form gives, and the right one; both are integrals, but for the fifth: places without a number."""
+    """For each slip the value of the printed form, and the right value.
+
+    Both are integrals, except for the fifth: there they count places without a number.
+    """
     width = float(SIGMA)
     cosine = integrate_normals(lambda m: m[2], 1.0)
     return [

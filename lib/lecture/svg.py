@@ -15,7 +15,10 @@ _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 700, 320, 62, 210, 16, 40
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a plot: its points, its name at the end, and which of the four colours; dashed lines are a second kind."""
+    """A line of a plot.
+
+    It has points, a name at the end, and one of the four colours; dashed lines are a second kind.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -42,7 +45,10 @@ class Axis:
 
 
 def plot_lines(lines: Sequence[Line], across: Axis, up: Axis, label: str) -> Markup:
-    """A plot as SVG; what lies outside the vertical axis is cut off, and names stand in a column at the right."""
+    """Draw a plot as SVG.
+
+    What lies outside the vertical axis is cut off, and names stand in a column at the right.
+    """
     x, y = across.place(_LEFT, _WIDTH - _RIGHT), up.place(_HEIGHT - _BOTTOM, _TOP)
     parts = [
         f'<div class="plot"><svg class="curve" viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(label)}">'
@@ -71,7 +77,10 @@ def plot_lines(lines: Sequence[Line], across: Axis, up: Axis, label: str) -> Mar
 
 
 def draw_disc(title: str, content: Sequence[str]) -> Markup:
-    """The hemisphere seen from above, as the unit disc; `content` is SVG in units of its radius, y upwards."""
+    """Draw the hemisphere seen from above, as the unit disc.
+
+    `content` is SVG in units of its radius, y upwards.
+    """
     return Markup(
         f'<figure><svg class="disc" viewBox="-1.05 -1.05 2.1 2.1" role="img" aria-label="{escape(title)}"><g transform="scale(1,-1)">'
         f'<circle class="rim" r="1"/>{"".join(content)}</g></svg><figcaption>{escape(title)}</figcaption></figure>'

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: "Uniforme ?", the radiance of one glossy point by four strategies, with errors, slopes and seconds."""
+"""Figure: "Uniforme ?", the radiance of one glossy point by four strategies.
+
+It has errors, slopes and seconds.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +25,18 @@ _SUN = np.array([-0.8, 0.36, 0.48])
 
 
 def radiance(wi: np.ndarray) -> np.ndarray:
-    """The sky of the figure, (n,) W m^-2 sr^-1: an even part and a broad light near the mirror direction."""
+    """The sky of the figure, (n,) W m^-2 sr^-1.
+
+    It has a uniform part and a broad light near the mirror direction.
+    """
     return 0.5 + 2.0 * np.exp(12.0 * (_SUN @ wi - 1.0))
 
 
 def make_lobe(strategy: str, count: int) -> MicrofacetReflection:
-    """The lobe of the figure: GGX, height-correlated masking, and one observer for all samples."""
+    """The lobe of the figure.
+
+    It is GGX with height-correlated masking, and one observer for all samples.
+    """
     angle = np.radians(DEGREES)
     wo = np.repeat(np.array([[np.sin(angle)], [0.0], [np.cos(angle)]]), count, axis=1)
     return MicrofacetReflection(wo, np.array(SIGMA), np.array(SIGMA), GGX(), "correlated", strategy)
@@ -40,7 +49,10 @@ def estimate(strategy: str, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
 
 
 def integrate_reflected(nodes: int = 240) -> float:
-    """The radiance that the estimators estimate: Gauss-Legendre in cos(theta), the trapezoidal rule in phi."""
+    """The radiance that the estimators estimate.
+
+    Gauss-Legendre in cos(theta), the trapezoidal rule in phi.
+    """
     node, weight = np.polynomial.legendre.leggauss(nodes)
     cosine, phi = 0.5 * (1.0 + node), 2.0 * np.pi * np.arange(2 * nodes) / (2 * nodes)
     total = 0.0

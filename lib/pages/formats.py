@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shares and durations as a person says them, the same on the terminal, in the panel and on pages."""
+"""Shares and durations as a person writes them.
+
+They are the same on the terminal, in the panel and on pages.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,9 @@ import math
 
 
 def format_percent(value: float, sign: bool = True) -> str:
-    """A share as a percentage with three significant digits; 'unbounded' where it is not finite.
+    """A share as a percentage with three significant digits.
+
+    'unbounded' where it is not finite.
 
     >>> format_percent(0.0123), format_percent(0.01, sign=False), format_percent(float("inf"))
     ('+1.23 %', '1 %', 'unbounded')
@@ -18,7 +23,9 @@ def format_percent(value: float, sign: bool = True) -> str:
 
 
 def format_part(value: float) -> str:
-    """A part of something as a percentage without a plus sign; 'unbounded' where it is not finite.
+    """A part of something as a percentage without a plus sign.
+
+    'unbounded' where it is not finite.
 
     >>> format_part(0.98765)
     '98.8 %'

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The light of a few pixels by its parts, on both sides, with standard errors from independent replicates."""
+"""The light of a few pixels by its parts, on both sides.
+
+Standard errors come from independent replicates.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,10 @@ KINDS = ("image", "light pass", "bounce", "light")
 
 @dataclass(frozen=True)
 class Reading:
-    """One part of the light: its `kind`, of KINDS, and name; `reference` and `cycles` (3,) with their standard errors, W m^-2 sr^-1."""
+    """One part of the light.
+
+    It has its `kind`, of KINDS, and name; `reference` and `cycles` (3,) with their standard errors, W m^-2 sr^-1.
+    """
 
     kind: str
     name: str
@@ -44,7 +50,10 @@ class Reading:
 
 @dataclass(frozen=True)
 class Probe:
-    """The `readings` in the pixels of `box` (first column, first row, last column, last row), the whole light first."""
+    """The `readings` in the pixels of `box`, the whole light first.
+
+    The box is first column, first row, last column, last row.
+    """
 
     box: Box
     replicates: int
@@ -61,10 +70,11 @@ def probe(
     seconds: float,
     progress: Progress,
 ) -> Probe:
-    """Render the pixels of `box`, of an image of `shape` (height, width), with both renderers in turns for so many seconds.
+    """Render the pixels of `box` with both renderers in turns for so many seconds.
 
-    `parts` are those of the light; limits of bounces are turned into what each bounce adds. Cancelling keeps what both sides finished;
-    raises EtalonError where there are fewer than two replicates.
+    The image has the `shape` (height, width). `parts` are those of the light; limits of bounces are turned into what
+    each bounce adds. Cancelling keeps what both sides finished; raises EtalonError where there are fewer than two
+    replicates.
     """
     windows = Windows(shape, (box,))
     sides = renderers[0].with_passes(parts), renderers[1].with_passes(parts)
@@ -92,7 +102,10 @@ def probe(
 
 
 def _samples(sides: tuple[Renderer, Renderer], windows: Windows, run: TimedRun) -> int:
-    """Samples of a replicate, a power of two, from two short renders of each side that count nowhere."""
+    """Samples of a replicate, a power of two.
+
+    They follow from two short renders of each side that count nowhere.
+    """
     spent = []
     for number, samples in enumerate((FIRST_SAMPLES, FIRST_SAMPLES, 16 * FIRST_SAMPLES)):
         spent.append(sum(run.render(side, FIRST_CALLS.number(number), samples, windows)[1] for side in sides))
@@ -127,7 +140,10 @@ def _names(parts: Sequence[Part]) -> list[tuple[str, str]]:
 
 
 def _increments(means: np.ndarray, parts: Sequence[Part]) -> np.ndarray:
-    """The means (1 + parts, 3) with what each bounce adds in place of the limits, and what is beyond the last of these."""
+    """The means (1 + parts, 3) with what each bounce adds in place of the limits.
+
+    What is beyond the last limit is among them.
+    """
     passes, lights = (
         [k + 1 for k, part in enumerate(parts) if isinstance(part, kind)] for kind in (LightPass, EmitterLight)
     )

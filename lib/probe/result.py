@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a probe of a scene gives: readings of some pixels, the lamps in all units, and both in words and as plain data."""
+"""The result of a probe of a scene.
+
+It has readings of some pixels and the lamps in all units, both in words and as plain data.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,11 @@ from .words import light_lines, probe_figures, probe_lines
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """Some pixels of the `scene` of that name, taken apart on both sides, and its lamps in all units.
+    """Some pixels of a scene, by parts of their light on both sides, and its lamps.
 
-    `probe.readings` are the image, its light passes, its bounces and its lights: radiances (3,) of the reference and of Cycles in
-    W m^-2 sr^-1, each with its standard error.
+    `scene` is the scene's name. The lamps have all units. `probe.readings` are the image, its light passes, its
+    bounces and its lights: radiances (3,) of the reference and of Cycles in W m^-2 sr^-1, each with its standard
+    error.
     """
 
     scene: str

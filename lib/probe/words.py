@@ -55,7 +55,10 @@ def _luminance(color: np.ndarray) -> float:
 
 
 def _with_error(mean: np.ndarray, error: np.ndarray) -> tuple[float, float]:
-    """A luminance and its standard error, that of channels which share their noise, which is the most that it can be."""
+    """A luminance and its standard error.
+
+    The error is that of channels which share their noise, which is the most that it can be.
+    """
     value, spread = _luminance(mean), _luminance(np.abs(error))
     return value, spread if spread > ROUNDING * abs(value) else 0.0
 

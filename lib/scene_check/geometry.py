@@ -15,7 +15,10 @@ _MOST_PAIRS = 3
 
 
 def find_overlapping_faces(scene: Scene) -> Finding | None:
-    """Faces that overlap in one plane, by the objects that they belong to, the largest area first."""
+    """Find faces that overlap in one plane, by the objects that they belong to.
+
+    The largest area is first.
+    """
     overlaps = scene.mesh.overlaps
     if not overlaps.count:
         return None
@@ -41,7 +44,7 @@ def _of(names: tuple[str, str]) -> str:
 
 
 def find_turned_normals(scene: Scene) -> Finding | None:
-    """Smooth faces all of whose shading normals point away from the side that the face itself points to."""
+    """Find smooth faces whose shading normals all point away from the face's own side."""
     mesh = scene.mesh
     if not mesh.corner_normals.shape[2]:
         return None

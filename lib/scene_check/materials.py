@@ -40,7 +40,10 @@ def find_color_normal_maps(scene: Scene) -> Finding | None:
 
 
 def find_negative_colors(scene: Scene) -> Finding | None:
-    """Materials with a colour that is below zero: as a constant, as a stop of a ramp, or as texels of an image."""
+    """Find materials with a colour that is below zero.
+
+    It may be a constant, a stop of a ramp, or a texel of an image.
+    """
     names = [
         material.name
         for material in scene.materials

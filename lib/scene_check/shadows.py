@@ -11,7 +11,10 @@ from ..scene.scene import Scene
 
 
 def find_shadows_apart(scene: Scene) -> Finding | None:
-    """Lights with a size, where light samples and the rays that lobes choose do not find the same light."""
+    """Find lights whose light depends on how it is sampled.
+
+    They have a size, and light samples and the rays that lobes choose do not find the same light.
+    """
     facts = Facts(scene)
     answers = [question(facts) for question in (shadows_apart, lights_without_shadows, linked_shadows, light_bounces)]
     causes = [fact for needed, fact in answers if needed]

@@ -14,7 +14,10 @@ from .units import FilePath, Flag
 
 @dataclass(frozen=True, kw_only=True)
 class AuditOptions(CompareOptions, Run):
-    """What the user asks of `etalon audit`. all: measure the values that Blender starts with, too. out: folder for the results."""
+    """The settings of `etalon audit`.
+
+    all: measure the values that Blender starts with, too. out: folder for the results.
+    """
 
     confidence: float = again(
         CompareOptions, "confidence", help="confidence of all statements on bias together, for all settings and regions"

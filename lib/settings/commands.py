@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options of `etalon plan`, `scenes`, `batch`, `stability`, `microsurface`, `illustrate` and `completion`."""
+"""The options of several small commands.
+
+They are `etalon plan`, `scenes`, `batch`, `stability`, `microsurface`, `illustrate` and `completion`.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options that several commands share: which scene, which random numbers, how many threads, what the terminal shows."""
+"""Options that several commands share.
+
+They are which scene, which random numbers, how many threads, and what the terminal shows.
+"""
 
 from __future__ import annotations
 
@@ -86,7 +89,10 @@ class Target(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class Terminal(Declared):
-    """What a command shows on the terminal: its result in words or as JSON, and whether it shows its progress."""
+    """What a command shows on the terminal.
+
+    It is the result in words or as JSON, and whether progress is shown.
+    """
 
     TITLE: ClassVar[str] = "the terminal"
 

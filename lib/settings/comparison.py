@@ -71,12 +71,15 @@ class CompareOptions(Seeded):
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(CompareOptions, Options):
-    """All that a user chooses about a comparison: the verdict's options, the reference's, and where the results go.
+    """All settings of a comparison.
 
-    tolerance, confidence, time, samples, replicates: as in CompareOptions. strategy, direct, masking, sampler, departures,
-    russian_roulette, seed, threads: as in Options.
+    They are the verdict's options, the reference's, and where the results go.
+
+    tolerance, confidence, time, samples, replicates: as in CompareOptions.
+    strategy, direct, masking, sampler, departures, russian_roulette, seed, threads: as in Options.
     passes: the light passes that are compared beside the image: 'none', 'all', or those of one name.
-    bounces: limits of bounces, from the first to the last, under which images are compared too. lights: compare the light of each emitter.
+    bounces: limits of bounces, from the first to the last, under which images are compared too.
+    lights: compare the light of each emitter.
     size: whether a smaller image may be compared, 'auto', or not, 'full'.
     partial: compare what can be compared where materials are not supported. out: folder for the results.
     Raises EtalonError for a value out of range.

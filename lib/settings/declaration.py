@@ -24,10 +24,11 @@ D = TypeVar("D", bound="Declared")
 
 @dataclass(frozen=True)
 class Panel:
-    """How an option shows in Blender's panel: its label, and limits and a default where they are not the option's own.
+    """How an option shows in Blender's panel.
 
-    `low` and `high` limit what can be typed, `soft_high` what can be dragged to. All are in the option's own unit. `group` is the sub-panel
-    that it stands in: 'target', 'model' or 'passes'.
+    It has a label, and limits and a default where they are not the option's own. `low` and `high` limit what can be
+    typed, `soft_high` what can be dragged to. All are in the option's own unit. `group` is the sub-panel that it
+    stands in: 'target', 'model' or 'passes'.
     """
 
     label: str
@@ -66,7 +67,10 @@ class Option:
         return self.nullable or (self.default is None and not self.required)
 
     def check(self, value: Any) -> Any:
-        """`value` in the option's own type; raises EtalonError, in one line that begins with the option's name."""
+        """`value` in the option's own type.
+
+        Raises EtalonError, in one line that begins with the option's name.
+        """
         if value is None and self.optional:
             return None
         try:
@@ -97,7 +101,10 @@ def option(
     advanced: bool = False,
     compute: Callable[[], T] | None = None,
 ) -> T:
-    """Declare an option as the default of a dataclass field; `compute` finds a default that depends on the machine."""
+    """Declare an option as the default of a dataclass field.
+
+    `compute` finds a default that depends on the machine.
+    """
     declared = Option(
         unit,
         help,
@@ -129,9 +136,10 @@ def again(owner: type[Declared], name: str, **changes: Any) -> Any:
 
 @dataclass(frozen=True)
 class Declared:
-    """A frozen class whose fields are declared options; every value is checked when an object is made.
+    """A frozen class whose fields are declared options.
 
-    Raises EtalonError for a value out of range, in one line that names the option and the remedy.
+    Every value is checked when an object is made. Raises EtalonError for a value out of range, in one line that names
+    the option and the remedy.
     """
 
     def __post_init__(self) -> None:
@@ -149,7 +157,10 @@ class Declared:
 
     @classmethod
     def groups(cls) -> dict[str, list[Option]]:
-        """The options by the title of the class that declares them, as help texts show them: this class first, its bases after it."""
+        """The options by the title of the class that declares them, as help texts show them.
+
+        This class comes first, its bases after it.
+        """
         found: dict[str, list[Option]] = {}
         for declared in cls.options():
             owner = next(c for c in reversed(cls.__mro__) if declared.name in vars(c).get("__annotations__", {}))

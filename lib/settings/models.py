@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Models that take the place of the lobes of Glossy nodes, and Fresnel terms for them: their names and parameters.
+"""Models for the lobes of Glossy nodes, and Fresnel terms for them.
 
-A model is written NAME or NAME:KEY=NUMBER,KEY=NUMBER, such as student-t:g=2.5.
+These are their names and parameters. A model is written NAME or NAME:KEY=NUMBER,KEY=NUMBER, such as student-t:g=2.5.
 """
 
 from __future__ import annotations
@@ -17,7 +17,10 @@ from .units import Unit, UnknownName
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a model: above `low` (or equal to it where `closed`) and at most `high`; required where there is no `default`."""
+    """A number of a model.
+
+    It is above `low` (or equal to it where `closed`) and at most `high`; required where there is no `default`.
+    """
 
     low: float
     high: float
@@ -67,7 +70,9 @@ FRESNELS: Known = {
 
 
 def split_model(text: str, known: Known, what: str) -> tuple[str, dict[str, float]]:
-    """Name and parameters of a model, those that it does not name at their defaults; raises ValueError.
+    """Name and parameters of a model; raises ValueError.
+
+    Parameters that it does not name have their defaults.
 
     >>> split_model("student-t:g=2.5", MODELS, "model")
     ('student-t', {'g': 2.5})

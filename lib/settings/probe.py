@@ -13,7 +13,10 @@ from .units import Flag, Pixel, Seconds, Whole, WholeRange
 
 @dataclass(frozen=True, kw_only=True)
 class ProbeOptions(Options):
-    """What the user asks of `etalon probe`: which pixels, how long, and which bounces are told apart."""
+    """The settings of `etalon probe`.
+
+    They are which pixels, how long, and which bounces are told apart.
+    """
 
     TITLE: ClassVar[str] = ""
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options of the reference: models, sampling strategies, random numbers, threads; and those of `etalon render`."""
+"""The options of the reference, and those of `etalon render`.
+
+They are models, sampling strategies, random numbers and threads.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ SAMPLERS = ("sobol", "random")
 
 
 def _switches() -> Collection[str]:
-    """The departures that have a switch. Looked up late: the catalogue imports SciPy and all kernels, help texts need neither."""
+    """The departures that have a switch.
+
+    They are looked up late: the catalogue imports SciPy and all kernels, and help texts need neither.
+    """
     from ..departures.catalogue import SWITCHES
 
     return SWITCHES
@@ -116,12 +122,14 @@ class Options(Run):
 
 @dataclass(frozen=True, kw_only=True)
 class RenderOptions(Options):
-    """Options of `etalon render` and `etalon.render`: those of the reference, and how much of it is rendered.
+    """Options of `etalon render` and `etalon.render`.
 
-    samples: samples per pixel in each replicate. replicates: number of independent scramblings. strategy: as in Options, or another
-        estimator of the image: 'light-tracing' starts paths at the lights, `samples` for every pixel; 'photon-mapping' makes a map of
-        photons for each sample, and the film's `remarks` state its bias; 'metropolis' mutates the random numbers of
-        paths and refuses a `sampler` that is not the default.
+    They are those of the reference, and how much of it is rendered.
+
+    samples: samples per pixel in each replicate. replicates: number of independent scramblings.
+    strategy: as in Options, or another estimator of the image: 'light-tracing' starts paths at the lights, `samples`
+        for every pixel; 'photon-mapping' makes a map of photons for each sample, and the film's `remarks` state its
+        bias; 'metropolis' mutates the random numbers of paths and refuses a `sampler` that is not the default.
     """
 
     strategy: str = again(

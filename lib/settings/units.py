@@ -58,7 +58,7 @@ def _number(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Share(Unit):
-    """A number between `low` and 1, such as 0.01; as a text also 1%. 1 is excluded, and `low` where it is 0."""
+    """A number from `low` to 1, as 0.01 or the text 1%; excluded are 1, and `low` if it is 0."""
 
     metavar: str = "SHARE"
     low: float = 0.0
@@ -178,7 +178,7 @@ class Whole(Unit):
 
 @dataclass(frozen=True)
 class WholeOrPair(Unit):
-    """A whole number of at least `least`, or in a script a pair of them: one for the reference, one for Cycles."""
+    """A whole number, at least `least`; in a script also a pair: for the reference and Cycles."""
 
     metavar: str = "N"
     least: int | None = None
@@ -206,7 +206,7 @@ class WholeOrPair(Unit):
 
 @dataclass(frozen=True)
 class WholeRange(Unit):
-    """Whole numbers from one to another, at least 0, such as 0..4; one number alone stands for itself."""
+    """Whole numbers from one to another, at least 0, such as 0..4; or one number alone."""
 
     metavar: str = "FIRST..LAST"
 
@@ -277,7 +277,7 @@ class Choice(Unit):
 
 @dataclass(frozen=True)
 class Names(Unit):
-    """A set of names; the option is repeated for each. `known` looks up the names that there are."""
+    """A set of names; the option is repeated for each. `known` looks up the valid names."""
 
     metavar: str = "NAME"
     what: str = "name"

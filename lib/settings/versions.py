@@ -35,7 +35,10 @@ class VersionsTarget(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class VersionsSettings(Settings):
-    """The options of a comparison, for all scenes. out: folder for versions.html, versions.json and the reports."""
+    """The options of a comparison, for all scenes.
+
+    out: folder for versions.html, versions.json and the reports.
+    """
 
     tolerance: float = again(Settings, "tolerance", help="largest relative change that counts as none")
     confidence: float = again(

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings as the words of a command line: for the command that a report shows, and for the comparisons of a batch."""
+"""Settings as the words of a command line.
+
+They serve the command that a report shows, and the comparisons of a batch.
+"""
 
 from __future__ import annotations
 
@@ -33,12 +36,17 @@ def _changes(settings: tuple[Declared, ...]) -> Iterator[tuple[Option, Any]]:
 
 
 def write_changes(*settings: Declared) -> list[str]:
-    """The words that give these settings again; options that have their default value are left out."""
+    """The words that give these settings again.
+
+    Options that have their default value are left out.
+    """
     return [word for declared, value in _changes(settings) for word in write_words(declared, value)]
 
 
 def repeating_command(command: str, *settings: Declared) -> str:
-    """The command line that gives these settings again; options that have their default value are left out.
+    """The command line that gives these settings again.
+
+    Options that have their default value are left out.
 
     >>> from etalon.lib.settings.common import Run, Target
     >>> repeating_command("render", Target("my room.blend"), Run(seed=3))
