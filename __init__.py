@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Étalon: an independent reference integrator beside Cycles, and a verdict on where the two agree.
+"""Étalon: an independent reference beside Cycles, and a verdict on where the two agree.
 
     import etalon
 
     comparison = etalon.compare("kitchen.blend", etalon.Settings(time=60))
     print(comparison.verdict.outcome)
 
-The same import works where Étalon is installed by pip, and inside Blender where it is an extension. `help(etalon.compare)` and the
-other functions have examples. The names come from api.py, at their first use: importing this file imports neither Blender nor NumPy.
+The same import works where Étalon is installed by pip, and inside Blender where it is an extension.
+`help(etalon.compare)` and the other functions have examples. The names come from api.py, at their first use:
+importing this file imports neither Blender nor NumPy.
 
-`lib` computes light and never imports bpy; `addon` talks to Blender and computes no light. This file is Blender's way in, too.
+`lib` computes light and never imports bpy; `addon` talks to Blender and computes no light. This file is Blender's way
+in, too.
 """
 
 from __future__ import annotations

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The public functions and classes; `import etalon` gives these names, in Blender and outside it.
+"""The public functions and classes.
 
-`scene` is everywhere the name of a reference scene, the path of a .blend file, or None for the file that is open in Blender. A
-`Target` also chooses the frame and the camera, and sets properties. Opening a file replaces the one that is open. Errors are
-EtalonError, whose text is one line, or its subclass Refused, for a scene that asks for what is not supported.
+`import etalon` gives these names, in Blender and outside it.
+
+`scene` is everywhere the name of a reference scene, the path of a .blend file, or None for the file that is open in
+Blender. A `Target` also chooses the frame and the camera, and sets properties. Opening a file replaces the one that
+is open. Errors are EtalonError, whose text is one line, or its subclass Refused, for a scene that asks for what is
+not supported.
 """
 
 from __future__ import annotations
@@ -93,9 +96,10 @@ def render(
 
 
 def plan(scene: str | Path | Target | None = None) -> Plan:
-    """List the effects that a scene needs, each with the fact that decided it, without rendering.
+    """List the effects that a scene needs, without rendering.
 
-    Returns the Plan: its `decisions` have the fields `effect`, `needed` and `fact`. Raises EtalonError or Refused.
+    Returns the Plan: its `decisions` have the fields `effect`, `needed` and `fact`, which decided it.
+    Raises EtalonError or Refused.
 
     >>> import etalon
     >>> etalon.plan("lambert_analytic").needs("Lambert")
@@ -109,12 +113,13 @@ def cost(
     options: CostOptions | None = None,
     progress: Progress = NO_PROGRESS,
 ) -> Cost:
-    """Measure the time that accuracy takes with every sampling strategy and with Cycles, or forecast it.
+    """Measure the time that accuracy takes, or forecast it.
 
-    If `options.out` is a folder, the report is written there; otherwise no file is written. The settings of the scene come back.
+    It is measured with every sampling strategy and with Cycles. If `options.out` is a folder, the report is written
+    there; otherwise no file is written. The settings of the scene are restored.
 
-    Returns the Cost: `measurement` has error and seconds of every strategy, `figures` the same as a dictionary, with forecasts for each
-    target. Raises EtalonError, Refused, or Cancelled where nothing was measured.
+    Returns the Cost: `measurement` has error and seconds of every strategy, `figures` the same as a dictionary, with
+    forecasts for each target. Raises EtalonError, Refused, or Cancelled where nothing was measured.
 
     >>> import etalon
     >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=10",))
@@ -133,13 +138,16 @@ def cost(
 
 
 def fit(file: str | Path, settings: FitSettings | None = None, progress: Progress = NO_PROGRESS) -> Identification:
-    """Find the model and the parameters behind a measured BRDF, or behind a sphere that Cycles renders.
+    """Find the model and the parameters behind a measured BRDF.
 
-    `file` is a MERL .binary, an RGL .bsdf, or a .blend with one sphere under one sun of angle 0; only the last needs Blender, and
-    replaces the file that is open.
+    It also finds those behind a sphere that Cycles renders.
 
-    Returns the Identification: `best` is a model with its parameters, `intervals` are their 95 % intervals, `fits` says whether the
-    model explains the data, `equivalent` has the models that the data cannot tell apart. Raises EtalonError or Refused.
+    `file` is a MERL .binary, an RGL .bsdf, or a .blend with one sphere under one sun of angle 0; only the last needs
+    Blender, and replaces the file that is open.
+
+    Returns the Identification: `best` is a model with its parameters, `intervals` are their 95 % intervals, `fits`
+    says whether the model explains the data, `equivalent` has the models that the data cannot tell apart.
+    Raises EtalonError or Refused.
 
     >>> import etalon
     >>> try:
@@ -157,12 +165,14 @@ def probe(
     options: ProbeOptions,
     progress: Progress = NO_PROGRESS,
 ) -> ProbeResult:
-    """Take the light of a pixel apart by light pass, bounce and light, in the reference and in Cycles.
+    """Split the light of a pixel by light pass, bounce and light.
 
-    `options.pixel` is its column and row, counted from the upper left corner. No file is written. The settings of the scene come back.
+    This is done in the reference and in Cycles. `options.pixel` is the pixel's column and row, counted from the upper
+    left corner. No file is written. The settings of the scene are restored.
 
-    Returns the ProbeResult: `probe.readings` have the radiances of both sides with their standard errors, `lights` every lamp in W, W/sr,
-    cd and lm, `figures` all of it as a dictionary, `lines` the table as text. Raises EtalonError or Refused.
+    Returns the ProbeResult: `probe.readings` have the radiances of both sides with their standard errors, `lights`
+    every lamp in W, W/sr, cd and lm, `figures` all of it as a dictionary, `lines` the table as text.
+    Raises EtalonError or Refused.
 
     >>> import etalon
     >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=10",))
@@ -180,7 +190,10 @@ def probe(
 
 @dataclass(frozen=True)
 class BatchResult:
-    """One comparison of a plan: its `label`, scene and `values` by their names; a `comparison`, or the `error` why there is none."""
+    """One comparison of a plan.
+
+    It has its `label`, scene and `values` by their names; a `comparison`, or the `error` why there is none.
+    """
 
     label: str
     scene: str
@@ -190,10 +203,10 @@ class BatchResult:
 
 
 def batch(plan: str | Path, progress: Progress = NO_PROGRESS) -> Iterator[BatchResult]:
-    """Compare every scene of a PLAN.toml at every combination of values, one after the other in this process.
+    """Compare every scene of a PLAN.toml at every combination of values.
 
-    The whole plan is read before the first comparison, and no file is written. `etalon batch` has a process for each comparison, limits,
-    Blenders of other versions, and a journal.
+    The comparisons run one after the other in this process. The whole plan is read before the first one, and no file is
+    written. `etalon batch` has a process for each comparison, limits, Blenders of other versions, and a journal.
 
     Yields a BatchResult for each, as it is done. Raises EtalonError for a plan that is wrong, or names Blenders.
 

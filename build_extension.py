@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the Blender extension: `python build_extension.py [--platform linux-x64] [--python 3.13]`.
+"""Build the Blender extension.
 
-The tree is copied to `build/extension`, the wheels that Blender lacks are fetched beside it by pip, their list is
-written into the copy's manifest, and Blender's own packager (of the `bpy` wheel, or of the `blender` on the path) validates the copy and
-writes one archive per platform to `dist`, and beside them `index.json`: a static repository, whose address is all that an artist needs.
-NumPy and OpenImageIO ship inside Blender and are never bundled.
+Run `python build_extension.py [--platform linux-x64] [--python 3.13]`. The tree is copied to `build/extension`, the
+wheels that Blender lacks are fetched beside it by pip, their list is written into the copy's manifest, and Blender's
+own packager (of the `bpy` wheel, or of the `blender` on the path) validates the copy and writes one archive per
+platform to `dist`, and beside them `index.json`: a static repository, whose address is all that an artist needs. NumPy
+and OpenImageIO ship inside Blender and are never bundled.
 
-Each wheel has its version and its SHA-256 in `pinned_wheels/`, and pip takes no other. `--update` writes these files anew: the newest
-versions that pyproject.toml and Blender's NumPy allow.
+Each wheel has its version and its SHA-256 in `pinned_wheels/`, and pip takes no other. `--update` writes these files
+anew: the newest versions that pyproject.toml and Blender's NumPy allow.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ def requirements() -> list[str]:
 
 
 def pins(platform: str, python: str) -> Path:
-    """The file with version and hash of every wheel for one platform and Python version, as pip reads it."""
+    """The file with version and hash of every wheel, as pip reads it.
+
+    There is one for each platform and Python version.
+    """
     return PINNED / f"{platform}-{python}.txt"
 
 
@@ -75,7 +79,10 @@ def update(platform: str, python: str) -> None:
 
 
 def gather(platform: str, python: str, folder: Path) -> None:
-    """Fetch the wheels of one platform and Python version into `folder`; pip ends with an error where a hash is another."""
+    """Fetch the wheels of one platform and Python version into `folder`.
+
+    pip ends with an error where a hash differs.
+    """
     pip(
         platform,
         python,
@@ -111,7 +118,10 @@ def stage(platforms: list[str], pythons: list[str]) -> None:
 
 
 def packager() -> list[str]:
-    """The command of Blender's own extension tool: a script that comes with bpy and needs no Blender to run, or Blender itself."""
+    """The command of Blender's own extension tool.
+
+    It is a script that comes with bpy and needs no Blender to run, or Blender itself.
+    """
     spec = importlib.util.find_spec("bpy")
     if spec is not None and spec.origin is not None:
         script = next(Path(spec.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The name `etalon` for scripts inside Blender, where an extension is called bl_ext.REPOSITORY.etalon.
+"""The name `etalon` for scripts inside Blender.
 
-While the extension is on, `import etalon` gives a module that has the public names and nothing else. It is not a package: if it were,
-`import etalon.lib` would load every file a second time, and errors raised by one copy would not be caught by the other's classes.
-No path is changed, and an `etalon` that is installed by pip keeps its name.
+An extension is called bl_ext.REPOSITORY.etalon there. While it is on, `import etalon` gives a module that has the
+public names and nothing else. It is not a package: if it were, `import etalon.lib` would load every file a second time,
+and errors raised by one copy would not be caught by the other's classes. No path is changed, and an `etalon` that is
+installed by pip keeps its name.
 """
 
 from __future__ import annotations
@@ -18,7 +19,10 @@ NAME = "etalon"
 
 
 class PublicName(ModuleType):
-    """A module that takes the public names of the package called `package`, each at its first use."""
+    """A module that takes the public names of a package, each at its first use.
+
+    `package` is the package's name.
+    """
 
     def __init__(self, package: str) -> None:
         root = importlib.import_module(package)
@@ -39,7 +43,10 @@ class PublicName(ModuleType):
 
 
 def publish(package: str) -> None:
-    """Make the package of that name importable as `etalon`, unless another one can be imported by that name."""
+    """Make the package of that name importable as `etalon`.
+
+    Another package that can be imported by that name keeps it.
+    """
     if NAME not in sys.modules and importlib.util.find_spec(NAME) is None:
         sys.modules[NAME] = PublicName(package)
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which releases of Blender Étalon works with, and ranges of releases for facts that hold in some of them only."""
+"""The releases of Blender that Étalon works with, and ranges of releases.
+
+Ranges serve facts that hold in some releases only.
+"""
 
 from __future__ import annotations
 

@@ -9,7 +9,10 @@ from dataclasses import dataclass
 
 
 class EtalonError(Exception):
-    """Bad input or an environment that cannot serve; its text is the whole message to the user."""
+    """Bad input or an environment that cannot serve.
+
+    Its text is the whole message to the user.
+    """
 
 
 class Cancelled(EtalonError):
@@ -47,7 +50,9 @@ class Refused(EtalonError):
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
-    """The text of an error about a name that is not among the `known` ones: a near one, or all of them.
+    """The text of an error about a name that is not among the `known` ones.
+
+    It suggests a near one, or all of them.
 
     >>> unknown("strategy", "mss", ("mis", "lights"))
     "unknown strategy 'mss'; did you mean 'mis'?"

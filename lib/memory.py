@@ -11,7 +11,10 @@ _LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory
 
 
 def usable_memory() -> int | None:
-    """The bytes of memory that this process may use, a container's limit included; None where the system does not say."""
+    """The bytes of memory that this process may use, a container's limit included.
+
+    None where the system does not say.
+    """
     try:
         machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):  # Windows has no sysconf
@@ -20,7 +23,10 @@ def usable_memory() -> int | None:
 
 
 def resident_memory(process: int) -> int | None:
-    """The bytes of memory that a process has in use; None where the system, which is not Linux, does not say, or it has ended."""
+    """The bytes of memory that a process has in use.
+
+    None where the system is not Linux or does not say, or where the process has ended.
+    """
     try:
         pages = Path(f"/proc/{process}/statm").read_text().split()[1]
     except (OSError, IndexError):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names from untrusted files made fit for a terminal, for a folder's name and for a spreadsheet."""
+"""Names from untrusted files, made safe.
+
+They then suit a terminal, a folder's name and a spreadsheet.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,9 @@ def one_line(text: str) -> str:
 
 
 def escape_controls(text: str) -> str:
-    r"""`text` with control characters written as escapes, except line breaks, carriage returns, tabs and colours.
+    r"""`text` with control characters written as escapes.
+
+    Line breaks, carriage returns, tabs and colours stay.
 
     >>> print(escape_controls("\x1b[2J"))
     \x1b[2J
@@ -50,7 +55,9 @@ def folder_name(name: str) -> str:
 
 
 def spreadsheet_cell(value: Any) -> Any:
-    """`value` for a cell of a CSV file: a text that a spreadsheet would run as a formula begins with an apostrophe.
+    """`value` for a cell of a CSV file.
+
+    A text that a spreadsheet would run as a formula begins with an apostrophe.
 
     >>> spreadsheet_cell("=1+1"), spreadsheet_cell("-0.5"), spreadsheet_cell(-0.5)
     ("'=1+1", '-0.5', -0.5)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a piece of work is, and whether its user wants it to end: one object goes all the way down."""
+"""The progress of a piece of work, and whether its user wants it to end.
+
+One object goes all the way down.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,10 @@ class Progress:
             raise Cancelled("cancelled before the image was finished; nothing of it is kept")
 
     def within(self, first: float, last: float) -> Progress:
-        """The progress of a part of the work that takes the share from `first` to `last` of the whole."""
+        """The progress of a part of the work.
+
+        The part takes the share from `first` to `last` of the whole.
+        """
 
         def report(fraction: float) -> None:
             self.report(first + (last - first) * fraction)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene is refused for, as a user reads it: the same reason once, with its owners, what blocks most first."""
+"""The reasons why a scene is refused, as a user reads them.
+
+The same reason appears once, with its owners, and what blocks most comes first.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +21,9 @@ MATERIAL = "material"
 
 @dataclass(frozen=True)
 class Reason:
-    """One thing that is not simulated: `kind` of what the user named (material, object, ...), all their `names`, `what`, `remedy`.
+    """One thing that is not simulated.
 
+    It has the `kind` of what the user named (material, object, ...), all their `names`, `what` and `remedy`.
     `assignments` are what `--set` takes to leave it out of the scene, one for each of the names, or none.
     """
 

@@ -25,5 +25,8 @@ def relative_difference(gap: np.ndarray, reference: np.ndarray, floor: np.ndarra
 
 
 def worst_channel(difference: np.ndarray) -> np.ndarray:
-    """The channel (...) in which each difference (..., 3) is largest; 0 where there is no number."""
+    """The channel (...) in which each difference (..., 3) is largest.
+
+    0 where there is no number.
+    """
     return np.argmax(np.nan_to_num(np.abs(difference), nan=-1.0, posinf=np.inf), axis=-1)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with a known answer; one file each builds its scene with bpy and states the expectation and its origin.
+"""Scenes with a known answer.
 
-building.py holds what they share, expectation.py how an expectation is written down. Each module has `build()`, which replaces what is
-open in Blender, and `EXPECTATIONS`.
+One file each builds its scene with bpy and states the expectation and its origin. building.py holds what they share,
+expectation.py how an expectation is written down. Each module has `build()`, which replaces what is open in Blender,
+and `EXPECTATIONS`.
 """
 
 from __future__ import annotations
@@ -21,7 +22,10 @@ SCENES: dict[str, ModuleType] = {name: import_module(f".{name}", __name__) for n
 
 
 def build(name: str) -> None:
-    """Make the reference scene `name` the one that is open; raises EtalonError for a name that there is not."""
+    """Make the reference scene `name` the one that is open.
+
+    Raises EtalonError for an unknown name.
+    """
     if name not in SCENES:
         raise EtalonError(f"{name}: no reference scene of that name; there are {', '.join(SCENES)}")
     SCENES[name].build()

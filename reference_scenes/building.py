@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Building blocks of the reference scenes: meshes of flat triangles, materials by their alpha, lights, a camera."""
+"""Building blocks of the reference scenes.
+
+They are meshes of flat triangles, materials by their alpha, lights, and a camera.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ ODD_TURN = 0.3217
 
 
 def start(name: str, width: int, height: int, max_bounces: int) -> bpy.types.Scene:
-    """Replace what is open by an empty scene with Cycles, square pixels and the plain sRGB view."""
+    """Replace what is open by an empty scene with Cycles.
+
+    It has square pixels and the plain sRGB view.
+    """
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     scene.name = name
@@ -91,7 +97,10 @@ def mesh(
 def sphere(
     name: str, material: bpy.types.Material, location: Point, radius: float, segments: int, rings: int
 ) -> bpy.types.Object:
-    """A sphere of 2 `segments` (`rings` - 1) flat triangles with its vertices on the true sphere."""
+    """Add a sphere of 2 `segments` (`rings` - 1) flat triangles.
+
+    Its vertices lie on the true sphere.
+    """
     theta, phi = np.meshgrid(
         np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(segments) / segments, indexing="ij"
     )
@@ -138,7 +147,10 @@ def _aim(item: bpy.types.Object, target: Point) -> None:
 
 
 def camera(location: Point, target: Point, lens: float = 50.0, ortho_scale: float | None = None) -> bpy.types.Object:
-    """The scene's camera, looking at `target`; orthographic where `ortho_scale` (metres across the longer side) is given."""
+    """Add the scene's camera, which looks at `target`.
+
+    It is orthographic where `ortho_scale` (metres across the longer side) is given.
+    """
     data = bpy.data.cameras.new("Camera")
     data.lens = lens
     if ortho_scale is not None:
@@ -150,7 +162,10 @@ def camera(location: Point, target: Point, lens: float = 50.0, ortho_scale: floa
 
 
 def area_light(name: str, location: Point, target: Point, size: tuple[float, float], radiance: Color) -> None:
-    """A rectangular light, seen by all but camera rays, of the given radiance: power = pi x area x radiance."""
+    """Add a rectangular light of the given radiance: power = pi x area x radiance.
+
+    All but camera rays see it.
+    """
     data = bpy.data.lights.new(name, "AREA")
     data.shape = "RECTANGLE"
     data.size, data.size_y = size

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Expectation:
-    """The mean radiance (RGB, W m^-2 sr^-1) of a region of the image, and where the number comes from.
+    """The mean radiance (RGB, W m^-2 sr^-1) of a region, and where the number comes from.
 
-    `rows` and `columns` are half-open ranges of pixels of the whole image, row 0 on top; `tolerance` is relative: how far a
-    right image of any sample count may be away once its noise has gone.
+    `rows` and `columns` are half-open ranges of pixels of the whole image, row 0 on top; `tolerance` is relative: how
+    far a right image of any sample count may be away once its noise has gone.
     """
 
     name: str

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Glossy spheres ten kilometres from the origin, where neighbouring float32 numbers lie a millimetre apart.
+"""Glossy spheres ten kilometres from the origin.
 
-The content is that of `glossy_spheres`, ten times as large and of coarser triangles, so that what a millimetre does to a triangle's normal
-stays below a thousandth. No closed form: moving a scene changes nothing but rounding, so the expectation is the image of the same
-content at the origin.
+Neighbouring float32 numbers lie a millimetre apart there. The content is that of `glossy_spheres`, ten times as large
+and of coarser triangles, so that what a millimetre does to a triangle's normal stays below a thousandth. No closed
+form: moving a scene changes nothing but rounding, so the expectation is the image of the same content at the origin.
 """
 
 from __future__ import annotations

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A white furnace: a convex vault of flat tiles in a world of radiance 1, so that each tile shows its directional albedo.
+"""A white furnace: a convex vault of flat tiles in a world of radiance 1.
 
-Eight columns tilt away from the orthographic viewer, four rows differ in material. Nothing that leaves a convex body
-meets it again: each tile is single scattering, and its radiance is E(mu), the integral of f cos over the hemisphere, for
-the height-correlated Smith masking that Cycles uses and Beckmann's or GGX's exact Lambda. For GGX it is
-`directional_albedo` of lib/microfacets/albedo.py, to which tests/reference_scenes/test_scenes.py holds Cycles. Cycles weighs
-Beckmann's samples with a rational fit of Lambda, good to 0.31 %.
+Each tile shows its directional albedo. Eight columns tilt away from the orthographic viewer, four rows differ in
+material. Nothing that leaves a convex body meets it again: each tile is single scattering, and its radiance is E(mu),
+the integral of f cos over the hemisphere, for the height-correlated Smith masking that Cycles uses and Beckmann's or
+GGX's exact Lambda. For GGX it is `directional_albedo` of lib/microfacets/albedo.py, to which
+tests/reference_scenes/test_scenes.py holds Cycles. Cycles weighs Beckmann's samples with a rational fit of Lambda, good
+to 0.31 %.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three glossy spheres of flat triangles on a glossy plane under an area light: the scene of the benchmarks.
+"""Three glossy spheres on a glossy plane under an area light, for benchmarks.
 
-The large sphere has 160,000 triangles, GGX, alpha 0.25; beside it GGX alpha 0.09 and Beckmann alpha 0.49; the plane is Beckmann, alpha 0.36.
-Five scatterings. No closed form: the expectation is Cycles' own, measured.
+The spheres have flat triangles. The large one has 160,000, GGX, alpha 0.25; beside it GGX alpha 0.09 and Beckmann alpha
+0.49; the plane is Beckmann, alpha 0.36. Five scatterings. No closed form: the expectation is Cycles' own, measured.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A plane of four glossy strips seen at a grazing angle against three lights near the horizon.
+"""A plane of four glossy strips seen at a grazing angle.
 
-From left to right GGX alpha 0.05 and 0.3, Beckmann alpha 0.05 and 0.3: long streaks, where masking counts most. A plane cannot
-see itself, so this is single scattering.
+It stands against three lights near the horizon. From left to right GGX alpha 0.05 and 0.3, Beckmann alpha 0.05 and 0.3:
+long streaks, where masking counts most. A plane cannot see itself, so this is single scattering.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The illustration of the lecture on importance sampling: sigma = 0.01, 0.1, 0.3, 0.5, Beckmann above, GGX below.
+"""Spheres of sigma = 0.01, 0.1, 0.3 and 0.5, Beckmann above, GGX below.
 
-Eight spheres lit by one of the HDRIs that Blender ships. sigma is alpha; the node's roughness is its square root. No closed form: the
-expectation is Cycles' own, measured.
+It is the illustration of the lecture on importance sampling. Eight spheres are lit by one of the HDRIs that Blender
+ships. sigma is alpha; the node's roughness is its square root. No closed form: the expectation is Cycles' own,
+measured.
 """
 
 from __future__ import annotations

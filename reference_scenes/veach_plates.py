@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Four plates of growing roughness under four lights of growing size: where sampling the light or the lobe alone fails.
+"""Four plates of growing roughness under four lights of growing size.
 
-After E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering" (1995), figure 2, with lights of equal
-power. No closed form: the expectation is Cycles' own, measured.
+Sampling the light or the lobe alone fails there. After E. Veach and L. J. Guibas, "Optimally Combining Sampling
+Techniques for Monte Carlo Rendering" (1995), figure 2, with lights of equal power. No closed form: the expectation is
+Cycles' own, measured.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes at the edge of what numbers hold, each with the radiance that all of its image should show.
+"""Scenes at the edge of what numbers hold.
 
-edge_case.py says what such a scene is; every other module holds one kind of edge and its `CASES`.
+Each has the radiance that all of its image should show. edge_case.py defines such a scene; every other module holds one
+kind of edge and its `CASES`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Lambert plane under the sun, cut into slivers, with faces of no area and doubled vertices strewn over it.
+"""A Lambert plane under the sun, cut into slivers.
 
-None of it may change the radiance, albedo / pi x irradiance x cosine.
+Faces of no area and doubled vertices lie over it. None of it may change the radiance, albedo / pi x irradiance x
+cosine.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside a closed black body in a bright world: rays through shared edges and corners must not leave it. Radiance 0, exactly.
+"""Inside a closed black body in a bright world.
 
-10240 samples a pixel are 10 million rays.
+Rays through shared edges and corners must not leave it. Radiance 0, exactly. 10240 samples a pixel are 10 million rays.
 """
 
 from __future__ import annotations

@@ -39,7 +39,10 @@ def start(name: str, max_bounces: int = 0) -> bpy.types.Scene:
 def look(
     at: building.Point, direction: building.Point, distance: float, width: float, clip_end: float = 1e6
 ) -> bpy.types.Object:
-    """An orthographic camera that sees a square of `width` metres about `at`, from `direction`."""
+    """Add an orthographic camera that sees a square of `width` metres about `at`.
+
+    It looks from `direction`.
+    """
     back = np.array(direction) / np.linalg.norm(direction)
     camera = building.camera(tuple(np.array(at) + distance * back), at, ortho_scale=width)
     camera.data.clip_start, camera.data.clip_end = 1e-6 * distance, clip_end

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Lambert plane under an HDRI that is black but for one texel of 1e6; and under one that is black altogether.
+"""A Lambert plane under an HDRI that is black except for one texel of 1e6, or all black.
 
-The irradiance is the integral of the bilinear hat about the texel, u = 1/2 - phi / 2 pi, v = theta / pi, against the cosine, by
-the product of Gauss-Legendre rules on its four quarters.
+The irradiance is the integral of the bilinear hat about the texel, u = 1/2 - phi / 2 pi, v = theta / pi, against the
+cosine, by the product of Gauss-Legendre rules on its four quarters.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ WIDTH, HEIGHT, COLUMN, ROW = 64, 32, 20, 9
 
 
 def _irradiance() -> float:
-    """Integral of TEXEL (1 - |du|) (1 - |dv|) cos(theta) sin(theta), one texel to each side; theta is from the zenith."""
+    """Integral of TEXEL (1 - |du|) (1 - |dv|) cos(theta) sin(theta).
+
+    It covers one texel to each side; theta is from the zenith.
+    """
     node, weight = np.polynomial.legendre.leggauss(32)
     middle = math.pi * (ROW + 0.5) / HEIGHT
     total = 0.0

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A slab of glass whose index is 1, or all but 1, before a white world: nothing is reflected, and nothing is lost."""
+"""A slab of glass whose index is 1, or nearly 1, before a white world.
+
+Nothing is reflected, and nothing is lost.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lobe of alpha 1e-4 that mirrors a small light: where light sampling and BSDF sampling differ by a factor of 1e7.
+"""A lobe of alpha 1e-4 that mirrors a small light.
 
-The camera sees only points in which every facet of weight sends it into the light, of 0.02 rad across. Beckmann's radiance is then
-the light's own; GGX's long tail sends alpha^2 / (alpha^2 + t^2) of its facets past it, t = 0.005 being the tilt that reaches the
-light's edge from the middle: 4e-4 there, which the tolerance covers.
+Light sampling and BSDF sampling differ there by a factor of 1e7. The camera sees only points in which every facet of
+weight sends it into the light, of 0.02 rad across. Beckmann's radiance is then the light's own; GGX's long tail sends
+alpha^2 / (alpha^2 + t^2) of its facets past it, t = 0.005 being the tilt that reaches the light's edge from the middle:
+4e-4 there, which the tolerance covers.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights with no size, no power, and the narrowest and widest spots that Blender allows, over a Lambert plane.
+"""Lights with no size or no power, and the narrowest and widest spots, over a plane.
 
-A spot of radius 0 and power W gives the intensity W / (4 pi) within its cone, and the point below it W / (4 pi h^2). The lights without
-size or power add nothing; nor does the narrowest spot, which shines beside what the camera sees. An area light of no area has
-a radiance that is no number, and lights nothing in either renderer.
+The spots are the narrowest and widest that Blender allows, the plane is Lambert's. A spot of radius 0 and power W gives
+the intensity W / (4 pi) within its cone, and the point below it W / (4 pi h^2). The lights without size or power add
+nothing; nor does the narrowest spot, which shines beside what the camera sees. An area light of no area has a radiance
+that is no number, and lights nothing in either renderer.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tilted Lambert plane of small triangles under the sun, far from the origin, tiny, and huge.
+"""A tilted Lambert plane under the sun, far from the origin, tiny, and huge.
 
-Radiance = albedo / pi x irradiance x cos(theta), wherever it stands and however large it is: every deviation is an error of a
-position or of a normal. Self-shadowing would show as black, for the sun stands low over the plane.
+It has small triangles. Radiance = albedo / pi x irradiance x cos(theta), wherever it stands and however large it is:
+every deviation is an error of a position or of a normal. Self-shadowing would show as black, for the sun stands low
+over the plane.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Extreme anisotropy about a pole where the radial tangent has no direction: a disc seen from above in a white world.
+"""Extreme anisotropy about a pole where the radial tangent has no direction.
 
-Seen along the normal the directional albedo does not depend on where the tangent points, so that the whole disc, its pole with
-it, shows one radiance: the integral of D G / 4 over wi, by Gauss-Legendre over the stretched tangents.
+It is a disc seen from above in a white world. Seen along the normal the directional albedo does not depend on where the
+tangent points, so that the whole disc, its pole with it, shows one radiance: the integral of D G / 4 over wi, by
+Gauss-Legendre over the stretched tangents.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ ALPHA, ANISOTROPY = 0.05, 0.9
 
 
 def _albedo() -> float:
-    """E(n) = integral of D / (1 + Lambda(wi)) (m.z) dm over the facets tilted by less than 45 degrees, which reflect upwards."""
+    """E(n) = integral of D / (1 + Lambda(wi)) (m.z) dm.
+
+    It covers the facets tilted by less than 45 degrees, which reflect upwards.
+    """
     alpha_x, alpha_y = ALPHA * (1.0 - ANISOTROPY), min(ALPHA / (1.0 - ANISOTROPY), 1.0)
     node, weight = np.polynomial.legendre.leggauss(400)
     share, weight = 0.5 * (node + 1.0), 0.5 * weight

@@ -44,7 +44,10 @@ def half_vectors(nx, ny, nodes=800):
 
 
 def value(view, light, nx, ny):
-    """Lobe times cosine, Ashikhmin and Shirley (2000), eq. 4 without the Fresnel factor; unit vectors (3, n)."""
+    """Lobe times cosine, Ashikhmin and Shirley (2000), eq. 4 without the Fresnel factor.
+
+    Directions are unit vectors (3, n).
+    """
     h = view[:, None] + light
     h /= np.linalg.norm(h, axis=0)
     power = (nx * h[0] ** 2 + ny * h[1] ** 2) / np.maximum(1 - h[2] ** 2, 1e-15)
@@ -63,7 +66,10 @@ def integral(view, h):
 
 
 def stray(view, h, is_lit=lambda light: True):
-    """Mean of f cos / pdf over the directions that Cycles keeps for half vectors with h.v < 0: -v - 2 (h.v) h."""
+    """Mean of f cos / pdf over the directions that Cycles keeps below the facet.
+
+    For half vectors with h.v < 0 they are -v - 2 (h.v) h.
+    """
     c = view @ h
     light = -view[:, None] - 2 * c * h
     up = light[2]

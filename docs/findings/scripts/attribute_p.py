@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An Attribute node named "P" on a plain mesh. The render runs in a process of its own, because it may crash."""
+"""An Attribute node named "P" on a plain mesh.
+
+The render runs in a process of its own, because it may crash.
+"""
 
 import subprocess
 import sys

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Glossy BSDF, Beckmann: light found by BSDF sampling against the integral of the lobe that light sampling sees.
+"""Glossy BSDF, Beckmann: light found by BSDF sampling.
 
-Cycles evaluates the lobe and its density with a rational fit of Smith's Lambda, but samples the exact distribution.
-BSDF sampling therefore gives the lobe times (1 + fit) / (1 + exact).
+It is compared with the integral of the lobe that light sampling sees. Cycles evaluates the lobe and its density with a
+rational fit of Smith's Lambda, but samples the exact distribution. BSDF sampling therefore gives the lobe times
+(1 + fit) / (1 + exact).
 """
 
 import math

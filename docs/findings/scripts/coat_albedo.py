@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Principled BSDF: what the coat takes from the base beneath it, against what the coat itself reflects."""
+"""Principled BSDF: what the coat takes from the base beneath it.
+
+It is compared with what the coat itself reflects.
+"""
 
 from functools import cache
 
@@ -24,7 +27,10 @@ def coated(roughness, eta, base):
 
 
 def taken(roughness, eta, angle):
-    """Albedo A that Cycles takes, from a white base minus a black one under one sun: (1 - weight A) cos / pi. No noise."""
+    """Albedo A that Cycles takes, without noise.
+
+    It comes from a white base minus a black one under one sun: (1 - weight A) cos / pi.
+    """
     light, cos = probe.tilted(30.0, 70.0), np.cos(np.radians(30.0))
     seen = []
     for base in (1.0, 0.0):

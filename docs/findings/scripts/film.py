@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Film: offset of the pixel filter, the first sample of a pixel, and sums in single precision. Emission only."""
+"""Film: pixel filter, first sample of a pixel, and sums in single precision.
+
+The filter is tested for its offset. Emission only.
+"""
 
 import numpy as np
 
@@ -9,7 +12,10 @@ WIDTH = 1.0
 
 
 def scene_of(size, samples, operations=(), first=1):
-    """Plane that emits a function of x in pixels, from the left edge of the image: each operation is (name, operand)."""
+    """Plane that emits a function of x in pixels, from the left edge of the image.
+
+    Each operation is (name, operand).
+    """
     scene = probe.start(size, samples + first)
     if first:
         scene.cycles.use_sample_subset, scene.cycles.sample_offset = True, first
@@ -34,7 +40,10 @@ def scene_of(size, samples, operations=(), first=1):
 
 
 def offsets(scene):
-    """Mean offset of each pixel's samples to the right. Seen from above with Y down, X runs to the left."""
+    """Mean offset of each pixel's samples to the right.
+
+    Seen from above with Y down, X runs to the left.
+    """
     image = probe.render(scene).mean(axis=2)
     return image.shape[1] - image - (np.arange(image.shape[1]) + 0.5)
 

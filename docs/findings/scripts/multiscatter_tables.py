@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables behind Multiscatter GGX: the albedo E that Cycles reads, against quadrature. One sun, no noise.
+"""Tables behind Multiscatter GGX: the albedo E that Cycles reads, against quadrature.
 
-A white lobe is the single-scattering lobe divided by E. The same sun on GGX and on Multiscatter GGX gives E.
+One sun, no noise. A white lobe is the single-scattering lobe divided by E. The same sun on GGX and on Multiscatter GGX
+gives E.
 """
 
 import numpy as np
@@ -25,7 +26,10 @@ def read_albedo(kind, roughness, angle, **inputs):
 
 
 def glass_albedo(cos, alpha, eta):
-    """Reflection and refraction once, towards a viewer at `cos`: mean of G2 / G1 over the visible facets."""
+    """Reflection and refraction once, towards a viewer at `cos`.
+
+    Mean of G2 / G1 over the visible facets.
+    """
     view, facet = quadrature.visible_facets(cos, alpha, 900)
     c = view @ facet
     f = quadrature.fresnel(c, eta)

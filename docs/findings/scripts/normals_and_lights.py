@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Four smaller departures: narrow spread, disk for sphere, corrected glossy normal, shadow terminator offset."""
+"""Four smaller departures.
+
+They are narrow spread, disk for sphere, corrected glossy normal, and shadow terminator offset.
+"""
 
 import bpy
 import numpy as np

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Diffuse BSDF, rough: light that was scattered k times must carry the colour k times. One sun, no noise.
+"""Diffuse BSDF, rough: light scattered k times must carry the colour k times.
 
-Energy-preserving Oren-Nayar of Fujii (2012) with the multiple scattering of OpenPBR: the walk leaves with
-probability E(view) at the first scattering and Eavg at each later one. For colour c the part scattered twice or more is
-(1 - E(l)) (1 - E(v)) / (pi (1 - Eavg)) times the sum over k >= 2 of c^k (1 - Eavg)^(k - 2) Eavg.
+One sun, no noise. Energy-preserving Oren-Nayar of Fujii (2012) with the multiple scattering of OpenPBR: the walk leaves
+with probability E(view) at the first scattering and Eavg at each later one. For colour c the part scattered twice or
+more is (1 - E(l)) (1 - E(v)) / (pi (1 - Eavg)) times the sum over k >= 2 of c^k (1 - Eavg)^(k - 2) Eavg.
 """
 
 import numpy as np
@@ -12,7 +12,10 @@ import probe
 
 
 def hemisphere(a, b, mu):
-    """E(mu) = integral of the single-scattering lobe times cosine over the hemisphere, by quadrature."""
+    """E(mu), by quadrature.
+
+    It is the integral of the single-scattering lobe times cosine over the hemisphere.
+    """
     light, weight = probe.sphere_grid(150, 240)
     s = np.sqrt(1 - mu * mu) * light[0]
     t = np.where(s > 0, s / np.maximum(np.maximum(mu, light[2]), 1e-12), s)

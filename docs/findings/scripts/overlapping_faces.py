@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces that overlap in one plane, under one sun: every point must show what the plane shows alone, albedo * E / pi."""
+"""Faces that overlap in one plane, under one sun.
+
+Every point must show what the plane shows alone, albedo * E / pi.
+"""
 
 import numpy as np
 

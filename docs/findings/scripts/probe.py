@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shared by the scripts in this folder: a flat plane under an orthographic camera, lit in several ways.
+"""Shared by the scripts in this folder: a flat plane, lit in several ways.
 
-The scripts need bpy and numpy (some need scipy) and nothing else. Run one with a Python that has the bpy module:
+An orthographic camera sees it. The scripts need bpy and numpy (some need scipy) and nothing else. Run one with a Python
+that has the bpy module:
 
     python coat_albedo.py
 
-Every script prints one table with the columns expected, Cycles and difference. Directions are in the frame of the plane,
-whose normal is +Z. All settings that are known to bias an image (filter, clamping, adaptive sampling, denoising,
-bounce limits, the first sample of a pixel) are off, so that the tables show one cause each.
+Every script prints one table with the columns expected, Cycles and difference. Directions are in the frame of the
+plane, whose normal is +Z. All settings that are known to bias an image (filter, clamping, adaptive sampling,
+denoising, bounce limits, the first sample of a pixel) are off, so that the tables show one cause each.
 """
 
 import os
@@ -23,7 +24,10 @@ AIM = (0.0171, 0.0293, 0.0)
 
 
 def start(size=1, samples=1):
-    """Empty the file and return a scene with unbiased Cycles settings and `size` x `size` pixels."""
+    """Empty the file and return a scene with unbiased Cycles settings.
+
+    It has `size` x `size` pixels.
+    """
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -51,7 +55,10 @@ def node_tree(owner):
 
 
 def look_from(scene, direction, width=1e-3):
-    """Orthographic camera that looks at the point AIM from `direction` and sees `width` metres."""
+    """Add an orthographic camera that looks at the point AIM from `direction`.
+
+    It sees `width` metres.
+    """
     from mathutils import Vector
 
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -115,7 +122,10 @@ def add_sun(scene, direction, strength=1.0, angle=0.0):
 
 
 def add_area_light(scene, size, height, up=False):
-    """Square area light of radiance 1 at `height` above the plane, facing down, or up. Returns the light."""
+    """Add a square area light of radiance 1 at `height` above the plane, and return it.
+
+    It faces down, or up.
+    """
     light = bpy.data.lights.new("Area", "AREA")
     light.shape, light.size = "SQUARE", size
     light.energy = np.pi * size * size
@@ -169,7 +179,10 @@ def mean(image):
 
 
 def show(title, head, rows):
-    """Print a table: the columns of `head`, then expected, Cycles, difference and, where given, the noise of Cycles."""
+    """Print a table.
+
+    Its columns are those of `head`, then expected, Cycles, difference and, where given, the noise of Cycles.
+    """
     print(f"\nBlender {bpy.app.version_string}: {title}")
     print("  ".join(f"{name:>12}" for name in (*head, "expected", "Cycles", "difference", "noise (1 sd)")))
     for *labels, expected, seen, noise in rows:
@@ -183,7 +196,10 @@ def show(title, head, rows):
 
 
 def sphere_grid(cos_nodes=400, turns=400, low=0.0, high=1.0):
-    """Directions (3, n) and weights (n,) of a quadrature over low <= cos <= high: Gauss in the cosine, equal steps in the turn."""
+    """Directions (3, n) and weights (n,) of a quadrature over low <= cos <= high.
+
+    Gauss in the cosine, equal steps in the turn.
+    """
     x, w = np.polynomial.legendre.leggauss(cos_nodes)
     mu, w = 0.5 * (low + high) + 0.5 * (high - low) * x, 0.5 * (high - low) * w
     phi = (np.arange(turns) + 0.5) * 2 * np.pi / turns

@@ -10,7 +10,10 @@ import numpy as np
 
 
 def visible_facets(cos, alpha, nodes=500):
-    """Direction to the viewer (3,) and facet normals (3, n) at equal weight, for a viewer at `cos` to the normal."""
+    """Direction to the viewer (3,) and facet normals (3, n) at equal weight.
+
+    The viewer is at `cos` to the normal.
+    """
     u = (np.arange(nodes) + 0.5) / nodes
     u1, u2 = (x.ravel() for x in np.meshgrid(u, u))
     view = np.array([np.sqrt(1 - cos * cos), 0.0, cos])
@@ -34,7 +37,10 @@ def smith_lambda(cos, alpha):
 
 
 def fresnel(cos, eta):
-    """Unpolarised reflectance of a dielectric of relative index `eta`; 1 under total internal reflection."""
+    """Unpolarised reflectance of a dielectric of relative index `eta`.
+
+    1 under total internal reflection.
+    """
     inside = 1 - (1 - cos * cos) / eta**2
     t = np.sqrt(np.maximum(inside, 0.0))
     s_wave, p_wave = (cos - eta * t) / (cos + eta * t), (eta * cos - t) / (eta * cos + t)
@@ -42,7 +48,10 @@ def fresnel(cos, eta):
 
 
 def reflected(cos, alpha, reflectance=lambda c: 1.0):
-    """Albedo of single reflection towards a viewer at `cos`: mean of F(facet) G2 / G1 over the visible facets."""
+    """Albedo of single reflection towards a viewer at `cos`.
+
+    Mean of F(facet) G2 / G1 over the visible facets.
+    """
     view, facet = visible_facets(cos, alpha)
     c = view @ facet
     out = np.maximum(2 * c * facet[2] - cos, 0.0)
@@ -65,10 +74,10 @@ def average_fresnel(eta):
 
 
 def compensated(cos, alpha, eta):
-    """Albedo of a dielectric layer with the multiple scattering of Kulla and Conty (2017), as Cycles has it.
+    """Albedo of a dielectric layer with multiple scattering, as Cycles has it.
 
-    The single-scattering albedo times 1 + Fms (1 - E) / E, with Fms = Fss Eavg / (1 - Fss (1 - Eavg)).
-    Returns that albedo and E + Fms (1 - E).
+    The scattering is that of Kulla and Conty (2017). It is the single-scattering albedo times 1 + Fms (1 - E) / E, with
+    Fms = Fss Eavg / (1 - Fss (1 - Eavg)). Returns that albedo and E + Fms (1 - E).
     """
     white, eavg, fss = reflected(cos, alpha), average_albedo(alpha), average_fresnel(eta)
     fms = fss * eavg / (1 - fss * (1 - eavg))

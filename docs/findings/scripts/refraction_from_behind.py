@@ -20,9 +20,10 @@ def smith_lambda(cos):
 
 
 def value(view, light, backs):
-    """Walter et al. (2007), eq. 21, times cosine, without F; 0 where the viewer or the light sees the facet from behind.
+    """Walter et al. (2007), eq. 21, times cosine, without F.
 
-    With `backs` such facets, and facets that face down, count as if they were seen from the front.
+    0 where the viewer or the light sees the facet from behind. With `backs` such facets, and facets that face down,
+    count as if they were seen from the front.
     """
     h = -(IOR * light + view[:, None])
     length = np.linalg.norm(h, axis=0)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""8-bit sRGB images: the order of decoding, of interpolation and of multiplying by alpha. One point, no noise."""
+"""8-bit sRGB images: the order of decoding, of interpolation and of multiplying by alpha.
+
+One point, no noise.
+"""
 
 import os
 import tempfile

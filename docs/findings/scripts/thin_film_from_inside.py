@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thin film on glass, seen along the normal from either side: the reflectance should be the same.
+"""Thin film on glass, seen along the normal from either side.
 
-One sun behind the camera and one sample, without noise. Expected is what Cycles itself shows from outside: a lossless film reflects the
-same share from both sides (Stokes).
+The reflectance should be the same. One sun behind the camera and one sample, without noise. Expected is what Cycles
+itself shows from outside: a lossless film reflects the same share from both sides (Stokes).
 """
 
 import probe

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A face whose texture coordinates reach over three tiles of an image, seen in the middle of each."""
+"""A face whose texture coordinates reach over three tiles of an image.
+
+It is seen in the middle of each.
+"""
 
 import os
 import tempfile
@@ -13,7 +16,10 @@ TILES = {1001: 0.2, 1011: 0.4, 1021: 0.6}
 
 
 def write_tiles(folder):
-    """A grey image of 4 x 4 pixels for each tile; returns the path with its mark for the number."""
+    """Write a grey image of 4 x 4 pixels for each tile.
+
+    Returns the path with its mark for the number.
+    """
     for number, grey in TILES.items():
         image = bpy.data.images.new(f"{number}", 4, 4, float_buffer=True, is_data=True)
         image.pixels.foreach_set(np.tile(np.array([grey, grey, grey, 1.0], np.float32), 16))
@@ -23,7 +29,10 @@ def write_tiles(folder):
 
 
 def seen(row, cut, folder):
-    """What Cycles shows in the middle of tile `row`, where the face is one, or is cut at the tiles' borders."""
+    """What Cycles shows in the middle of tile `row`.
+
+    The face is one, or is cut at the tiles' borders.
+    """
     scene = probe.start()
     path = write_tiles(folder)
     image = bpy.data.images.load(path.replace("<UDIM>", "1001"))
