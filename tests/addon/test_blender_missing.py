@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Without Blender, or without its system libraries, a command says in one line what to install and ends with code 2."""
+"""Commands without Blender, or without its system libraries.
+
+A command says in one line what to install and ends with code 2.
+"""
 
 import json
 import subprocess

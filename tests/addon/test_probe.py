@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon probe`: from a pixel on the command line to its parts, and lamps whose Power is Blender's."""
+"""`etalon probe`: from a pixel on the command line to its parts.
+
+Lamps have the Power of Blender.
+"""
 
 import json
 import math

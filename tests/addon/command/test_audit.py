@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon audit` on scenes whose truth is known without it: closed forms, and neutral renders clipped sample by sample."""
+"""`etalon audit` on scenes whose truth is known without it.
+
+The truth is a closed form, or neutral renders clipped sample by sample.
+"""
 
 import json
 import math
@@ -54,7 +57,10 @@ def halves(left=1.0, right=0.5):
 
 
 def lamp():
-    """A diffuse floor under a point light without size: one contribution a sample, of direct light."""
+    """A diffuse floor under a point light without size.
+
+    Each sample has one contribution, of direct light.
+    """
     scene = building.start("lamp", WIDTH, HEIGHT, 0)
     building.rectangle(
         "Floor", building.diffuse("Paper", (0.8, 0.8, 0.8)), (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)
@@ -107,7 +113,10 @@ def test_a_scene_at_the_neutral_state_has_nothing_to_report():
 @pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
-    """Six times the same state under seeds of its own: differences are noise, of the same size on both sides."""
+    """Six times the same state under seeds of its own.
+
+    Differences are noise, of the same size on both sides.
+    """
     scene = gallery()
     as_neutral(scene)
     with quiet(), neutral(scene, max_bounces=8, threads=1):
@@ -121,7 +130,10 @@ def test_cycles_against_itself_with_other_random_numbers_is_not_biased():
 
 @pytest.mark.compares_with_cycles
 def test_a_clamp_on_what_the_camera_sees_is_its_closed_form():
-    """Radiance 5 clamped at 2 is 2; on the other half 0.5 stays; so the left blocks lose 60 %, the image 3 of 5.5."""
+    """Radiance 5 clamped at 2 is 2; on the other half 0.5 stays.
+
+    So the left blocks lose 60 %, the image 3 of 5.5.
+    """
     scene = halves(5.0, 0.5)
     scene.cycles.sample_clamp_direct = 2.0
     _, found = audited(scene)
@@ -138,7 +150,10 @@ def test_a_clamp_on_what_the_camera_sees_is_its_closed_form():
 @pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_a_clamp_on_light_is_what_clipping_each_sample_by_hand_gives():
-    """Independent neutral renders of one sample a pixel, clipped at the clamp's value: each sample is a single contribution."""
+    """Independent neutral renders of one sample a pixel, clipped at the clamp's value.
+
+    Each sample is a single contribution.
+    """
     scene = lamp()
     limit = 1.0
     with quiet(), neutral(scene, max_bounces=MOST_BOUNCES, threads=1):
@@ -175,7 +190,10 @@ def test_the_light_threshold_costs_noise_and_no_bias():
 
 @pytest.mark.compares_with_cycles
 def test_a_wide_filter_moves_light_over_an_edge_as_its_window_says():
-    """The blocks beside the edge exchange what the Gaussian's window carries across: the sum over columns of P(offset > distance)."""
+    """The blocks beside the edge exchange what the Gaussian's window carries across.
+
+    That is the sum over columns of P(offset > distance).
+    """
     scene = halves(1.0, 0.5)
     width = 4.0
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "GAUSSIAN", width
@@ -198,7 +216,10 @@ def test_a_wide_filter_moves_light_over_an_edge_as_its_window_says():
 
 
 def gallery():
-    """One of everything that a setting of the catalogue lives on, all at what Blender starts with."""
+    """One of everything that a setting of the catalogue belongs to.
+
+    All have the values that Blender starts with.
+    """
     scene = building.start("gallery", WIDTH, HEIGHT, 4)
     building.world((0.3, 0.2, 0.1))
     glossy = building.glossy("Brass", "GGX", 0.1, (0.9, 0.7, 0.4))
@@ -265,7 +286,10 @@ def test_what_blender_starts_with_is_asked_only_where_it_is_not_what_the_file_ha
 
 @pytest.mark.compares_with_cycles
 def test_adaptive_sampling_stops_where_it_would_in_a_whole_render(tmp_path):
-    """A part of a sequence makes Cycles' threshold stricter; that is made up for, so as many pixels stop as in F12."""
+    """A part of a sequence makes Cycles' threshold stricter, which is compensated.
+
+    As many pixels stop as in F12.
+    """
 
     def differing(full, adaptive):
         return np.mean(np.abs(adaptive - full) > 1e-5 * full)

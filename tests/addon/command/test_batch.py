@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon batch`: what it prints of a plan before anything is rendered, and what is wrong on its command line."""
+"""`etalon batch`: the plan that it prints before any render, and wrong command lines."""
 
 import json
 import tomllib

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the terminal shows: progress with and without a terminal, colours, JSON, the report in a browser."""
+"""What the terminal shows.
+
+These are progress with and without a terminal, colours, JSON, and the report in a browser.
+"""
 
 import io
 import json

@@ -41,7 +41,10 @@ def test_bad_input_is_one_line(words, told, capfd, tmp_path):
 
 @pytest.mark.slow
 def test_whole_command(capfd, tmp_path):
-    """Forecast and check on a real scene: the table, the sentence, the folder, and the scene's settings as they were."""
+    """Forecast and check on a real scene.
+
+    Tested are the table, the sentence, the folder, and that the scene's settings are as they were.
+    """
     open_target("sigma_sweep")
     before = traded(bpy.context.scene)
     words = ("sigma_sweep", *SMALL, "--target", "20%", "--verify", "--time", "1", "--ways", "mis,cycles")
@@ -70,7 +73,10 @@ def test_whole_command(capfd, tmp_path):
 @pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_settings_of_the_user():
-    """What the user trades for time is in force for that way alone, the denoiser smooths, and the neutral state renders as before."""
+    """What the user trades for time is in force for that way alone.
+
+    The denoiser smooths, and the neutral state renders as before.
+    """
     open_target("glossy_spheres")
     scene = bpy.context.scene
     scene.render.resolution_percentage = 10

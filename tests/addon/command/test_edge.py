@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes at the edge show the radiance that closed forms give them; what costs seconds runs in CI."""
+"""Scenes at the edge show the radiance that closed forms give them.
+
+What costs seconds runs in CI.
+"""
 
 import dataclasses
 

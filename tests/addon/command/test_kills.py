@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Commands that are ended at random moments lose nothing that was finished, and leave neither processes nor files behind."""
+"""Commands that are ended at random moments lose nothing that was finished.
+
+They leave neither processes nor files behind.
+"""
 
 import json
 import os
@@ -40,7 +43,10 @@ PATIENCE = 60.0
 
 
 class Place:
-    """A folder in which commands run, and what is in it; processes are known by a word in their environment."""
+    """A folder in which commands run, and its content.
+
+    Processes are known by a word in their environment.
+    """
 
     def __init__(self, folder):
         self.work, self.temporary = folder / "work", folder / "tmp"

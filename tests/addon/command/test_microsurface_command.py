@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon microsurface`: a table for each question, the same figures as JSON, and one line for what it does not take."""
+"""`etalon microsurface`: a table for each question, and the same figures as JSON.
+
+What it does not take is one line.
+"""
 
 import json
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`etalon stability`: a line a case, both files, and an exit code that says whether a bound was broken."""
+"""`etalon stability`: a line a case, both files, and an exit code.
+
+The exit code says whether a bound was broken.
+"""
 
 import json
 import subprocess

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is printed never ends a command with a traceback: closed, full and broken streams, few characters, control characters."""
+"""What is printed never ends a command with a traceback.
+
+Streams are closed, full and broken, have few characters, and get control characters.
+"""
 
 import errno
 import io

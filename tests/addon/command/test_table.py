@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of commands: each row has a file with `run`, help for every option, and its part of docs/options.md."""
+"""The table of commands.
+
+Each row has a file with `run`, help for every option, and its part of docs/options.md.
+"""
 
 import ast
 import importlib

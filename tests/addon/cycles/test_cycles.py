@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles as one side: its neutral state comes and goes without a trace, its pixels are linear floats, its replicates independent."""
+"""Cycles as one side of a comparison.
+
+Its neutral state comes and goes without a trace, its pixels are linear floats, its replicates independent.
+"""
 
 import warnings
 
@@ -17,7 +20,10 @@ RADIANCE = (0.25, 1.5, 3000.0)
 
 
 def restless():
-    """A scene that has little of the neutral state, with one of everything that `neutral` touches."""
+    """A scene that has little of the neutral state.
+
+    It has one of everything that `neutral` touches.
+    """
     scene = building.start("restless", 12, 10, 3)
     building.world((0.3, 0.2, 0.1))
     paper = building.diffuse("Paper", (0.5, 0.6, 0.7))
@@ -164,7 +170,10 @@ def lit():
 
 @pytest.mark.compares_with_cycles
 def test_replicates_are_independent_and_repeatable():
-    """Noise of 24 replicates: pairs correlate as independent ones do, so that the mean is as much better as its standard error says."""
+    """Noise of 24 replicates: pairs correlate as independent ones do.
+
+    So the mean is as much better as its standard error says.
+    """
     scene = lit()
     renderer = CyclesRenderer(scene, seed=3, threads=2)
     with neutral(scene, threads=2):
@@ -183,7 +192,10 @@ def test_replicates_are_independent_and_repeatable():
 @pytest.mark.compares_with_cycles
 @pytest.mark.parametrize("bordered", [False, True])
 def test_a_part_is_the_image_in_that_part(bordered):
-    """To the last bit: the same samples of the same pixels, also where the file has a border of its own."""
+    """Exactly the same samples of the same pixels.
+
+    This holds also where the file has a border of its own.
+    """
     scene = lit()
     if bordered:
         edges = {"min_x": 0.25, "max_x": 0.9, "min_y": 0.2, "max_y": 0.8}
@@ -248,7 +260,10 @@ def test_scenes_that_cannot_be_rendered_are_refused_by_name():
 
 @pytest.mark.compares_with_cycles
 def test_the_first_layer_in_use_is_rendered_and_all_stay_in_use():
-    """Of three layers the first is off, and only the second shows the black sheet before the sky."""
+    """Of three layers the first is off.
+
+    Only the second shows the black sheet before the sky.
+    """
     scene = glowing()
     sheet = building.rectangle("Sheet", building.diffuse("Black", (0, 0, 0)), (0, 0, 0), (8, 0, 0), (0, 8, 0))
     shown = bpy.data.collections.new("shown")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Cycles shows: the Cycles at hand against the fingerprint of its release. A failure is news of Cycles, not a fault of the reference."""
+"""The Cycles at hand against the fingerprint of its release.
+
+A failure is news of Cycles, not a fault of the reference.
+"""
 
 import bpy
 import pytest

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles' light passes: read without loss, asked for without a trace, and the same parts as the reference's."""
+"""Cycles' light passes.
+
+They are read without loss, switched on without a trace, and the same parts as the reference's.
+"""
 
 import bpy
 import numpy as np
@@ -69,7 +72,10 @@ SURFACES = {
 
 
 def samples_of_surfaces(names):
-    """One patch of each surface in a row under two lamps and a sky, over a diffuse floor that lights them from below."""
+    """One patch of each surface in a row under two lamps and a sky.
+
+    A diffuse floor lights them from below.
+    """
     scene = building.start("passes", PATCH * (len(names) + 1), PATCH, 3)
     building.world((0.3, 0.4, 0.5))
     paper = building.diffuse("Paper", (0.6, 0.5, 0.4))
@@ -111,7 +117,10 @@ def test_the_view_layer_gets_its_passes_back():
 
 
 def composited(scene):
-    """The links of a compositor that shows the layer's glossy direct pass and one of its light groups."""
+    """The links of a compositor.
+
+    It shows the layer's glossy direct pass and one of its light groups.
+    """
     scene.view_layers[0].use_pass_glossy_direct = True
     scene.view_layers[0].lightgroups.add(name="Warm")
     if bpy.app.version >= (5, 0, 0):
@@ -132,7 +141,10 @@ def composited(scene):
 # Blender 5.3 says that its 6.0 will find the compositor's nodes elsewhere.
 @pytest.mark.filterwarnings("ignore:'Scene.compositing_node_group':DeprecationWarning")
 def test_compositor_nodes_keep_the_passes_and_light_groups_that_they_use(seed):
-    """Other passes are rendered meanwhile; the nodes change no image, and their links stay valid."""
+    """Other passes are rendered meanwhile.
+
+    The nodes change no image, and their links stay valid.
+    """
     scene = samples_of_surfaces(["diffuse", "glossy"])
     plain = CyclesRenderer(scene, seed=seed, threads=1).render(0, 2).radiance
     links = composited(scene)
@@ -145,7 +157,10 @@ def test_compositor_nodes_keep_the_passes_and_light_groups_that_they_use(seed):
 
 
 def test_black_surfaces_leave_numbers(seed):
-    """Cycles divides their light by a colour of 0: both sides have passes that are 0 there, and nothing that is no number."""
+    """Cycles divides their light by a colour of 0.
+
+    Both sides have passes that are 0 there, and nothing that is no number.
+    """
     scene = samples_of_surfaces(["black", "black gloss"])
     passes = LightPass.DIFFUSE_DIRECT, LightPass.GLOSSY_DIRECT, LightPass.GLOSSY_INDIRECT
     reference = ReferenceRenderer(export(scene), Options(seed=seed, threads=1), passes=passes)
@@ -159,7 +174,10 @@ def test_black_surfaces_leave_numbers(seed):
 
 
 def test_passes_are_those_of_the_image_and_add_up_to_it(seed):
-    """The combined image is the same with passes and without; their sum is it to float32 rounding."""
+    """The combined image is the same with passes and without.
+
+    Their sum is that image to float32 rounding.
+    """
     scene = samples_of_surfaces(list(SURFACES))
     renderer = CyclesRenderer(scene, seed=seed)
     whole = renderer.with_passes(tuple(LightPass)).render(0, 16)
@@ -185,7 +203,10 @@ def test_only_passes_that_can_hold_light_are_asked_for():
 @pytest.mark.compares_with_cycles
 @pytest.mark.slow
 def test_the_reference_parts_light_as_cycles_does(seed):
-    """Every pass of every surface agrees within five standard errors and 1 % of the patch's light."""
+    """Every pass of every surface agrees.
+
+    It does within five standard errors and 1 % of the patch's light.
+    """
     scene = samples_of_surfaces(list(SURFACES))
     passes = tuple(LightPass)
     reference = ReferenceRenderer(export(scene), Options(seed=seed), passes=passes)
@@ -236,7 +257,10 @@ def test_a_pass_taken_for_another_is_seen(monkeypatch, seed):
 
 @pytest.mark.compares_with_cycles
 def test_a_comparison_reports_the_passes_that_were_asked_for(tmp_path):
-    """From the option to verdict.json: those of one family, which the scene can have, and the settings of the user's return."""
+    """From the option to verdict.json.
+
+    The passes are those of one family, which the scene can have, and the user's settings are restored.
+    """
     scene = samples_of_surfaces(["diffuse", "glossy"])
     before = read_properties(scene)
     settings = Settings(time=None, samples=4, replicates=4, passes="glossy", threads=1)

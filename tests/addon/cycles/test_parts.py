@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limits of bounces and light groups in Cycles: the same parts as the reference's, and the user's own settings come back."""
+"""Limits of bounces and light groups in Cycles.
+
+They are the same parts as the reference's, and the user's own settings are restored.
+"""
 
 from dataclasses import replace
 
@@ -41,7 +44,10 @@ def room():
 
 
 def rendered(scene, parts, replicates, samples, seed):
-    """Both sides' means (parts, 3) over the left and right half, with their standard errors, of one export."""
+    """Both sides' means (parts, 3) over the left and right half, of one export.
+
+    They come with their standard errors.
+    """
     reference = ReferenceRenderer(export(scene), Options(threads=1, seed=seed)).with_passes(parts)
     cycles = CyclesRenderer(scene, seed=seed, threads=1).with_passes(parts)
     found = []
@@ -118,7 +124,10 @@ def test_groups_that_the_user_set_do_not_change_the_image(seed):
 
 @pytest.mark.compares_with_cycles
 def test_the_lamp_and_the_bounce_of_a_planted_fault_are_named(monkeypatch, tmp_path):
-    """20 % less light of the lamp, and 20 % less light from the second bounce on, in what is read of Cycles."""
+    """Two faults are planted in what is read of Cycles.
+
+    They are 20 % less light of the lamp, and 20 % less light from the second bounce on.
+    """
     scene, limited = room(), CyclesRenderer._with_limits
     place = []
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel's job: a second program on a copy of the file, here Blender as a module behind a script that takes its arguments."""
+"""The panel's job: a second program on a copy of the file.
+
+Here it is Blender as a module behind a script that takes its arguments.
+"""
 
 import math
 import sys
@@ -34,7 +37,10 @@ PLANT = "from etalon.tests.planted import plant_bright_rough_diffuse as plant; p
 
 
 def write_program(path, plant=""):
-    """The program at `path`, with an error planted in its reference where there is one to plant."""
+    """Write the program at `path`.
+
+    It has an error planted in its reference where there is one to plant.
+    """
     path.write_text(PROGRAM.format(python=sys.executable, plant=plant))
     path.chmod(0o755)
 
@@ -84,7 +90,10 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
 
 @pytest.mark.compares_with_cycles
 def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch):
-    """The reference of both processes shows the rough floor too bright, for no reason in the catalogue."""
+    """The reference of both processes shows the rough floor too bright.
+
+    There is no reason for it in the catalogue.
+    """
     monkeypatch.setattr(job, "alternatives", lambda reference: Alternatives((), lambda names: reference))
     plant_bright_rough_diffuse(monkeypatch.setattr)
     write_program(program, PLANT)

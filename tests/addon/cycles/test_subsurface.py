@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subsurface scattering as Cycles has it, method by method, on a body in a white world beside a lamp."""
+"""Subsurface scattering as Cycles has it, method by method.
+
+The scene is a body in a white world beside a lamp.
+"""
 
 import bpy
 import numpy as np
@@ -80,7 +83,10 @@ def body(build):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(CASES))
 def test_the_reference_shows_what_cycles_shows(name, seed):
-    """The mean of the image, each channel by a t test of all three together; errors are below 1.2 % of the light."""
+    """The mean of the image, each channel by a t test of all three together.
+
+    Errors are below 1.2 % of the light.
+    """
     scene = body(CASES[name])
     reference = ReferenceRenderer(export(scene), Options(seed=seed, threads=1, departures=frozenset({SHORT_WALKS})))
     cycles = CyclesRenderer(scene, seed=seed, threads=1)

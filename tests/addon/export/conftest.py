@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's side of the export tests: an empty scene, Cycles as a one-sample probe, and rays met by brute force."""
+"""Blender's side of the export tests.
+
+It has an empty scene, Cycles as a one-sample probe, and rays met by brute force.
+"""
 
 import bpy
 import numpy as np
@@ -63,7 +66,10 @@ class Studio:
             return with_render_depsgraph(self.scene, lambda depsgraph: export_scene(depsgraph, **options))
 
     def cycles(self, samples=1):
-        """(h, w, 3) linear pixels; with one sample each ray goes through its pixel's centre. Skips where Cycles is not known."""
+        """(h, w, 3) linear pixels; with one sample each ray goes through its pixel's centre.
+
+        Skips where this release of Cycles is unknown.
+        """
         if unknown_cycles():
             pytest.skip(unknown_cycles())
         render, cycles = self.scene.render, self.scene.cycles
@@ -103,7 +109,10 @@ class Studio:
         return material
 
     def probe(self, node, output, offset=0.0, scale=1.0):
-        """What every surface has there, at each pixel's centre, by Cycles: (h, w, 3), NaN where there is no surface."""
+        """What every surface has there, at each pixel's centre, by Cycles: (h, w, 3).
+
+        NaN where there is no surface.
+        """
         background = 1e6
         world = bpy.data.worlds.new("far")
         if bpy.app.version < (5, 0, 0):
@@ -126,7 +135,10 @@ def studio(tmp_path):
 
 
 def camera_rays(camera):
-    """Origin and unit direction (3, h, w) of the rays through the pixels' centres, row 0 on top."""
+    """Origin and unit direction (3, h, w) of the rays through the pixels' centres.
+
+    Row 0 is on top.
+    """
     x, y = np.meshgrid(np.arange(camera.width) + 0.5, camera.height - 0.5 - np.arange(camera.height))
     x, y = x + ASIDE, y + ASIDE
     plane = np.einsum("ij,jhw->ihw", camera.plane_from_raster, np.stack([x, y, np.ones_like(x)]))
@@ -142,7 +154,10 @@ def camera_rays(camera):
 
 
 def first_hits(mesh, origin, direction):
-    """Triangle (-1 where none), barycentrics (3, ...) and distance of each ray's nearest hit, by trying every triangle."""
+    """Triangle (-1 where none), barycentrics (3, ...) and distance of each nearest hit.
+
+    It tries every triangle.
+    """
     corners = [mesh.vertices[:, mesh.triangles[k]] for k in range(3)]
     shape = origin.shape[1:]
     origin, direction = origin.reshape(3, -1), direction.reshape(3, -1)
@@ -161,7 +176,10 @@ def first_hits(mesh, origin, direction):
 
 
 def _distances(a, b, c, origin, direction):
-    """Distance (rays, triangles), infinite where there is no hit, and the barycentrics u and v of corners `b` and `c`."""
+    """Distance (rays, triangles), and the barycentrics u and v of corners `b` and `c`.
+
+    The distance is infinite where there is no hit.
+    """
     e1, e2 = (corner - a for corner in (b, c))
     d, s = direction.T[:, None, :], origin.T[:, None, :] - a.T
     p, q = np.cross(d, e2.T), np.cross(s, e1.T)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera rays against Cycles' own: one sample through each pixel's centre tells the point that the ray met."""
+"""Camera rays against Cycles' own.
+
+One sample through each pixel's centre gives the point that the ray met.
+"""
 
 import math
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A file as users have them: a glTF with base colour, metal-rough and normal textures, through Blender's importer, against Cycles."""
+"""A file as users have them, against Cycles.
+
+It is a glTF with base colour, metal-rough and normal textures, through Blender's importer.
+"""
 
 import bpy
 import numpy as np
@@ -82,7 +85,10 @@ def lit_and_seen(path):
 
 
 def test_a_gltf_with_textures_agrees(tmp_path):
-    """The whole to 0.2 %, half of the blocks to noise; at silhouettes Cycles' smooth shading depends on its estimator."""
+    """The whole image agrees to 0.2 %, half of the blocks to noise.
+
+    At silhouettes Cycles' smooth shading depends on its estimator.
+    """
     scene = lit_and_seen(exported_sphere(tmp_path))
     exported = export(scene)
     assert {type(lobe.closure) for lobe in exported.materials[0].lobes} == {Metallic, Specular, Diffuse}

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and shadow linking against Cycles: what collections include and exclude, for lamps, glowing faces and instances."""
+"""Light and shadow linking against Cycles.
+
+Collections include and exclude lamps, glowing faces and instances.
+"""
 
 import bpy
 import numpy as np

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exported lights against the irradiance that Cycles measures on a white Lambertian square below them."""
+"""Exported lights against the irradiance that Cycles measures.
+
+It is measured on a white Lambertian square below them.
+"""
 
 import math
 
@@ -154,7 +157,10 @@ def test_an_emission_node_multiplies(studio):
 
 @pytest.mark.parametrize("kind", ["POINT", "AREA"])
 def test_what_feeds_an_emission_node_may_be_any_constant(studio, kind):
-    """A blackbody, arithmetic in a group, a falloff that leaves the square of the distance alone."""
+    """The constant is a blackbody, arithmetic in a group, or a falloff.
+
+    The falloff leaves the square of the distance alone.
+    """
     studio.quad()
     lamp = above(studio, kind, **({"shadow_soft_size": 0.0} if kind == "POINT" else {"size": 0.01}))
     if lamp.data.node_tree is None:

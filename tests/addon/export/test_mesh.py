@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exported triangles against hand-made arrays, and against what Cycles finds under every pixel."""
+"""Exported triangles against hand-made arrays.
+
+They are also compared with what Cycles finds under every pixel.
+"""
 
 import logging
 import tracemalloc
@@ -31,7 +34,10 @@ def normals(mesh):
 
 
 def same_as_cycles(studio, rays, hits, expected, node, output, tolerance, size=12, offset=0.0, scale=1.0):
-    """Compare expected(mesh, triangle, weights (3, n), points (3, n)) -> (3, n) with a node's output in Cycles."""
+    """Compare an expectation with a node's output in Cycles.
+
+    It is expected(mesh, triangle, weights (3, n), points (3, n)) -> (3, n).
+    """
     studio.scene.render.resolution_x = studio.scene.render.resolution_y = size
     scene = studio.export()
     origin, direction = rays(scene.camera)
@@ -83,7 +89,10 @@ def test_a_cube_keeps_its_outside(studio, matrix):
 
 
 def test_faces_turn_their_backs_as_in_cycles(studio, rays, hits, rng):
-    """Alone and as instances of one mesh, mirrored and not: Cycles' Backfacing is the sign of our normal."""
+    """Alone and as instances of one mesh, mirrored and not.
+
+    Cycles' Backfacing is the sign of our normal.
+    """
     shared = studio.mesh("shared", [(-1, -1, 0), (1, -1, 0.2), (0, 1, -0.1)], [(0, 1, 2)])
     for i in range(12):
         single = shared if i % 2 else shared.copy()
@@ -196,7 +205,10 @@ def line_of_instances(material):
 
 
 def everything(studio, material):
-    """One object of each kind that renders as a mesh, and modifiers that differ between viewport and render."""
+    """One object of each kind that renders as a mesh.
+
+    Modifiers differ between viewport and render.
+    """
     studio.plain = material
     ball = studio.add("ball", studio.mesh("ball", CUBE, OUTWARD), Matrix.Translation((-3, 3, 0)))
     levels = ball.modifiers.new("levels", "SUBSURF")
@@ -317,7 +329,10 @@ def test_faces_without_area_are_left_out_and_counted(studio, caplog):
 
 
 def test_faces_on_top_of_each_other_are_found_by_name_with_their_area(studio):
-    """Copies of an object in one place, turned or turned over; a face that shares but an edge is none, nor is its mirror image."""
+    """Copies of an object in one place, turned or turned over.
+
+    A face that shares only an edge does not count, nor does its mirror image.
+    """
     square, order = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 2, 1)], [(0, 1, 2), (0, 2, 3)]
     studio.add("sheet", studio.mesh("sheet", square, order))
     studio.add("copy", studio.mesh("copy", square[::-1], [(1, 2, 3)]))

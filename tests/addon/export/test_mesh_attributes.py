@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attributes: each type on each domain is read as Cycles reads it, or refused by name; none becomes 0."""
+"""Attributes: each type on each domain is read as Cycles reads it, or refused by name.
+
+None becomes 0.
+"""
 
 import bpy
 import numpy as np

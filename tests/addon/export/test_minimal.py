@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The small scene of a difference that nothing explains: one object and one light of many, still different, the user's own untouched."""
+"""The small scene of a difference that nothing explains.
+
+It has one object and one light of many and is still different; the user's own scene is untouched.
+"""
 
 import math
 
@@ -22,7 +25,10 @@ FACE = np.array([[0, 1, 2, 3]])
 
 @pytest.fixture
 def two_floors(monkeypatch):
-    """A plain floor and a rough one, which the reference shows too bright for no reason in the catalogue, two suns, an odd size of image."""
+    """A plain floor and a rough one, two suns, and an odd size of image.
+
+    The reference shows the rough floor too bright for no reason in the catalogue.
+    """
     plant_bright_rough_diffuse(monkeypatch.setattr)
     building.start("floors", 36, 20, 0)
     rough = building.diffuse("rough", (1.0, 1.0, 1.0))  # white: no release departs

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files whose linked library is gone: what has its faces is compared and said, what lacks them is refused by name."""
+"""Files whose linked library is gone.
+
+An object that has its faces is compared and reported, one that lacks them is refused by name.
+"""
 
 import bpy
 import pytest
@@ -9,7 +12,10 @@ from etalon.lib.errors import Refused
 
 @pytest.fixture
 def linked(studio, tmp_path):
-    """A function that makes a library of an object and its material, links them, and takes the library away."""
+    """A function that takes a library away.
+
+    It makes the library of an object and its material, and links them before.
+    """
 
     def link(use):
         thing = studio.quad("shelf")

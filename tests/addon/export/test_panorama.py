@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panoramic cameras against Cycles' own: one sample through each pixel's centre tells the point that the ray met."""
+"""Panoramic cameras against Cycles' own.
+
+One sample through each pixel's centre gives the point that the ray met.
+"""
 
 import numpy as np
 import pytest
@@ -85,7 +88,10 @@ def test_clip_distances_count_along_the_ray(studio, rng, kind):
 
 
 def test_the_lens_blurs_as_cycles_does(studio, seed, kind):
-    """A bright square out of focus: the image of the lens, which a wrong axis would turn or mirror."""
+    """A bright square out of focus.
+
+    It shows the image of the lens, which a wrong axis would turn or mirror.
+    """
     corners = [(0.75, 0.45, -4), (0.6, 0.45, -4), (0.6, 0.6, -4), (0.75, 0.6, -4)]
     square = studio.mesh("square", corners, [(0, 1, 2, 3)])
     square.materials.append(studio.probe_material("ShaderNodeNewGeometry", "Position", offset=1000.0))
@@ -106,7 +112,10 @@ def test_the_lens_blurs_as_cycles_does(studio, seed, kind):
 
 
 def crop_to(studio, target):
-    """Render only what lies within 0.15 radians about `target` (3, 1), in camera space, on 24 pixels or so."""
+    """Render only the part of the image near `target` (3, 1), in camera space.
+
+    It lies within 0.15 radians about it, on 24 pixels or so.
+    """
     render = studio.scene.render
     render.resolution_x = render.resolution_y = 200
     camera = studio.export().camera

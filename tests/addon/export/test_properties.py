@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties of this Blender: each stands in a table, or is refused when it is not at its default."""
+"""Properties of this Blender.
+
+Each stands in a table, or is refused when it is not at its default.
+"""
 
 import warnings
 from fnmatch import filter as matching
@@ -153,7 +156,10 @@ def change(struct, name):
 
 @pytest.mark.compares_with_cycles
 def test_neutral_properties_change_nothing_in_what_cycles_shows(studio, there):
-    """One render with all neutral properties changed, which the export accepts, against one with none; one sample has no noise."""
+    """One render with all neutral properties changed against one with none.
+
+    The export accepts them, and one sample has no noise.
+    """
     studio.export()
     before = CyclesRenderer(studio.scene, seed=0, threads=1).render(0, 1).radiance
     changed = 0

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ray visibility of objects, lights and worlds, and lights' switches, against Cycles: one scene, one thing hidden at a time."""
+"""Ray visibility of objects, lights and worlds, and lights' switches, against Cycles.
+
+It is one scene, with one thing hidden at a time.
+"""
 
 import bpy
 import numpy as np
@@ -11,7 +14,10 @@ from mathutils import Euler, Matrix
 
 
 def stage(studio):
-    """A grey floor and a rough mirror wall; a red card and a glowing panel over the floor, a pane of glass, a small lamp, a sky."""
+    """A grey floor and a rough mirror wall, with things over the floor.
+
+    They are a red card, a glowing panel, a pane of glass, a small lamp, and a sky.
+    """
     upright = Euler((np.pi / 2, 0, 0)).to_matrix().to_4x4()
     grey = shader("grey", "BsdfDiffuse", Color=(0.6, 0.6, 0.6, 1))
     red = shader("red", "BsdfDiffuse", Color=(0.9, 0.1, 0.1, 1))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files that come with Blender: each ends in a scene, or in a message that names what is missing; nothing else happens."""
+"""The files that come with Blender.
+
+Each ends in a scene, or in a message that names what is missing; nothing else happens.
+"""
 
 from pathlib import Path
 
@@ -30,7 +33,10 @@ def told(function, *arguments):
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_a_file_of_blenders(path):
-    """As it is, then with a camera, then with something to see, as far as it lacks them; what is not simulated is named."""
+    """The file as it is, then with a camera, then with something to see, where it lacks them.
+
+    What is not simulated is named.
+    """
     said = told(open_target, str(path))
     assert not said or "the scene has no camera" in said
     scene = bpy.context.scene

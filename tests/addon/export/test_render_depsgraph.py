@@ -9,7 +9,10 @@ from etalon.lib.errors import EtalonError
 
 @pytest.fixture
 def scene():
-    """The factory scene; its cube is subdivided once in viewports, three times in renders, and hidden in viewports."""
+    """The factory scene with a modified cube.
+
+    Its cube is subdivided once in viewports, three times in renders, and hidden in viewports.
+    """
     bpy.ops.wm.read_factory_settings()
     cube = bpy.data.objects["Cube"]
     modifier = cube.modifiers.new("Subdivision", "SUBSURF")

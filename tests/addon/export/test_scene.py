@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The whole export: materials on their faces, the settings that count, and what is refused by name."""
+"""The whole export.
+
+Tested are materials on their faces, the settings that count, and what is refused by name.
+"""
 
 import re
 from collections import Counter
@@ -164,7 +167,10 @@ def point_cloud(studio):
 
 
 def through_nodes(thing, *nodes):
-    """Give a thing a modifier of these geometry nodes, (type, input) each, one after the other."""
+    """Give a thing a modifier of these geometry nodes.
+
+    Each is (type, input), one after the other.
+    """
     tree = bpy.data.node_groups.new("nodes", "GeometryNodeTree")
     for direction in ("INPUT", "OUTPUT"):
         tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")

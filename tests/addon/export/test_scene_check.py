@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the export tells the scene check, and what Cycles shows where faces overlap in one plane."""
+"""The facts that the export gives the scene check.
+
+Also what Cycles shows where faces overlap in one plane.
+"""
 
 import bpy
 import numpy as np

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that both sides can do without: set aside, and said; and what the neutral state makes of them."""
+"""Settings that both sides can do without: set aside, and reported.
+
+Also how the neutral state changes them.
+"""
 
 import bpy
 import numpy as np
@@ -88,7 +91,10 @@ def parabola(studio):
 
 
 def slopes(radiance):
-    """(32,) the tangent of the angle between normal and sun, from white diffuse radiance: cos = 1 / sqrt(1 + slope^2)."""
+    """(32,) the tangent of the angle between normal and sun, from white diffuse radiance.
+
+    cos = 1 / sqrt(1 + slope^2).
+    """
     return np.sqrt(np.maximum(np.mean(radiance[..., 0], axis=0) ** -2.0 - 1.0, 0.0))
 
 

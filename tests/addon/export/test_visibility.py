@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that hide from camera rays, against Cycles: alone, behind a veil, in a mirror, as lamps and as instances."""
+"""Objects that hide from camera rays, against Cycles.
+
+They stand alone, behind a veil, in a mirror, as lamps and as instances.
+"""
 
 import bpy
 import numpy as np
@@ -41,7 +44,10 @@ def square(studio, name, material, half, *transform):
 
 
 def scene(studio):
-    """A floor and a mirror wall; above the floor a card and a lamp that hide; before a part of it all a veil."""
+    """A floor and a mirror wall, with a card and a lamp that hide above the floor.
+
+    A veil stands before a part of it all.
+    """
     grey, red = (
         shader("grey", "BsdfDiffuse", Color=(0.6, 0.6, 0.6, 1)),
         shader("red", "BsdfDiffuse", Color=(0.9, 0.1, 0.1, 1)),
@@ -97,7 +103,10 @@ def test_collections_that_are_indirect_only_hide_from_the_camera(studio):
 
 
 def apart(studio, *exported):
-    """How far images of the exported scenes, 48 x 32 pixels, are from Cycles' in blocks of 8 x 8: root mean squares of standard errors."""
+    """How far images of the exported scenes are from Cycles', in blocks of 8 x 8.
+
+    Images have 48 x 32 pixels. Root mean squares of standard errors.
+    """
 
     def blocks(side):
         images = np.array([side.render(k, SAMPLES).radiance for k in range(REPLICATES)])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes of Blender's materials and worlds: what is read, what is refused, and Cycles beside it."""
+"""Volumes of Blender's materials and worlds.
+
+Tested are what is read, what is refused, and Cycles beside it.
+"""
 
 from dataclasses import replace
 
@@ -110,7 +113,10 @@ def test_what_is_read_of_scattering_and_emission(name):
 
 
 def test_a_surface_beside_the_volume():
-    """Emission without light is no surface, as in Cycles, and Transparent Shadows is left alone."""
+    """Emission without light is no surface, as in Cycles.
+
+    Transparent Shadows is left alone.
+    """
     assert not read(absorption(), shader("BsdfGlass"))[0].only_bounds
     assert read(absorption(), shader("Emission", Strength=0.0))[0].only_bounds
     owner = fill(bpy.data.materials.new("air"), absorption(), shader("BsdfTransparent"))
@@ -152,7 +158,10 @@ def sphere(studio, name, radius, place, material):
 
 
 def stage(studio):
-    """A grey floor under a lamp and a sky; on it a ball of tinted glass, and two clear volumes of which one reaches into the other."""
+    """A grey floor under a lamp and a sky, with volumes on it.
+
+    They are a ball of tinted glass, and two clear volumes of which one reaches into the other.
+    """
     grey = bpy.data.materials.new("grey")
     if bpy.app.version < (5, 0, 0):
         grey.use_nodes = True
@@ -184,7 +193,10 @@ def fill_surface(material, surface):
 
 
 def apart(theirs, exported):
-    """The root mean square of what blocks of 4 x 4 pixels differ from `theirs`, in standard errors."""
+    """The root mean square difference of blocks of 4 x 4 pixels from `theirs`.
+
+    It is in standard errors.
+    """
     reference = ReferenceRenderer(exported, Options(threads=1))
     sides = [np.array([reference.render(k, SAMPLES).radiance for k in range(4)]), theirs]
     blocks = [a.reshape(4, 4, 4, 6, 4, 3).mean(axis=(2, 4)) for a in sides]
@@ -221,7 +233,10 @@ def test_fog_and_a_camera_inside_a_volume_against_cycles(studio):
 @pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_scattering_against_cycles(studio):
-    """Smoke, a glowing cloud and thin fog; and scattering forwards for backwards is told apart."""
+    """Smoke, a glowing cloud and thin fog.
+
+    Scattering forwards is distinguished from scattering backwards.
+    """
     stage(studio)
     smoke = shader("VolumeScatter", Color=(0.9, 0.6, 0.3, 1.0), Density=2.0, Anisotropy=0.6)
     glow = {"Color": (0.3, 0.6, 0.9, 1.0), "Emission_Strength": 0.05, "Anisotropy": -0.3}

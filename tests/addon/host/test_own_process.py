@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A process of Étalon's own ends with the one that started it, and takes its temporary files along."""
+"""A process of Étalon's own ends with the one that started it.
+
+It removes its temporary files.
+"""
 
 import os
 import signal

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is registered with Blender: it comes and goes, and every icon exists in this release."""
+"""What is registered with Blender.
+
+It comes and goes, and every icon exists in this release.
+"""
 
 import ast
 from pathlib import Path

@@ -26,7 +26,10 @@ SAME = {"Étalon", "", "Sobol"}
 
 
 def in_calls():
-    """The texts that the sources hand to `translate`, and those that they give to a label or property by name."""
+    """The texts that the sources give to `translate`.
+
+    Those that they give to a label or property by name are included.
+    """
     for path in Path(ui.__file__).parent.glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if not isinstance(node, ast.Call):
@@ -40,7 +43,10 @@ def in_calls():
 
 
 def of_classes():
-    """Labels and tooltips of everything that is registered, and names and descriptions of its properties."""
+    """Labels and tooltips of everything that is registered.
+
+    Names and descriptions of its properties are included.
+    """
     for cls in registration._CLASSES:
         yield getattr(cls, "bl_label", "")
         if issubclass(cls, bpy.types.Operator | bpy.types.Menu):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cases: for every supported node and setting a function that builds it into a tree and returns the socket to show."""
+"""The cases of every supported node and setting.
+
+Each has a function that builds it into a tree and returns the socket to show.
+"""
 
 import bpy
 from etalon.tests.addon.export.nodes.node_cells import BEHIND, FACING, TILTED, node, stored_image
@@ -172,7 +175,10 @@ def rerouted(tree):
 
 
 def grouped(tree):
-    """A group doubles a value; a colour goes in and is made a value at its door, and the sum comes out as a colour."""
+    """A group doubles a value.
+
+    A colour goes in and is made a value at its input, and the sum comes out as a colour.
+    """
     group = bpy.data.node_groups.new("Doubler", "ShaderNodeTree")
     group.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketFloat")
     group.interface.new_socket("Scale", in_out="INPUT", socket_type="NodeSocketFloat").default_value = 0.0

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small Cycles renders that show what a node does: one quad per case, one sample per pixel, no noise."""
+"""Small Cycles renders that show what a node does.
+
+There is one quad per case and one sample per pixel, without noise.
+"""
 
 from contextlib import contextmanager
 from dataclasses import replace
@@ -24,7 +27,10 @@ FACING, TILTED, BEHIND = (0.0, False), (1.0, False), (1.2, True)
 
 
 def node(tree, kind, inputs=None, output=None, **properties):
-    """Adds a node; `inputs` by identifier are values or sockets; returns the output of that identifier or name, else the first."""
+    """Add a node; return the output of that identifier or name, else the first.
+
+    `inputs` by identifier are values or sockets.
+    """
     added = tree.nodes.new("ShaderNode" + kind)
     for name, value in properties.items():
         setattr(added, name, value)
@@ -125,7 +131,10 @@ def rendered(scene, folder):
 
 @contextmanager
 def cycles_luminance():
-    """Let the reference weigh colours as Cycles before Blender 5.0 does, whose weights have a white point of fewer digits."""
+    """Let the reference weigh colours as Cycles before Blender 5.0 does.
+
+    Its weights have a white point of fewer digits.
+    """
     with pytest.MonkeyPatch.context() as patch:
         if bpy.app.version < (5, 0, 0):
             patch.setattr(color_spaces, "LUMINANCE_REC709", (0.2126729, 0.7151522, 0.0721750))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every alpha mode of every kind of file, with colour left where alpha is 0: what is read, and against Cycles."""
+"""Every alpha mode of every kind of file, with colour left where alpha is 0.
+
+Tested are what is read, and the image against Cycles.
+"""
 
 import bpy
 import numpy as np
@@ -57,7 +60,10 @@ def stored(folder, file, mode, texels):
 
 
 def multiplied(file, mode, alpha_used):
-    """Whether the colour that shows is the file's times alpha; with alpha in use it is divided out again."""
+    """Whether the colour that shows is the file's times alpha.
+
+    With alpha in use it is divided out again.
+    """
     return mode == "STRAIGHT" and file != "byte data" and not alpha_used
 
 
@@ -65,7 +71,10 @@ def multiplied(file, mode, alpha_used):
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("file", FILES)
 def test_one_texel_shows_the_colour_that_its_alpha_mode_gives(file, mode, alpha, tmp_path):
-    """For a colour c and alpha a in the file: c, c times a, c over a, each decoded; the decoding in Cycles comes last."""
+    """For a colour c and alpha a in the file: c, c times a, c over a, each decoded.
+
+    In Cycles the decoding comes last.
+    """
     texel = np.array([[[0.2, 0.4, 0.1, 0.6]]])
     image = stored(tmp_path, file, mode, texel)
     material = glowing("glow", through_emission(image_case(lambda: image, alpha, interpolation="Closest")))
@@ -89,7 +98,10 @@ def test_one_texel_shows_the_colour_that_its_alpha_mode_gives(file, mode, alpha,
 
 
 def test_byte_codes_times_alpha_are_not_rounded_by_a_division(tmp_path):
-    """Blender divides 8-bit codes by alpha and rounds: of 3 at alpha 7 it makes 109, and times 7 / 255 that is 2.99."""
+    """Blender divides 8-bit codes by alpha and rounds.
+
+    Of 3 at alpha 7 it makes 109, and times 7 / 255 that is 2.99.
+    """
     if not FOLLOWED:
         pytest.skip("Blender before 5.1 refuses it")
     texel = np.array([[[3, 7, 5, 7]]]) / 255
@@ -158,7 +170,10 @@ def kept(folder, kind, mode):
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("kind", KEPT)
 def test_images_that_blender_keeps_are_read_as_cycles_reads_them_or_refused(kind, mode, alpha, tmp_path):
-    """From Blender 5.1 on, Cycles multiplies floats said to be straight again, and bytes said to be multiplied not at all."""
+    """From Blender 5.1 on, Cycles treats these alpha modes in another way.
+
+    It multiplies floats said to be straight again, and bytes said to be multiplied not at all.
+    """
     scene = prepare("ORTHO", 4, 4)
     scene.camera.data.ortho_scale = 1
     scene.camera.location = (0.5, 0.5, 10)

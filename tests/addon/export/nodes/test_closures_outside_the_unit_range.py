@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures with a colour of -0.5, 0.6 and 1.4, constant and from a texture, under one sun: as Cycles shows them, without noise.
+"""Closures with a colour of -0.5, 0.6 and 1.4, as Cycles shows them.
 
-Beyond 0..1 there is no physics to go by: what Cycles does with such a colour is its definition.
+The colour is constant and from a texture, and one sun lights them without noise. Beyond 0..1 there is no physics to go
+by: what Cycles does with such a colour is its definition.
 """
 
 import bpy
@@ -59,7 +60,10 @@ FORMS = {f"{name}, constant": (case, False) for name, case in {**CASES, **CONSTA
 
 
 def content(tree, value):
-    """The value or colour as a texture gives it, which no renderer knows before it is at the point."""
+    """The value or colour as a texture gives it.
+
+    No renderer knows it before it is at the point.
+    """
     numbers = value if isinstance(value, tuple) else (value,) * 3
     uv = node(tree, "TexCoord", output="UV")
     return node(

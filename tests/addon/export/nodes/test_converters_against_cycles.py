@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Converter and Color nodes and procedural textures against Cycles itself, by the same pictures as the other nodes."""
+"""Converter and Color nodes and procedural textures against Cycles itself.
+
+The pictures are the same as for other nodes.
+"""
 
 import numpy as np
 import pytest
@@ -58,7 +61,10 @@ def test_converter(cells, name):
 
 @pytest.mark.parametrize("name", CURVED_CASES)
 def test_curve(cells, name):
-    """Cycles reads curves from tables of 257 entries, and goes on beyond their ends from the last two."""
+    """Cycles reads curves from tables of 257 entries.
+
+    Beyond their ends it goes on from the last two.
+    """
     shown, got = cells[name]
     assert apart(shown, got)[-1] < 3e-5
 

@@ -59,7 +59,10 @@ def group_input(tree):
 
 
 def render_both(studio, source):
-    """The pixel that Cycles and the reference show of an emission of colour `OWN` with `source` linked to its colour."""
+    """The pixel that Cycles and the reference show of an emission of colour `OWN`.
+
+    `source` is linked to its colour.
+    """
     studio.look_down(0.5)
     studio.scene.render.resolution_x = studio.scene.render.resolution_y = 2
     studio.quad()

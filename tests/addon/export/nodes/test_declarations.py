@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nothing of a node is ignored: each input, property and enum value of this Blender is declared, and what is not is refused."""
+"""The check that nothing of a node is ignored.
+
+Each input, property and enum value of this Blender is declared, and what is not is refused.
+"""
 
 from dataclasses import replace
 
@@ -178,7 +181,10 @@ def test_inputs_new_in_some_release_are_read_or_refused(name):
 
 
 def without(monkeypatch, kind, **fields):
-    """Plant a Blender that is newer than the row of `kind`: the row loses what `fields` leave out."""
+    """Plant a Blender that is newer than the row of `kind`.
+
+    The row loses what `fields` leave out.
+    """
     rows = {**DECLARATIONS, kind: replace(DECLARATIONS[kind], **fields)}
     monkeypatch.setattr(tree_module, "DECLARATIONS", rows)
     monkeypatch.setitem(DECLARATIONS, kind, rows[kind])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dispersion in Cycles: one sample of a wavelength in each pixel, read off its colour, against the lobe at that wavelength's index."""
+"""Dispersion in Cycles: one sample of a wavelength in each pixel.
+
+The wavelength is read off its colour, and compared with the lobe at that wavelength's index.
+"""
 
 import bpy
 import numpy as np
@@ -40,7 +43,10 @@ def shown(ior, abbe, sun, flipped):
 
 
 def wavelengths(colors):
-    """The wavelengths, (n,), to 0.15 nm, whose colours have these directions, and where there is one."""
+    """The wavelengths, (n,), whose colours have these directions, and where there is one.
+
+    They are accurate to 0.15 nm.
+    """
     fine = np.linspace(430.0, 660.0, 23_001)
     curve = np.stack([np.interp(fine, NODES, one) for one in COLORS], axis=1)
     tree = cKDTree(curve / np.linalg.norm(curve, axis=1)[:, None])
@@ -63,7 +69,10 @@ def value(eta, ior, sun, departs):
 @pytest.mark.parametrize(("ior", "abbe"), [(1.5, 20.0), (1.5, 10.0), (0.8, 20.0)])
 @pytest.mark.parametrize("sun", SUNS)
 def test_each_wavelength_has_its_index(sun, ior, abbe, flipped):
-    """Against the same pixels with an Abbe number so large that only the colour is left; the reflectance at normal incidence is that at n_d."""
+    """Against the same pixels with an Abbe number so large that only the colour is left.
+
+    The reflectance at normal incidence is that at n_d.
+    """
     plain, spread = (shown(ior, number, sun, flipped) for number in (1e7, abbe))
     wavelength, told = wavelengths(plain)
     told &= np.abs(plain).max(axis=1) > 0.05 * np.abs(plain).max()

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What passes the sockets of node groups, against Cycles: each type of content, through each type of socket, to each use."""
+"""The content of node groups' sockets, against Cycles.
+
+It covers each type of content, through each type of socket, to each use.
+"""
 
 from itertools import product
 
@@ -38,7 +41,10 @@ DEFAULT = {"Float": 0.3, "Vector": (0.1, 0.5, 0.9), "Color": (0.2, 0.4, 0.9, 1.0
 
 
 def group(kind_in, kind_out, fill):
-    """A group with one input and one output socket of those kinds; `fill(tree, input)` returns what its output shows."""
+    """A group with one input and one output socket of those kinds.
+
+    `fill(tree, input)` returns what its output shows.
+    """
     tree = bpy.data.node_groups.new("group", "ShaderNodeTree")
     tree.interface.new_socket("In", in_out="INPUT", socket_type=f"NodeSocket{kind_in}")
     tree.interface.new_socket("Out", in_out="OUTPUT", socket_type=f"NodeSocket{kind_out}")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Holdout node takes what arrives: seen by the camera, and in a mirror, before a white world."""
+"""A Holdout node removes the light that arrives.
+
+It is seen by the camera, and in a mirror, before a white world.
+"""
 
 import bpy
 import numpy as np

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image sequences show the file of the scene's frame, and a frame without a file is magenta."""
+"""Image sequences show the file of the scene's frame.
+
+A frame without a file is magenta.
+"""
 
 from types import SimpleNamespace
 

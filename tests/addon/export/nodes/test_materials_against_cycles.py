@@ -138,7 +138,10 @@ def half(values):
 
 
 def test_color_spaces_are_linearized_as_cycles_does(cells, monkeypatch):
-    """Of bytes Cycles keeps the codes and what they become in half precision, which curves of logarithms blow up; so does this test."""
+    """Of bytes Cycles keeps the codes and their decoded values in half precision.
+
+    Curves of logarithms enlarge the error of that; so does this test.
+    """
 
     def in_half_precision(pixels, space, config):
         return half(linearize(half(pixels), space, config))

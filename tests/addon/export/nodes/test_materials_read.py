@@ -165,7 +165,10 @@ def test_stretched_glass():
 
 
 def test_anisotropic_stretches_transmission_since_5_3():
-    """Principled: alpha over and times sqrt(1 - 0.9 a); Glass, Glossy: alpha over and times 1 + a for a below 0."""
+    """Principled: alpha over and times sqrt(1 - 0.9 a).
+
+    Glass, Glossy: alpha over and times 1 + a for a below 0.
+    """
     (lobe,) = lobes(principled(Transmission_Weight=1.0, Anisotropic=0.6, Roughness=0.5))
     root = (1.0 - 0.9 * 0.6) ** 0.5
     expected = root - 1.0 if bpy.app.version >= (5, 3) else 0.0

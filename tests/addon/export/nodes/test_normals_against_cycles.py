@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Normal maps, bumps, geometry outputs and mesh attributes against Cycles: what a node gives at each pixel's centre, as colour."""
+"""Normal maps, bumps, geometry outputs and mesh attributes against Cycles.
+
+The test compares what a node gives at each pixel's centre, as colour.
+"""
 
 import itertools
 
@@ -111,7 +114,10 @@ def sheet(studio, smooth, rng):
 
 
 def compare(studio, rays, hits, build, smooth, matrix, rng):
-    """What Cycles shows and what the expression gives, (3, k) at the pixels that meet the sheet."""
+    """What Cycles shows and what the expression gives, (3, k).
+
+    These are at the pixels that meet the sheet.
+    """
     mesh = sheet(studio, smooth, rng)
     mesh.materials.append(glowing("glow", lambda t: node(t, "Emission", {"Color": lifted(t, build(t))})))
     studio.add("sheet", mesh, matrix)
@@ -123,7 +129,10 @@ def compare(studio, rays, hits, build, smooth, matrix, rng):
 
 
 def seen(studio, scene, expression, rays, hits):
-    """What Cycles shows less the offset, and what `expression` gives, (3, k) at the pixels that meet a face."""
+    """What Cycles shows less the offset, and what `expression` gives, (3, k).
+
+    These are at the pixels that meet a face.
+    """
     image = studio.cycles().transpose(2, 0, 1)
     origin, direction = rays(scene.camera)
     index, weights, distance = hits(scene.mesh, origin, direction)
@@ -143,7 +152,10 @@ def seen(studio, scene, expression, rays, hits):
 
 @pytest.fixture
 def _normal_of_unit_length(monkeypatch):
-    """From Blender 5.2 on Cycles normalises the interpolated normal before it adds the tangents; MikkTSpace leaves both as they are."""
+    """From Blender 5.2 on Cycles normalises the interpolated normal.
+
+    It does so before it adds the tangents; MikkTSpace leaves both as they are.
+    """
     if bpy.app.version >= (5, 2, 0):
         plain = SurfacePoints.tangent_frame
 
@@ -169,7 +181,10 @@ def test_node_gives_what_cycles_shows(name, studio, rays, hits, rng):
 
 @pytest.mark.parametrize("name", BUMPS)
 def test_bump_is_the_limit_of_cycles_differences(name, studio, rays, hits, rng):
-    """Cycles takes differences over the pixel's footprint: close to the slopes for heights that are smooth across it."""
+    """Cycles takes differences over the pixel's footprint.
+
+    They are close to the slopes for heights that are smooth across it.
+    """
     for shading, matrix in ((True, EVEN), (False, BENT)):
         shown, got = compare(studio, rays, hits, BUMPS[name], shading, matrix, rng)
         bpy.data.objects.remove(bpy.data.objects["sheet"])
@@ -178,7 +193,10 @@ def test_bump_is_the_limit_of_cycles_differences(name, studio, rays, hits, rng):
 
 @pytest.mark.parametrize("space", ["OBJECT", "WORLD"])
 def test_displacement_that_only_bumps(space, studio, rays, hits, rng):
-    """Cycles shows the turned normal as the geometry's; the reference carries it in its closures."""
+    """Cycles shows the turned normal as the geometry's.
+
+    The reference carries it in its closures.
+    """
 
     def displaced(material):
         tree = material.node_tree

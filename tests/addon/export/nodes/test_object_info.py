@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Object Info against Cycles: objects, instances of collections, of faces' children and of geometry nodes glow with what they are."""
+"""Object Info against Cycles: things glow with what they are.
+
+They are objects, and instances of collections, of faces' children and of geometry nodes.
+"""
 
 import bpy
 import numpy as np
@@ -28,7 +31,10 @@ def instances_on_points(thing):
 
 
 def crowd(studio, material):
-    """A row each of objects, of a collection's instances, of vertex instances and of geometry nodes' instances."""
+    """A row each of four kinds of objects.
+
+    They are objects, a collection's instances, vertex instances, and geometry nodes' instances.
+    """
     studio.plain = material
 
     def square(name, x, y, **values):

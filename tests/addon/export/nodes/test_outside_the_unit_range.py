@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color, Vector and Converter nodes with all inputs in -3..3: what Cycles shows there is their definition.
+"""Color, Vector and Converter nodes with all inputs in -3..3.
 
-Each case is one cell of a picture without noise. Its 256 points have inputs of their own, read from the texels of small float
-images: half of them multiples of 0.5, where equalities, zeros and ends of intervals lie, half of them random.
+What Cycles shows there is their definition. Each case is one cell of a picture without noise. Its 256 points have
+inputs of their own, read from the texels of small float images: half of them multiples of 0.5, where equalities, zeros
+and ends of intervals lie, half of them random.
 """
 
 import zlib
@@ -34,7 +35,10 @@ MODES = ("RGB", "HSV", "HSL")
 
 
 class Inputs:
-    """Sockets of a tree whose content is known texel by texel: colours and values, each another set of numbers."""
+    """Sockets of a tree whose content is known texel by texel.
+
+    They are colours and values, each another set of numbers.
+    """
 
     def __init__(self, tree, numbers):
         self._tree, self._numbers = tree, numbers
@@ -53,7 +57,10 @@ class Inputs:
 
 
 def link(tree, made, **sockets):
-    """Link `sockets`, by identifier with blanks for underscores where there is none, and return the first output that is on."""
+    """Link `sockets`, and return the first output that is on.
+
+    They are named by identifier, with underscores for blanks.
+    """
     there = {s.identifier: s for s in made.inputs}
     for name, source in sockets.items():
         tree.links.new(source, there.get(name) or there[name.replace("_", " ")])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which unsupported materials only send on light: the nodes that emit, add up lobes or move faces are told from the others."""
+"""The unsupported materials that only send on light.
+
+Nodes that emit, add up lobes or move faces are distinguished from others.
+"""
 
 import bpy
 import pytest
@@ -7,7 +10,10 @@ from etalon.addon.export.nodes.passive import is_passive
 
 
 def surface(*kinds, **inputs):
-    """A material whose last node is its surface, each one linked to the first shader input of the next."""
+    """A material whose last node is its surface.
+
+    Each node is linked to the first shader input of the next.
+    """
     material = bpy.data.materials.new("m")
     if material.node_tree is None:
         material.use_nodes = True

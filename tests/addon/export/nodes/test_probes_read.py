@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The exporter writes each probe's node tree as the material that its definition spells out: same light under a sun, for all angles."""
+"""The exporter writes each probe's node tree as the material of its definition.
+
+Both give the same light under a sun, for all angles.
+"""
 
 import bpy
 import numpy as np

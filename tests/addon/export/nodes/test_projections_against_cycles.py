@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images on a dome by projections that need a normal, a position or a direction, against Cycles."""
+"""Images on a dome by projections, against Cycles.
+
+The projections need a normal, a position or a direction.
+"""
 
 import numpy as np
 import pytest
@@ -20,7 +23,10 @@ def dome(studio):
 
 
 def difference(studio, rays, hits, build):
-    """The largest difference between Cycles and the reference over the dome, and how much the picture varies."""
+    """The largest difference between Cycles and the reference over the dome.
+
+    Also returns how much the picture varies.
+    """
     mesh = dome(studio)
     mesh.materials.append(glowing("glow", lambda t: node(t, "Emission", {"Color": lifted(t, build(t))})))
     studio.add("dome", mesh, BENT)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sky Textures: what was made of them against what Cycles shows at other directions, and refusals."""
+"""Sky Textures: the exported sky against Cycles at other directions, and refusals."""
 
 import bpy
 import numpy as np
@@ -47,7 +47,7 @@ def look(direction, angle, **properties):
 
 
 def both(scene, folder):
-    """What the exported world has along the pixels' rays, and what Cycles shows there, (3, n) each."""
+    """The exported world along the pixels' rays, and what Cycles shows there, (3, n) each."""
     shown = rendered(scene, folder)[:, ::-1].reshape(3, -1)
     exported = export(scene)
     direction = camera_rays(exported.camera)[1].reshape(3, -1)

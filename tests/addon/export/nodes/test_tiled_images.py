@@ -85,7 +85,10 @@ def test_every_tile_shows_its_own_file(pattern, tmp_path, rng):
     [((1.625, 0.5), (1002, 1, 2)), ((-0.375, 0.5), (1001, 1, 2)), ((1.5, 1.5), None), ((3.5, 0.5), None)],
 )
 def test_a_point_shows_the_texel_of_its_tile_or_magenta(place, expected, tmp_path, rng):
-    """The texel in the middle row and the third column of four; to the left of tile 1001 the tile repeats."""
+    """The texel in the middle row and the third column of four.
+
+    To the left of tile 1001 the tile repeats.
+    """
     image = tiled(tmp_path, rng)
     material = glowing("wall", through_emission(lambda tree: node(tree, "TexImage", image=image)))
     got = predicted(material, Points({"UV": np.array([[*place, 0.0]]).T}))
@@ -136,7 +139,10 @@ def test_tiles_are_those_of_cycles(tmp_path, rng):
 
 
 def spread(studio, image, corners, lift=None):
-    """A square metre with these texture coordinates, linked directly or through a Mapping node that lifts them in z."""
+    """A square metre with these texture coordinates.
+
+    They are linked directly or through a Mapping node that lifts them in z.
+    """
 
     def build(tree):
         uv = node(tree, "TexCoord", output="UV")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A node of a type that this Blender does not have: one line that names the node and this Blender."""
+"""A node of a type that this Blender does not have.
+
+One line names the node and this Blender.
+"""
 
 import subprocess
 import sys
@@ -40,7 +43,10 @@ os._exit(0)  # Blender 4.5 as a module never ends where a node class is still re
 
 
 def export(socket, folder, partial=False):
-    """Export a file whose socket, 'Color' of a shader or 'Surface' of the output, a node of an unknown type feeds."""
+    """Export a file in which a node of an unknown type feeds a socket.
+
+    The socket is 'Color' of a shader or 'Surface' of the output.
+    """
     path = folder / "newer.blend"
     subprocess.run([sys.executable, "-c", SCRIPT, socket, path], check=True, capture_output=True)
     open_blend(path)
