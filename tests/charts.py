@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Charts of directions, for chi2.py, in which the density of a light's sampler, or of a rough interface, is smooth: its own domain."""
+"""Charts of directions, for chi2.py, on a sampler's own domain.
+
+The density of a light's sampler, or of a rough interface, is smooth there.
+"""
 
 from dataclasses import dataclass
 
@@ -9,7 +12,10 @@ from etalon.tests.chi2 import Tangents
 
 @dataclass(frozen=True)
 class Flat:
-    """Places of a parallelogram (`disk` False) or of the ellipse in it, seen from `point`: corner + p' u + q' v."""
+    """Places of a parallelogram (`disk` False) or of the ellipse in it, seen from `point`.
+
+    A place is corner + p' u + q' v.
+    """
 
     point: np.ndarray
     center: np.ndarray
@@ -82,7 +88,10 @@ class Cone:
 
 @dataclass(frozen=True)
 class Sky:
-    """All directions by the rows and columns of an equirectangular table: v by z evenly in each row, u = 1/2 - phi / 2 pi."""
+    """All directions by the rows and columns of an equirectangular table.
+
+    v goes by z evenly in each row, u = 1/2 - phi / 2 pi.
+    """
 
     rows: int
 
@@ -109,7 +118,10 @@ class Sky:
 
 @dataclass(frozen=True)
 class Refractions:
-    """The refracted images of one `wo`, (3,), in the normals of a chart; `eta` is the far side's index over the near side's."""
+    """The refracted images of one `wo`, (3,), in the normals of a chart.
+
+    `eta` is the far side's index over the near side's.
+    """
 
     wo: np.ndarray
     eta: float

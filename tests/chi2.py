@@ -49,7 +49,10 @@ class Sphere:
 
 @dataclass(frozen=True)
 class Tangents:
-    """The upper hemisphere by its tangents (alpha_x r cos(2 pi q), alpha_y r sin(2 pi q)), r = p / (1 - p)."""
+    """The upper hemisphere by its tangents.
+
+    They are (alpha_x r cos(2 pi q), alpha_y r sin(2 pi q)), r = p / (1 - p).
+    """
 
     alpha_x: float
     alpha_y: float
@@ -74,7 +77,10 @@ class Tangents:
 
 @dataclass(frozen=True)
 class Reflections:
-    """The mirror images of one `wo`, (3,), in the normals of another chart of the upper hemisphere."""
+    """The mirror images of one `wo`, (3,), in the normals of another chart.
+
+    That chart covers the upper hemisphere.
+    """
 
     wo: np.ndarray
     normals: Tangents
@@ -142,7 +148,10 @@ def integrals(
 
 @dataclass(frozen=True)
 class Result:
-    """The statistic, its degrees of freedom, and the probability of one at least as large if the density is right."""
+    """The statistic, its degrees of freedom, and its p-value.
+
+    The p-value is the probability of a statistic at least as large if the density is right.
+    """
 
     statistic: float
     freedom: int
@@ -157,10 +166,12 @@ def chi_square(
     least_expected: float = 5.0,
     tolerance: float = 1e-6,
 ) -> Result:
-    """Compare `samples`, (3, n) directions, with `density`, a function of (3, k) directions per steradian.
+    """Compare `samples`, (3, n) directions, with `density`.
 
-    Cells that expect fewer than `least_expected` are pooled, the smallest first. A density whose integral exceeds 1 by more than
-    the quadrature can err is refuted without a sample.
+    `density` is a function of (3, k) directions per steradian.
+
+    Cells that expect fewer than `least_expected` are pooled, the smallest first. A density whose integral exceeds 1
+    by more than the quadrature can err is refuted without a sample.
     """
     count = samples.shape[1]
     p, q = chart.coordinates(samples)

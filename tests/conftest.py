@@ -27,7 +27,10 @@ def rng(seed: int) -> np.random.Generator:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip a comparison with Cycles, marked so, in a Blender that is newer than every one whose Cycles was looked at."""
+    """Skip a comparison with Cycles in a Blender newer than every one that was checked.
+
+    Comparisons are marked so.
+    """
     if item.get_closest_marker("compares_with_cycles"):
         reason = unknown_cycles()
         if reason:
@@ -35,7 +38,10 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def unknown_cycles() -> str:
-    """Why what the Cycles at hand shows is not known, '' where it is; the marker and the fixture `studio` ask."""
+    """Why it is unknown what the Cycles at hand shows, '' where it is known.
+
+    The marker and the fixture `studio` ask for it.
+    """
     import bpy
 
     release = bpy.app.version[:2]

@@ -401,7 +401,10 @@ CASES = {
 
 
 def indoors(the_scene):
-    """The scene with a floor of its first material beneath, two bounces, and a light if it has none: much of it is called for."""
+    """The scene with a floor of its first material beneath, and two bounces.
+
+    It has a light if it had none, so that it needs many effects.
+    """
     mesh, below = the_scene.mesh, floor(2.0, -1.5)
     more = below.triangles.shape[1]
 

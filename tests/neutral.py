@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every effect of the catalogue at its neutral value: scenes that give a forced stage something to do, and show the same image."""
+"""Every effect of the catalogue at its neutral value.
+
+These scenes give a forced stage something to do, and show the same image.
+"""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -58,7 +61,10 @@ def _lobe(closure: Closure) -> Callable[[Scene], Scene]:
 
 
 def _sockets(name: str, changed: Callable[[Expression | None], Expression]) -> Callable[[Scene], Scene]:
-    """Every socket of that name, in every closure that has it, fed by a node that changes nothing."""
+    """Every socket of that name, in every closure that has it.
+
+    A node that changes nothing feeds it.
+    """
 
     def lobe(one: WeightedClosure) -> WeightedClosure:
         if name not in (field.name for field in fields(one.closure)):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An error to plant in the reference, for tests of what becomes of a difference that nothing explains."""
+"""An error to plant in the reference.
+
+Tests use it to see how a difference that nothing explains is handled.
+"""
 
 from etalon.lib.bsdfs.oren_nayar import OrenNayar
 

@@ -17,7 +17,10 @@ LEVEL = 1e-4
 
 
 def replicates(scene: Scene, count: int, samples: int, make=ReferenceRenderer, **options) -> np.ndarray:
-    """Images (count, height, width, 3) by the renderer that `make` gives; one thread and no roulette unless told otherwise."""
+    """Images (count, height, width, 3) by the renderer that `make` gives.
+
+    One thread and no roulette unless `options` say otherwise.
+    """
     renderer = make(scene, Options(**{"threads": 1, "russian_roulette": False, **options}))
     images = []
     for replicate in range(count):
@@ -38,7 +41,10 @@ def _flat(values: np.ndarray) -> np.ndarray:
 
 
 def _check(difference, error, freedom, scale, precision, rounding, level) -> None:
-    """No region's difference exceeds its quantile times its standard error, and errors are below `precision` of the scale (or of its mean)."""
+    """No region's difference exceeds its quantile times its standard error.
+
+    Errors are below `precision` of the scale (or of its mean).
+    """
     per_region = sidak(level, difference.size)
     allowed = stats.t.ppf(1.0 - 0.5 * per_region, freedom) * error + rounding * scale
     worst = np.argmax(np.abs(difference) / np.maximum(allowed, 1e-300))
@@ -50,9 +56,12 @@ def _check(difference, error, freedom, scale, precision, rounding, level) -> Non
 
 
 def assert_mean(images: np.ndarray, exact, precision: float, rounding: float = 1e-9, level: float = LEVEL) -> None:
-    """The replicates' mean is `exact` (broadcast to one image), with standard errors below `precision` of it.
+    """The replicates' mean is `exact` (broadcast to one image).
 
-    `rounding`, relative, is for regions that every sample gets right: what float32 ray directions and the closed form itself may err.
+    Standard errors are below `precision` of it.
+
+    `rounding`, relative, is for regions that every sample gets right: what float32 ray directions and the closed form
+    itself may err.
     """
     values = _flat(images)
     exact = np.broadcast_to(exact, images.shape[1:]).ravel()
@@ -61,7 +70,10 @@ def assert_mean(images: np.ndarray, exact, precision: float, rounding: float = 1
 
 
 def assert_same(a: np.ndarray, b: np.ndarray, precision: float, rounding: float = 1e-9, level: float = LEVEL) -> None:
-    """Two sets of replicates have the same mean in every region (Welch), with standard errors below `precision` of it."""
+    """Two sets of replicates have the same mean in every region (Welch).
+
+    Standard errors are below `precision` of it.
+    """
     a, b = _flat(a), _flat(b)
     share_a, share_b = a.var(axis=0, ddof=1) / len(a), b.var(axis=0, ddof=1) / len(b)
     error = np.sqrt(share_a + share_b)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes made by hand, for tests that run without Blender: parts of meshes, cameras, and the whole around them."""
+"""Scenes made by hand, for tests that run without Blender.
+
+They are parts of meshes, cameras, and the whole around them.
+"""
 
 import functools
 from dataclasses import dataclass
@@ -15,7 +18,10 @@ from etalon.lib.scene.world import World
 
 @dataclass(frozen=True)
 class Part:
-    """Vertices (3, v), triangles (3, t), one material for all or (t,), and normals (3, v) where it is shaded smooth."""
+    """A part of a mesh.
+
+    Vertices (3, v), triangles (3, t), one material for all or (t,), and normals (3, v) where it is shaded smooth.
+    """
 
     vertices: np.ndarray
     triangles: np.ndarray
@@ -127,8 +133,10 @@ def icosphere(radius=1.0, subdivisions=3, material=0, smooth=False) -> Part:
 
 
 def fan(angles, materials=1) -> Part:
-    """A convex strip of facets that the camera of `fan_camera` sees under `angles` (ascending, radians): column k under
-    angle k, row j in material j. Nothing of it hides anything of it, so that a reflected ray always leaves.
+    """A convex strip of facets that `fan_camera` sees under `angles`.
+
+    The angles are ascending, in radians: column k under angle k, row j in material j. No facet hides another, so that a
+    reflected ray always leaves.
     """
     angles = np.asarray(angles, float)
     height = -np.concatenate([[0.0], np.cumsum(np.tan(angles))])
@@ -143,7 +151,10 @@ def fan(angles, materials=1) -> Part:
 
 
 def fan_camera(angles, materials=1) -> Camera:
-    """The orthographic camera that sees each facet and material of `fan` in one pixel (row 0, on top, is material 0)."""
+    """The orthographic camera that sees each facet and material of `fan` in one pixel.
+
+    Row 0, on top, is material 0.
+    """
     plane = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     to_world = np.concatenate([np.eye(3), [[0.0], [0.0], [10.0]]], axis=1)
     return Camera("ORTHOGRAPHIC", len(angles), materials, plane, to_world, 0.0, 1e6)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The public names: lazy, documented by examples that run, and the same inside Blender as outside it."""
+"""The public names.
+
+They are lazy, documented by examples that run, and the same inside Blender as outside it.
+"""
 
 import doctest
 import importlib
@@ -75,7 +78,10 @@ def test_importing_the_package_imports_neither_blender_nor_numpy(tmp_path):
 
 
 def test_lib_and_render_work_without_blender(tmp_path):
-    """As on Python 3.12, for which there is no bpy: a saved scene is rendered, and what needs Blender says what to install."""
+    """As on Python 3.12, for which there is no bpy.
+
+    A saved scene is rendered, and what needs Blender says what to install.
+    """
     bpy.ops.wm.read_factory_settings()
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 8
     from etalon.addon import job

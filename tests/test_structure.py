@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lines that docs/architecture.md draws: who may import whom, and how long a function may be."""
+"""The rules of docs/architecture.md.
+
+They say who may import whom, and how long a function may be.
+"""
 
 import ast
 from functools import cache
@@ -58,7 +61,10 @@ def imports(name, known):
 
 
 def by_package(graph, known):
-    """The graph of packages that a graph of files makes; a package and one that lies in it are two."""
+    """The graph of packages that a graph of files makes.
+
+    A package and one that lies in it are two.
+    """
     package = {name: name if known[name][1] else name.rpartition(".")[0] for name in known}
     merged = {one: set() for one in package.values()}
     for name, targets in graph.items():

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""In a Blender that nobody has looked at, comparisons with Cycles skip and say which command looks at it."""
+"""In an unchecked Blender, comparisons with Cycles skip.
+
+They say which command checks it.
+"""
 
 import bpy
 import pytest

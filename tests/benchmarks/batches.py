@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `etalon batch` costs beside its comparisons: seconds of each, how busy the processors are, and finding its place in a long journal.
+"""What `etalon batch` costs beside its comparisons.
+
+These are seconds of each, how busy the processors are, and finding its place in a long journal.
 
     python tests/benchmarks/batches.py [--units 20] [--jobs 2] [--rows 10000]
 
@@ -44,7 +46,10 @@ def children_seconds() -> float:
 
 
 def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
-    """Run a batch as a command; print the seconds of a unit beside its comparison, and the share of `jobs` processors that was used."""
+    """Run a batch as a command, and print what it costs beside its comparisons.
+
+    Printed are the seconds of a unit beside its comparison, and the share of `jobs` processors that was used.
+    """
     plan = folder / "plan.toml"
     plan.write_text(PLAN.format(seconds=seconds, values=list(range(units))))
     words = [sys.executable, "-m", "etalon", "batch", str(plan), f"--jobs={jobs}", "--quiet"]

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often a verdict is wrong where light is rare: Cycles without its caustics against the reference, and both with them.
+"""How often a verdict is wrong where light is rare.
+
+Cycles without its caustics is compared with the reference, and both with them.
 
     python tests/benchmarks/caustics.py [--runs 25] [--time 10]
 
-Four scenes with a small lamp over a dark floor: a mirror ball, a ball of clear glass, a standing mirror, and a ball of narrow gold. What
-each cell truly lacks without caustics is known from a long pass of light tracing. A run is false if a cell that lacks more than the
-tolerance is EQUIVALENT, or, with caustics on both sides, if any region is DIFFERENT. Beside it stands what the verdicts do find: the
-part of the other cells that are EQUIVALENT.
+Four scenes with a small lamp over a dark floor: a mirror ball, a ball of clear glass, a standing mirror, and a ball
+of narrow gold. What each cell truly lacks without caustics is known from a long pass of light tracing. A run is false
+if a cell that lacks more than the tolerance is EQUIVALENT, or, with caustics on both sides, if any region is
+DIFFERENT. Beside it stands what the verdicts do find: the part of the other cells that are EQUIVALENT.
 """
 
 from __future__ import annotations

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What 10,000 frames on 1,000 workers take: an event simulation of `etalon batch --scheduler` with costs that were measured.
+"""What 10,000 frames on 1,000 workers take.
+
+This is an event simulation of `etalon batch --scheduler` with measured costs.
 
     python tests/benchmarks/cluster_forecast.py [--frames 10000] [--workers 1000] [--seconds 60]
 
-The client sends each worker the scene's files once and takes every report; both share its network. A worker that dies loses the comparison that
-it runs, which begins again on another worker; a new worker takes its place after a while and needs the files again.
+The client sends each worker the scene's files once and takes every report; both share its network. A worker that dies
+loses the comparison that it runs, which begins again on another worker; a new worker takes its place after a while
+and needs the files again.
 """
 
 from __future__ import annotations
@@ -20,7 +23,10 @@ MB, GB = 1e6, 1e9
 
 @dataclass(frozen=True)
 class Costs:
-    """Seconds and bytes: what one comparison takes beside its `seconds` of rendering, and what moves for it."""
+    """Seconds and bytes of one comparison.
+
+    They are what it takes beside its `seconds` of rendering, and what moves for it.
+    """
 
     frames: int = 10_000
     workers: int = 1_000
@@ -38,7 +44,11 @@ class Costs:
 
 @dataclass
 class Forecast:
-    """Hours of the whole, the shares of that time in which client and workers are busy, comparisons lost, and bytes sent and received."""
+    """The forecast of a batch.
+
+    It has hours of the whole, the shares of that time in which client and workers are busy, comparisons lost, and bytes
+    sent and received.
+    """
 
     hours: float
     client: float
@@ -49,7 +59,10 @@ class Forecast:
 
 
 def simulate(costs: Costs, by_path: bool, seed: int = 0) -> Forecast:
-    """Run the batch event by event; the client does one thing at a time: sends files to a worker, or takes a report."""
+    """Run the batch event by event.
+
+    The client does one thing at a time: it sends files to a worker, or takes a report.
+    """
     chance, order = random.Random(seed), count()
     free = 0.0  # the time at which the client is free again
     busy = rendering = end = sent = received = 0.0

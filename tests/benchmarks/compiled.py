@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What compiled shading would give: the integrator as it is beside one whose hottest functions Numba compiles; measures and prints.
+"""What compiled shading would give: measures and prints.
+
+The integrator as it is runs beside one whose hottest functions Numba compiles.
 
     pip install numba
     python tests/benchmarks/compiled.py [SCENE ...] [--runs 8] [--samples 8]
@@ -120,7 +122,10 @@ def in_place(of: dict[tuple[object, str], object]) -> Iterator[None]:
 
 
 def measure_scene(name: str, functions: dict, runs: int, samples: int) -> None:
-    """Print the processor time of a replicate on either side, and how far the images are apart."""
+    """Print the processor time of a replicate on either side.
+
+    Also how far the images are apart.
+    """
     import bpy
 
     open_target(name)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scalar kernels that Numba compiles over arrays: microfacet lobes, places on a rectangle light, local frames. For compiled.py.
+"""Scalar kernels that Numba compiles over arrays. For compiled.py.
 
-The same equations as in `lib`, where each has its source: one loop for each step of the integrator, no array between its parts. `ggx` is
-None for Beckmann: Numba then leaves out the other branch.
-`pip install numba`; the product does not need it.
+They are microfacet lobes, places on a rectangle light, and local frames. The same equations are in `lib`, where each
+has its source: one loop for each step of the integrator, no array between its parts. `ggx` is None for Beckmann: Numba
+then leaves out the other branch. `pip install numba`; the product does not need it.
 """
 
 import math

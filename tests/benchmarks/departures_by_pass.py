@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every departure of the catalogue does to each light pass: docs/departures_by_pass.md.
+"""What every departure of the catalogue does to each light pass.
+
+The page is docs/departures_by_pass.md.
 
     python tests/benchmarks/departures_by_pass.py > docs/departures_by_pass.md
 
-The scenes are those of tests/lib/departures/test_planted.py. Each is rendered by the reference with the departure and without, under the
-same random numbers, so that what it does not act on is the same bit by bit.
+The scenes are those of tests/lib/departures/test_planted.py. Each is rendered by the reference with the departure and
+without, under the same random numbers, so that what it does not act on is the same bit by bit.
 """
 
 from dataclasses import replace
@@ -48,14 +50,20 @@ on a pass that differs are tried first."""
 
 
 def change(plain, departed):
-    """The largest change of a pixel and channel over the largest value of the pass, with its sign."""
+    """The largest change of a pixel and channel, with its sign.
+
+    It is relative to the largest value of the pass.
+    """
     difference = departed - plain
     at = np.unravel_index(np.abs(difference).argmax(), difference.shape)
     return difference[at] / np.abs(plain).max() if plain.any() else np.inf
 
 
 def row(scene, title, mask, name):
-    """One line of a table: what the departure called `name` does to a scene, whose `title` it shows."""
+    """One line of a table: what the departure called `name` does to a scene.
+
+    The line shows the scene's `title`.
+    """
     options, departing = (Options(threads=1, masking=mask, departures=frozenset(some)) for some in ((), (name,)))
     images = [
         ReferenceRenderer(scene, one, passes=tuple(LightPass)).render(0, SAMPLES).passes for one in (options, departing)

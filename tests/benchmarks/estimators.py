@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The product's own verdict on photon mapping and Metropolis, in the candidate's place against path tracing.
+"""The product's own verdict on photon mapping and Metropolis.
+
+They stand in the candidate's place against path tracing.
 
     python tests/benchmarks/estimators.py [--time 60]
 
@@ -39,7 +41,10 @@ WIDE = 64
 
 
 class Candidate:
-    """An estimator in the candidate's place; it renders the whole image where windows are asked for."""
+    """An estimator in the candidate's place.
+
+    It renders the whole image where windows are asked for.
+    """
 
     def __init__(self, name: str, scene: Scene, options: Options) -> None:
         self.name, self.settings = name, {}

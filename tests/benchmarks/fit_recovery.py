@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often `etalon fit` is right: planted materials with 1 % noise, the coverage of its intervals, and the model that it names.
+"""How often `etalon fit` is right.
+
+Planted materials have 1 % noise; measured are the coverage of its intervals, and the model that it names.
 
     python tests/benchmarks/fit_recovery.py [--tries 100]
 
-For each planted material it prints in how many tries the truth lies in the 95 % interval of each parameter, how often the planted model is
-named or among those that the data cannot tell apart, how often Beckmann and GGX are told apart, and how often "none of these" is said.
+For each planted material it prints in how many tries the truth lies in the 95 % interval of each parameter, how often
+the planted model is named or among those that the data cannot tell apart, how often Beckmann and GGX are told apart,
+and how often "none of these" is said.
 """
 
 from __future__ import annotations

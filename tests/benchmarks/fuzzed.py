@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `etalon` makes of damaged files and odd settings: a verdict, or one line and exit code 2.
+"""How `etalon` handles damaged files and odd settings.
+
+It gives a verdict, or one line and exit code 2.
 
     python tests/benchmarks/fuzzed.py [--files 200] [--first 0]
 
-A third of the files has bytes changed, a third is cut or has parts zeroed, moved or swapped, and a third has rendering properties at random
-values that Blender allows. Each is read by `etalon plan`, and compared for two seconds where that passes. A file fails if a command ends
-with another code than its own, prints a traceback, says nothing, or takes longer than PATIENCE.
+A third of the files has bytes changed, a third is cut or has parts zeroed, moved or swapped, and a third has
+rendering properties at random values that Blender allows. Each is read by `etalon plan`, and compared for two seconds
+where that passes. A file fails if a command ends with another code than its own, prints a traceback, says nothing, or
+takes longer than PATIENCE.
 """
 
 from __future__ import annotations
@@ -38,7 +41,10 @@ def change_bytes(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 def break_up(data: bytes, rng: np.random.Generator) -> bytes:
-    """A file that was cut, or in which a stretch is zero, comes twice, or has changed places with another."""
+    """A file with a fault.
+
+    It was cut, or a stretch of it is zero, comes twice, or has changed places with another.
+    """
     a, b = sorted(rng.integers(0, len(data), 2).tolist())
     size = min(b - a, int(10 ** rng.uniform(1, 5)))
     kind = rng.integers(4)
@@ -73,7 +79,10 @@ def _structs() -> list[bpy.types.bpy_struct]:
 
 
 def _set_at_random(struct: bpy.types.bpy_struct, rng: np.random.Generator) -> str:
-    """One property of a struct at a random value that it allows; returns what was set, "" where nothing can be."""
+    """Set one property of a struct to a random value that it allows.
+
+    Returns what was set, "" where nothing can be.
+    """
     settable = [
         p for p in struct.bl_rna.properties if not p.is_readonly and p.type in ("BOOLEAN", "INT", "FLOAT", "ENUM")
     ]
@@ -120,7 +129,10 @@ def damaged_file(path: Path, rng: np.random.Generator, damage: Callable[[bytes, 
 
 
 def judge(words: list[str], allowed: set[int]) -> tuple[int | None, str]:
-    """The exit code of a command (None where it hangs), and what is wrong with how it ended, "" for nothing."""
+    """The exit code of a command (None where it hangs), and what is wrong with its end.
+
+    The latter is "" for nothing.
+    """
     try:
         done = subprocess.run(
             [sys.executable, "-m", "etalon", *words], capture_output=True, text=True, timeout=PATIENCE, errors="replace"

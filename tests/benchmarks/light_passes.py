@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How soon a light pass that is off is named: 5 % of the glossy indirect light of cornell_glossy taken out of Cycles' side.
+"""How soon a light pass that is off is named.
+
+5 % of the glossy indirect light of cornell_glossy is taken out of Cycles' side.
 
     python tests/benchmarks/light_passes.py --time 60
 

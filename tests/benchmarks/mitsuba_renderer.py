@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mitsuba 3 as a renderer of lib.scene arrays: flat triangles, Lambert and glossy lobes, area, sphere and constant light.
+"""Mitsuba 3 as a renderer of lib.scene arrays.
 
-Its Smith term is the product of two G1, Cycles' and the reference's the height-correlated one, and its lights hide what is behind them:
-its image differs by some per cent, so only its noise is compared. Lights in front of the camera are hidden where the world is black.
+It has flat triangles, Lambert and glossy lobes, area, sphere and constant light. Its Smith term is the product of two
+G1, Cycles' and the reference's the height-correlated one, and its lights hide what is behind them: its image differs by
+some per cent, so only its noise is compared. Lights in front of the camera are hidden where the world is black.
 """
 
 from __future__ import annotations

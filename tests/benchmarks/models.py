@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What other models of Glossy nodes cost beside GGX: a lobe's evaluation and sample, and the picture of a plane; measures and prints.
+"""What other models of Glossy nodes cost beside GGX: measures and prints.
+
+These are a lobe's evaluation and sample, and the picture of a plane.
 
     python tests/benchmarks/models.py [MODEL ...] [--runs 60]
 
-Seconds of the processor that this thread takes, nothing else's. Lobes: the lower fifth of the runs, each of 4,096 directions. Pictures: the
-fastest of five, 64 x 64 pixels of 32 samples.
+Seconds of the processor that this thread takes, nothing else's. Lobes: the lower fifth of the runs, each of 4,096
+directions. Pictures: the fastest of five, 64 x 64 pixels of 32 samples.
 """
 
 from __future__ import annotations

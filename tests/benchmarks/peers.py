@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference beside Cycles and Mitsuba 3 on the same arrays, threads and bounces: throughput, and seconds to an error.
+"""The reference beside Cycles and Mitsuba 3: throughput, and seconds to an error.
+
+All have the same arrays, threads and bounces.
 
     python tests/benchmarks/peers.py [SCENE ...] [--threads 2] [--runs 6] [--samples 64] [--json FILE]
 
-All take turns, so that a machine that changes its pace does so for all; figures are medians over runs, ratios medians of the
-runs' ratios. Errors are noise alone, from pairs of runs (the models of the peers differ, see mitsuba_renderer.py): the mean
-over pixels of the relative squared error, the mean less the 1 % worst pixels, and the median pixel. Seconds to an error take
-the noise to fall as 1/N from where it was measured. The clock runs around rendering alone. Mitsuba is left out where it is not
-installed (`pip install etalon[peers]`); its LLVM variant needs an LLVM library that knows the processor (DRJIT_LIBLLVM_PATH
-names one; 19 does for AVX-512).
+All take turns, so that a machine that changes its pace does so for all; figures are medians over runs, ratios medians
+of the runs' ratios. Errors are noise alone, from pairs of runs (the models of the peers differ, see
+mitsuba_renderer.py): the mean over pixels of the relative squared error, the mean less the 1 % worst pixels, and the
+median pixel. Seconds to an error take the noise to fall as 1/N from where it was measured. The clock runs around
+rendering alone. Mitsuba is left out where it is not installed (`pip install etalon[peers]`); its LLVM variant needs
+an LLVM library that knows the processor (DRJIT_LIBLLVM_PATH names one; 19 does for AVX-512).
 """
 
 from __future__ import annotations
@@ -43,7 +45,10 @@ FLOOR, TRIMMED = 0.01, 0.01
 
 @dataclass
 class Row:
-    """One renderer on one scene: seconds and million camera samples per second of each run, relative squared errors of each pair."""
+    """One renderer on one scene.
+
+    Seconds and million camera samples per second of each run, and relative squared errors of each pair.
+    """
 
     scene: str
     name: str
@@ -112,7 +117,10 @@ def _add_errors(row: Row, squares: np.ndarray) -> None:
 
 
 def table(rows: list[Row]) -> str:
-    """One scene as Markdown. Ratios are reference to peer in throughput, peer to reference in seconds: above 1 the reference is ahead."""
+    """One scene as Markdown.
+
+    Ratios are reference to peer in throughput, peer to reference in seconds: above 1 the reference is ahead.
+    """
     reference = rows[0]
     head = ["", "M samples/s", "ratio", *(f"s to {100 * t:g} % ({e})" for e in ERRORS[1:] for t in TARGETS)]
     head += [f"ratio ({e})" for e in ERRORS]

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often a verdict is right, with the real renderers: false alarms, and a planted bias found at the cost that was forecast.
+"""How often a verdict is right, with the real renderers.
+
+Measured are false alarms, and a planted bias found at the cost that was forecast.
 
     python tests/benchmarks/power.py [--runs 100] [--bias 0.01] [--tolerance 0.005]
 
-Two glossy strips side by side under a lamp. In a null run both renderers get the same scene: the reference against itself under other
-seeds, Cycles against itself, and Cycles against the reference. In a planted run the second one's right-hand strip is brighter by
-the bias. Each run looks after eight replicates, takes the forecast that it is given there, and begins anew with fresh seeds and as many
-replicates as the forecast's upper end names (27 where all was decided, 300 at most); found means: the strip DIFFERENT and the other
-one not.
+Two glossy strips side by side under a lamp. In a null run both renderers get the same scene: the reference against
+itself under other seeds, Cycles against itself, and Cycles against the reference. In a planted run the second one's
+right-hand strip is brighter by the bias. Each run looks after eight replicates, takes the forecast that it is given
+there, and begins anew with fresh seeds and as many replicates as the forecast's upper end names (27 where all was
+decided, 300 at most); found means: the strip DIFFERENT and the other one not.
 """
 
 from __future__ import annotations

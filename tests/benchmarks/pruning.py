@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the plan saves: seconds with it against seconds with effects forced on at their neutral values; measures and prints.
+"""What the plan saves: measures and prints.
+
+Seconds with the plan stand against seconds with effects forced on at their neutral values.
 
     python tests/benchmarks/pruning.py [EFFECT ...] [--threads 1] [--runs 7] [--samples 16]
 
-The first table is of scenes that need one lobe and one light, everything else forced on: once what the scene itself gives the stages
-to do, once every effect of the catalogue at its neutral value (lobes of weight 0, dark lights, a lens of radius 0, ...). The second is of
-each effect alone, on the first of these scenes that does not need it. The two sides take turns; the figures are the median of the pairs'
-ratios and the 95 % interval of that median by order statistics. Setting up is not in it.
+The first table is of scenes that need one lobe and one light, everything else forced on: once what the scene itself
+gives the stages to do, once every effect of the catalogue at its neutral value (lobes of weight 0, dark lights, a
+lens of radius 0, ...). The second is of each effect alone, on the first of these scenes that does not need it. The
+two sides take turns; the figures are the median of the pairs' ratios and the 95 % interval of that median by order
+statistics. Setting up is not in it.
 """
 
 from __future__ import annotations
@@ -44,7 +47,10 @@ SCENES = {
 
 
 class Pair:
-    """Two renderers that take turns, and the ratios first / second of wall and of processor time."""
+    """Two renderers that take turns.
+
+    It has the ratios first / second of wall and of processor time.
+    """
 
     def __init__(self, first: ReferenceRenderer, second: ReferenceRenderer, runs: int, samples: int) -> None:
         self.wall: list[float] = []

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the reference's time and memory grow: with threads, samples and pixels, and how long a command takes to its first tile.
+"""How the reference's time and memory grow with threads, samples and pixels.
+
+Also how long a command takes to its first tile.
 
     python tests/benchmarks/scaling.py [SCENE] [--runs 5] [--threads 2]
 
-Settings take turns within a run, so that a machine that speeds up or slows down does so for all; ratios are medians over the runs.
+Settings take turns within a run, so that a machine that speeds up or slows down does so for all; ratios are medians
+over the runs.
 """
 
 from __future__ import annotations

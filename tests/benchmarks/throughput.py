@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera samples per second, the reference beside Cycles on the same scene, threads and bounces; measures and prints.
+"""Camera samples per second, the reference beside Cycles: measures and prints.
+
+Both have the same scene, threads and bounces.
 
     python tests/benchmarks/throughput.py [SCENE ...] [--threads 2] [--runs 5] [--samples 64]
 
-The two take turns, A B A B, so that a machine that speeds up or slows down does so for both; the ratio is the median of
-the pairs'. The clock runs around rendering alone: for Cycles around the render call (its scene synchronisation included,
-the file's writing too), for the reference around a replicate.
+The two take turns, A B A B, so that a machine that speeds up or slows down does so for both; the ratio is the median
+of the pairs'. The clock runs around rendering alone: for Cycles around the render call (its scene synchronisation
+included, the file's writing too), for the reference around a replicate.
 """
 
 from __future__ import annotations

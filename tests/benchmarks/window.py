@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times in a window of the real program: redraws, first progress, cancelling, drawing the panel, and the bound that a minute gives.
+"""Times in a window of the real program.
+
+They are redraws, first progress, cancelling, drawing the panel, and the bound that a minute gives.
 
     python -m pytest -p etalon.tests.blender.conftest -m blender -n 0 -s tests/benchmarks/window.py
 
-It prints what was measured beside what issue 18 asks for, and asserts no time. Other work on the machine makes all of it slower.
+It prints what was measured beside what issue 18 asks for, and asserts no time. Other work on the machine makes all of
+it slower.
 """
 
 import itertools
@@ -67,7 +70,10 @@ world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.05, 0.05,
 
 
 def measure(window, size, seconds, cancel=False):
-    """Run one comparison, cancelled in the middle of a call of the renderers where asked; the log of it."""
+    """Run one comparison and return its log.
+
+    It is cancelled in the middle of a call of the renderers where asked.
+    """
     window.ask(WATCH.replace("SIZE", repr(size)).replace("TIME", repr(seconds)) + "\nNone", seconds=STOP)
     if cancel:
         wait_until(window, "session.running is not None and session.running.job.fraction > 0.1", questions=600)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The real Blender program in a Debian 13 folder, with the extension built from this tree and installed."""
+"""The real Blender program in a Debian 13 folder.
+
+The extension, built from this tree, is installed.
+"""
 
 import json
 import os
@@ -18,7 +21,10 @@ MARK = "ETALON "
 
 
 class Debian:
-    """Commands in the folder at `root`; `home` is a fresh place for settings and files, as seen from inside."""
+    """Commands in the folder at `root`.
+
+    `home` is a fresh place for settings and files, as seen from inside.
+    """
 
     def __init__(self, root, home):
         self.root = root
@@ -77,7 +83,10 @@ def extension(debian):
 
 @pytest.fixture
 def pictures(request, tmp_path):
-    """The folder for a test's pictures of the screen: its own in the folder that ETALON_PICTURES names, where they are kept to look at."""
+    """The folder for a test's pictures of the screen.
+
+    It is the test's own in the folder that ETALON_PICTURES names, where pictures are kept to look at.
+    """
     kept = os.environ.get("ETALON_PICTURES")
     folder = Path(kept).resolve() / request.node.name if kept else tmp_path
     folder.mkdir(parents=True, exist_ok=True)
@@ -85,7 +94,10 @@ def pictures(request, tmp_path):
 
 
 class Window:
-    """Blender in a window on an X server of its own, driven by window.py from inside and xdotool from outside."""
+    """Blender in a window on an X server of its own.
+
+    window.py drives it from inside and xdotool from outside.
+    """
 
     def __init__(self, debian, display, blend):
         self.debian = debian
@@ -103,7 +115,10 @@ class Window:
         self._seen = []
 
     def wait_for(self, *events, seconds):
-        """The next report of one of those kinds from window.py; fails with what Blender printed if none comes."""
+        """The next report of one of those kinds from window.py.
+
+        It fails with what Blender printed if none comes.
+        """
         deadline = time.monotonic() + seconds
         while (left := deadline - time.monotonic()) > 0:
             line, separator, rest = self._text.partition(b"\n")

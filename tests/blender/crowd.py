@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run inside Blender: saves to its last argument a file with much of what users' files hold."""
+"""A script inside Blender that saves a file to its last argument.
+
+The file has much of what users' files hold.
+"""
 
 import sys
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Eye and hand of the tests: find a colour on the screen, click there, wait for what comes of it."""
+"""Eye and hand of the tests.
+
+They find a colour on the screen, click there, and wait for the result.
+"""
 
 import numpy as np
 from OpenImageIO import ImageBuf

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files as users have them, in the real program: Blender's own templates, and one that holds much at once."""
+"""Files as users have them, in the real program.
+
+They are Blender's own templates, and one that holds much at once.
+"""
 
 import json
 import shutil

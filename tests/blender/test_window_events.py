@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What users do in the middle of a comparison, in a window of the real program: nothing is lost, and no error is printed."""
+"""Actions of users in the middle of a comparison, in a window of the real program.
+
+Nothing is lost, and no error is printed.
+"""
 
 import pytest
 from etalon.tests.blender.hand import RUN, START, STOP, press_button, settle, wait_until

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside the windowed Blender: shows the panel, answers questions, and prints what becomes of the comparison as lines of JSON."""
+"""The script inside the windowed Blender.
+
+It shows the panel, answers questions, and prints the progress of the comparison as lines of JSON.
+"""
 
 import ast
 import json
@@ -36,7 +39,10 @@ def user_state():
 
 
 def answer():
-    """Run the statements that the test has left, and report the value of the last one if it is an expression, or the error."""
+    """Run the statements that the test has left, and report the result.
+
+    It is the value of the last one if it is an expression, or the error.
+    """
     tree = ast.parse(QUESTION.read_text())
     QUESTION.unlink()
     last = ast.Expression(tree.body.pop().value) if isinstance(tree.body[-1], ast.Expr) else None
@@ -50,7 +56,10 @@ def answer():
 
 
 class Watch:
-    """A timer that never rests longer than Blender lets it: it also shows that the window is alive."""
+    """A timer that never rests longer than Blender lets it.
+
+    It also shows that the window is alive.
+    """
 
     def __init__(self):
         self.step = 0

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fetch the corpus of real .blend files: `python tests/corpus/fetch.py FOLDER`, then `etalon plan FOLDER`.
+"""Fetch the corpus of real .blend files.
 
-`files.csv` has the repository, commit, path and SHA-256 of each file: .blend files, and the textures and libraries that they name.
-The files are other people's work and no part of this project. A file whose hash differs is not kept; one that is there is left alone.
+Run `python tests/corpus/fetch.py FOLDER`, then `etalon plan FOLDER`. `files.csv` has the repository, commit, path and
+SHA-256 of each file: .blend files, and the textures and libraries that they name. The files are other people's work and
+no part of this project. A file whose hash differs is not kept; one that exists is left alone.
 """
 
 from __future__ import annotations
@@ -39,7 +40,10 @@ class Listed:
 
     @property
     def place(self) -> PurePosixPath:
-        """Where the file lies below the folder: as in its repository, so that a scene finds its textures."""
+        """Where the file lies below the folder.
+
+        It lies as in its repository, so that a scene finds its textures.
+        """
         return PurePosixPath(self.repository.replace("/", "+")) / self.path
 
 

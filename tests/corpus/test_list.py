@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of real files is well formed, and fetching trusts nothing that it gets. No test here uses the network."""
+"""The list of real files is well formed, and fetching trusts nothing that it gets.
+
+No test here uses the network.
+"""
 
 import importlib.util
 import io

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every sampler against its density, over a grid of distributions, roughness, anisotropy, angles, strategies and lights.
+"""Every sampler against its density, over a grid of cases.
 
-One level for all of it: a right sampler fails the whole grid once in a thousand runs of new seeds. The default run takes a fixed
-tenth, chosen by name; the rest is marked slow. Expected counts come from quadrature in the sampler's own warped domain.
+The grid has distributions, roughness, anisotropy, angles, strategies and lights. One level for all of it: a right
+sampler fails the whole grid once in a thousand runs of new seeds. The default run takes a fixed tenth, chosen by name;
+the rest is marked slow. Expected counts come from quadrature in the sampler's own warped domain.
 """
 
 import zlib
@@ -201,7 +202,10 @@ class Towards:
         return self.sampler.pdf(points, wi, np.where(np.isfinite(distance), distance, self.met(wi)))
 
     def met(self, wi):
-        """The distance where `intersect` has none because the direction lies on the rim, or the light at infinity."""
+        """The distance where `intersect` has none.
+
+        The direction lies on the rim then, or the light is at infinity.
+        """
         light = LIGHTS[self.light]
         if not isinstance(light, AreaLight):
             return np.full(wi.shape[1], np.inf if isinstance(light, SunLight) else 1.0)

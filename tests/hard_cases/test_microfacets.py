@@ -27,7 +27,10 @@ def observer(theta, phi=0.3, count=1):
 
 @pytest.mark.parametrize("alpha", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_ggx_of_a_narrow_lobe(alpha):
-    """From the cosine alone 1 + (alpha^2 - 1) cos^2 cancels; at alpha 1e-6 nothing is left of it."""
+    """From the cosine alone 1 + (alpha^2 - 1) cos^2 cancels.
+
+    At alpha 1e-6 nothing is left of it.
+    """
     tangent = alpha * np.array([0.1, 1.0, 3.0, 10.0])
     m = from_tangents(tangent, np.zeros(4))
     value = GGX().density(m, alpha, alpha)
@@ -61,7 +64,10 @@ def test_cosine_above_one_by_rounding(distribution):
 @BOTH
 @pytest.mark.parametrize("alpha", [1e-6, 1e-3, 1.0])
 def test_normals_at_the_horizon(distribution, alpha):
-    """tan^2 is infinite and cos^4 zero: Beckmann's D is 0 there, GGX's alpha^2 / pi, and neither passes through 0/0."""
+    """tan^2 is infinite and cos^4 zero.
+
+    Beckmann's D is 0 there, GGX's alpha^2 / pi, and neither passes through 0/0.
+    """
     z = np.array([0.0, 5e-324, 1e-300, 1e-150, 1e-40, 1e-9])
     m = np.stack([np.sqrt(1.0 - z * z), np.zeros(6), z])
     d = distribution.density(m, alpha, alpha)
@@ -85,7 +91,10 @@ def test_normals_at_the_horizon(distribution, alpha):
 @BOTH
 @pytest.mark.parametrize(("alpha_x", "alpha_y"), [(1e-6, 1.0), (1.0, 1e-6), (1e-6, 1e-6)])
 def test_one_axis_without_roughness(distribution, alpha_x, alpha_y, rng):
-    """Normalised per axis: with its own alpha each tangent of D cos has its one-dimensional distribution."""
+    """Normalised per axis.
+
+    With its own alpha each tangent of D cos has its one-dimensional distribution.
+    """
     u1, u2 = rng.random((2, 40_000))
     m = distribution.sample_d_cos(alpha_x, alpha_y, u1, u2)
     for axis, alpha in enumerate((alpha_x, alpha_y)):
@@ -109,7 +118,10 @@ def test_one_axis_without_roughness(distribution, alpha_x, alpha_y, rng):
 @pytest.mark.parametrize("alpha", [1e-6, 0.05, 1.0])
 @pytest.mark.parametrize("theta", [0.0, 1e-300, 1e-160, 1e-12, 0.7, np.radians(89.9999), 0.5 * np.pi - 1e-15])
 def test_visible_normals_at_every_end(distribution, alpha, theta):
-    """Normal incidence, where no azimuth exists; grazing; both ends of both uniforms, and 1 itself."""
+    """Normal incidence, where no azimuth exists, and grazing incidence.
+
+    Both ends of both uniforms are included, and 1 itself.
+    """
     u1, u2 = (grid.ravel() for grid in np.meshgrid(EDGES, EDGES))
     wo = observer(theta, 0.3, u1.size)
     m = distribution.sample_visible(wo, alpha, alpha, u1, u2)
@@ -122,7 +134,10 @@ def test_visible_normals_at_every_end(distribution, alpha, theta):
 
 
 def test_visible_normals_at_normal_incidence_fill_the_circle(rng):
-    """Without an azimuth the samplers choose one; it must not show: the mean tangent is zero and both axes spread alike."""
+    """Without an azimuth the samplers choose one, which must not show.
+
+    The mean tangent is zero and both axes spread alike.
+    """
     u1, u2 = rng.random((2, 200_000))
     wo = observer(0.0, 0.0, u1.size)
     m = Beckmann().sample_visible(wo, 0.3, 0.3, u1, u2)
@@ -134,7 +149,10 @@ def test_visible_normals_at_normal_incidence_fill_the_circle(rng):
 
 
 def test_beckmann_visible_normals_from_below():
-    """A wo that should not have come: some valid normal, no warning; masking weighs it with nothing."""
+    """A wo that should not have come.
+
+    It gives some valid normal and no warning; masking gives it weight 0.
+    """
     wo = np.array([[0.6, 0.0, 1.0], [0.0, 0.0, 0.0], [-0.8, -1.0, 0.0]])
     u = np.array([0.2, 0.5, 0.9])
     for distribution in (Beckmann(), GGX()):
@@ -145,7 +163,10 @@ def test_beckmann_visible_normals_from_below():
 
 
 def test_rational_lambda_is_not_the_exact_one():
-    """0.31 % in 1 + Lambda, and a jump where the fit ends: a departure to be named, not used in silence."""
+    """0.31 % in 1 + Lambda, and a jump where the fit ends.
+
+    It is a departure to be named, not used in silence.
+    """
     a = 1.0 / np.sqrt(np.array([0.39 * (1.0 - 1e-9), 0.39 * (1.0 + 1e-9)]))
     w = from_tangents(1.0 / a, np.zeros(2))
     outside, inside = smith_lambda_rational(w, 1.0, 1.0)
@@ -157,7 +178,10 @@ def test_rational_lambda_is_not_the_exact_one():
 
 
 def test_fresnel_where_roots_vanish():
-    """Index 1 is no interface; the critical angle is total reflection; no root of a tiny negative number."""
+    """Index 1 is no interface, and beyond the critical angle reflection is total.
+
+    No root is taken of a tiny negative number.
+    """
     cosines = np.concatenate([[0.0, 5e-324, 1e-300, 1e-160], np.geomspace(1e-80, 1.0, 200)])
     assert not fresnel.dielectric(cosines, 1.0).any()
     # eta = 0.6: the critical cosine is 0.8
@@ -170,7 +194,10 @@ def test_fresnel_where_roots_vanish():
 
 
 def test_small_uniforms_do_not_cancel():
-    """log(1 - xi) loses a xi below 1e-16 and half the digits of 1e-8; log1p does not, and xi = 1 - 2^-53 stays finite."""
+    """log(1 - xi) loses a xi below 1e-16 and half the digits of 1e-8.
+
+    log1p does not, and xi = 1 - 2^-53 stays finite.
+    """
     u = np.array([1e-300, 1e-20, 1e-8, 1.0 - 2.0**-53])
     m = Beckmann().sample_d_cos(0.5, 0.5, np.full(4, 0.25), u)
     tangent = np.hypot(m[0], m[1]) / m[2]

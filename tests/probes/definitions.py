@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The probes behind the fingerprints: closures by their node and sockets, the light, and the angles. No Blender is needed to read them."""
+"""The probes behind the fingerprints.
+
+They are closures by their node and sockets, the light, and the angles. No Blender is needed to read them.
+"""
 
 from dataclasses import dataclass, field
 
@@ -27,11 +30,14 @@ Value = float | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Probe:
-    """One node with its sockets, on facets of all angles under one light. `distribution` is a Toon node's component, too.
+    """One node with its sockets, on facets of all angles under one light.
 
-    `fact` is what a change in Cycles is reported as. `node` is Blender's type without 'ShaderNode', `inputs` go by identifier,
-    colours are RGBA. `normal`: colour and strength of a normal map that turns the node's normal. A node with anisotropy has its
-    tangent along the UV map's u. `versions`: the releases of Blender that have all of its sockets.
+    `distribution` is a Toon node's component, too.
+
+    `fact` is what a change in Cycles is reported as. `node` is Blender's type without 'ShaderNode', `inputs` go by
+    identifier, colours are RGBA. `normal`: colour and strength of a normal map that turns the node's normal. A node
+    with anisotropy has its tangent along the UV map's u. `versions`: the releases of Blender that have all of its
+    sockets.
     """
 
     fact: str

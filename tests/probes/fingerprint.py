@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fingerprints: what the Cycles of one release shows of all probes, in tests/fingerprints/<release>.json; and what changed against one."""
+"""Fingerprints: what the Cycles of one release shows of all probes.
+
+They lie in tests/fingerprints/<release>.json. Also what changed against one.
+"""
 
 import json
 from dataclasses import dataclass
@@ -20,7 +23,10 @@ FLOOR = 1e-3
 
 @dataclass(frozen=True)
 class Change:
-    """The largest relative difference among the rows of a fact: its size (with sign), the probe's key and the tilt."""
+    """The largest relative difference among the rows of a fact.
+
+    It has its size (with sign), the probe's key and the tilt.
+    """
 
     fact: str
     size: float

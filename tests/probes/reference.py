@@ -128,7 +128,10 @@ def _times(weight, factor):
 
 
 def _beneath_coat(probe, read, release):
-    """What a coat of weight w, albedo A and tint T leaves: 1 - w + w (1 - A) T from Blender 5.3 on, before (1 - w A) (1 - w + w T)."""
+    """What a coat of weight w, albedo A and tint T leaves.
+
+    1 - w + w (1 - A) T from Blender 5.3 on, before (1 - w A) (1 - w + w T).
+    """
     ior, roughness, weight = read("Coat IOR", 1.5), read("Coat Roughness", 0.03), read("Coat Weight", 0.0)
     covers = release in Versions("5.3")
     tinted = "Coat Tint" in probe.inputs
@@ -141,14 +144,20 @@ def _beneath_coat(probe, read, release):
 
 
 def _sheen_normal(normal, coat):
-    """That of the node, turned towards the shading normal, which is the coat's, by the weight of the coat."""
+    """The node's normal, turned towards the shading normal.
+
+    That is the coat's, and the coat's weight turns it.
+    """
     if normal is None or coat == ZERO:
         return normal
     return VectorMath("NORMALIZE", Mix(coat, normal, Coordinates("SHADING_NORMAL")), BLACK, BLACK, ONE)
 
 
 def _principled(probe, read, release):
-    """The layers that the probes use: a coat over metal, glass, or a dielectric with its diffuse base."""
+    """The layers that the probes use.
+
+    They are a coat over metal, glass, or a dielectric with its diffuse base.
+    """
     base, tint, roughness = read("Base Color", GREY), read("Specular Tint", ONES), read("Roughness", 0.5)
     lobes, weight, coat = [], ONE, read("Coat Weight", 0.0)
     if (sheen := read("Sheen Weight", 0.0)) != ZERO:
@@ -206,9 +215,10 @@ def material(probe, release):
 
 
 def strips(materials, tilt, light):
-    """A scene of one strip of each material on a plane that leans by `tilt` about x, a pixel each, the first on the lowest row.
+    """A scene of one strip of each material on a plane that leans by `tilt` about x.
 
-    The strips lie in one plane, so that none hides or lights another.
+    Each strip is a pixel, the first on the lowest row. The strips lie in one plane, so that none hides or lights
+    another.
     """
     count = len(materials)
     y = np.arange(count)

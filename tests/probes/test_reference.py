@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference with the departures of a release shows what the Cycles of that release showed. No Blender takes part.
+"""The reference with a release's departures shows what that release's Cycles showed.
 
-Whether the reference itself is right is for the tests of lib/ to say; this says that the departures are all there is to say of Cycles.
+No Blender takes part. Whether the reference itself is right is for the tests of lib/; this test says that the
+departures account for all of Cycles.
 """
 
 from functools import cache
@@ -29,7 +30,10 @@ UNEXPLAINED = {
 
 
 def largest(release, departs):
-    """Fact -> its largest relative difference from the fingerprint of `release`: in units of EXACT, and as it is."""
+    """Fact -> its largest relative difference from the fingerprint of `release`.
+
+    It is in units of EXACT, and as it is.
+    """
     recorded, found = fingerprint.read(release), dict.fromkeys(facts_of(release), (0.0, 0.0))
     for light in LIGHTS:
         probes = [probe for probe in probes_of(release) if probe.light == light]

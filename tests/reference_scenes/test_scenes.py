@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every reference scene builds and exports; the two with closed forms are what Cycles renders, too."""
+"""Every reference scene builds and exports.
+
+The two with closed forms are what Cycles renders, too.
+"""
 
 from math import pi
 
@@ -54,7 +57,10 @@ def lambert(points):
 
 @pytest.mark.compares_with_cycles
 def test_lambert_of_cycles_is_the_closed_form():
-    """Blocks of 32 x 32 pixels; within a block the irradiance is averaged over four points a pixel."""
+    """Blocks of 32 x 32 pixels.
+
+    Within a block the irradiance is averaged over four points a pixel.
+    """
     build("lambert_analytic")
     size, across = lambert_analytic.WIDTH, lambert_analytic.ACROSS
     shown = CyclesRenderer(bpy.context.scene, threads=2).render(0, 4).radiance
