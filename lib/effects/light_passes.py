@@ -7,7 +7,6 @@ from ..film.light_passes import Family, LightPass, direct, indirect
 from ..scene.rays import CAMERA, has_bits
 from ..scene.scene import Scene
 from .facts import Facts
-from .families import FAMILIES
 from .names import Effect
 from .plan import Plan
 
@@ -16,7 +15,7 @@ def light_passes(scene: Scene, plan: Plan) -> tuple[LightPass, ...]:
     """The passes that may hold light, in their order: by the lobes of the materials that are seen, the lights and the world."""
     facts = Facts(scene)
     closures = [type(lobe.closure) for material in facts.materials for lobe in material.lobes]
-    families = {family for closure in closures for family in FAMILIES.get(closure, ())}
+    families = {family for closure in closures for family in closure.families}
     if facts.turbid:
         families.add(Family.VOLUME)
     found = set()

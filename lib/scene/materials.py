@@ -8,9 +8,11 @@ the output. Sockets are expressions, so that a textured socket and a constant on
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
+from ..film.light_passes import Family
 from .expressions import ONE, WHITE, ZERO, Constant, Expression
 from .volumes import Volume
 
@@ -20,7 +22,10 @@ class Closure:
     """Base of all closures.
 
     A `color` among the fields multiplies all that the closure does; `normal` is a unit vector of the world (None: the shading normal).
+    `families` are those of its light passes, as Cycles counts (kernel/svm/types.h, kernel/film/light_passes.h); () where it scatters nothing.
     """
+
+    families: ClassVar[tuple[Family, ...]] = ()
 
 
 class Microfacets(Closure):
@@ -50,6 +55,7 @@ class Anisotropic(Microfacets):
 class Diffuse(Closure):
     """Lambert where `roughness` is 0, else Cycles' energy-preserving Fujii Oren-Nayar."""
 
+    families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
     color: Expression = WHITE
     roughness: Expression = ZERO
     normal: Expression | None = None
@@ -77,6 +83,7 @@ class Glossy(Anisotropic):
     `fresnel`: 'none', as in Blender, or a term of settings/models.py.
     """
 
+    families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
     distribution: str = "GGX"
     color: Expression = WHITE
     roughness: Expression = ZERO
@@ -94,6 +101,7 @@ class Metallic(Anisotropic):
     `fresnel` 'F82': `base` is the colour at normal incidence, `edge` tints near grazing. 'CONDUCTOR': index `base` + i `edge`.
     """
 
+    families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
     distribution: str = "GGX"
     fresnel: str = "F82"
     base: Expression = WHITE
@@ -114,6 +122,7 @@ class Specular(Anisotropic):
     `tint` multiplies the reflectance at normal incidence and fades towards grazing. `anisotropy` as in Metallic.
     """
 
+    families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
     distribution: str = "GGX"
     ior: Expression = ONE
     tint: Expression = WHITE
@@ -145,6 +154,7 @@ class Transparent(Closure):
 class Translucent(Closure):
     """Lambert on the far side of the surface."""
 
+    families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
     color: Expression = WHITE
     normal: Expression | None = None
 
@@ -158,6 +168,7 @@ class Subsurface(Closure):
     index `ior`, and half of it by the cosine where it enters `softly`.
     """
 
+    families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
     color: Expression = WHITE
     radius: Expression = WHITE
     anisotropy: Expression = ZERO
@@ -175,6 +186,7 @@ class Sheen(Closure):
     `roughness` in [0, 1] is Blender's.
     """
 
+    families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
     color: Expression = WHITE
     roughness: Expression = ZERO
     normal: Expression | None = None
@@ -184,6 +196,7 @@ class Sheen(Closure):
 class Velvet(Closure):
     """Ashikhmin's velvet (Blender's Sheen BSDF 'Ashikhmin', Velvet BSDF of older files); `sigma` in [0, 1] is the node's Roughness."""
 
+    families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
     color: Expression = WHITE
     sigma: Expression = ONE
     normal: Expression | None = None
@@ -193,6 +206,7 @@ class Velvet(Closure):
 class Toon(Closure):
     """A cone of light about the normal (Blender's Toon BSDF); `size` and `smooth` in [0, 1] are parts of a right angle."""
 
+    families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
     color: Expression = WHITE
     size: Expression = ONE
     smooth: Expression = ZERO
@@ -202,6 +216,8 @@ class Toon(Closure):
 @dataclass(frozen=True)
 class GlossyToon(Toon):
     """The same about the mirror direction."""
+
+    families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
 
 
 @dataclass(frozen=True)
@@ -214,6 +230,8 @@ class Glass(Anisotropic):
     `dispersion` is the reciprocal of the Abbe number; `ior` is then the index at Fraunhofer's line d.
     """
 
+    # By the side on which the light arrives: the viewer's first.
+    families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY, Family.TRANSMISSION)
     color: Expression = WHITE
     ior: Expression = ONE
     roughness: Expression = ZERO
@@ -234,6 +252,7 @@ class Glass(Anisotropic):
 class Refraction(Microfacets):
     """Refraction alone, no Fresnel (zero under total internal reflection); `distribution`: 'BECKMANN' or 'GGX'."""
 
+    families: ClassVar[tuple[Family, ...]] = (Family.TRANSMISSION,)
     color: Expression = WHITE
     ior: Expression = ONE
     roughness: Expression = ZERO

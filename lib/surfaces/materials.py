@@ -8,7 +8,6 @@ import numpy as np
 from ..bsdfs.mixture import Mixture
 from ..bsdfs.toon import cone_half_angle
 from ..effects.facts import adding_lobes, is_zero
-from ..effects.families import FAMILIES
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression
 from ..scene.materials import (
@@ -55,7 +54,7 @@ class PreparedMaterial:
         self._emissions = [(weight, closure) for weight, closure in lobes if isinstance(closure, Emission)]
         self._transparencies = [x for x in lobes if isinstance(x[1], Transparent)]
         self._scattering = [x for x in lobes if not isinstance(x[1], Emission | Transparent)]
-        self.families = [FAMILIES[type(closure)] for _, closure in self._scattering]
+        self.families = [closure.families for _, closure in self._scattering]
         self.emits = bool(self._emissions)
         self.only_bounds = material.only_bounds
         self.transparent = bool(self._transparencies) or self.only_bounds

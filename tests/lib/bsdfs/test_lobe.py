@@ -71,6 +71,12 @@ LOBES = {
 EACH = pytest.mark.parametrize("lobe", LOBES.values(), ids=LOBES)
 
 
+def uniform_sphere(u1, u2):
+    z, phi = 1.0 - 2.0 * u1, 2.0 * np.pi * u2
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z])
+
+
 def lobe_classes(base=Lobe):
     return {base, *(found for child in base.__subclasses__() for found in lobe_classes(child))}
 
@@ -101,6 +107,18 @@ def test_a_part_keeps_the_shapes_and_the_estimate(lobe, rng):
     assert part.delta == lobe.delta
     whole = np.broadcast_to(lobe.estimate, COUNT)
     np.testing.assert_array_equal(np.broadcast_to(part.estimate, 3), whole[index])
+
+
+@pytest.mark.parametrize("name", [name for name, lobe in LOBES.items() if not lobe.delta])
+def test_samples_carry_the_energy_of_the_values(name, rng):
+    """The mean weight is the integral of f |cos| over the sphere, found by uniform directions: both within five standard errors."""
+    lobe = LOBES[name].part(rng.integers(COUNT, size=80_000))
+    _, weight, pdf = lobe.sample(*rng.random((2, 80_000)))
+    weight = np.where(pdf > 0.0, weight, 0.0)
+    value = 4.0 * np.pi * lobe.evaluate(uniform_sphere(*rng.random((2, 80_000))))[0]
+    error = np.sqrt((weight.var(axis=1) + value.var(axis=1)) / 80_000)
+    assert np.all(np.abs(weight.mean(axis=1) - value.mean(axis=1)) < 5.0 * error)
+    assert np.all(error < 0.05)
 
 
 @pytest.mark.parametrize(

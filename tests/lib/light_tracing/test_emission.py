@@ -15,8 +15,10 @@ from etalon.lib.settings.reference import Options
 from etalon.lib.vectors import dot
 from etalon.lib.wavefront.kernel import Kernel
 from etalon.tests.lib.light_tracing.traced import LIGHTS
+from etalon.tests.lib.lights import examples
 from etalon.tests.scenes import diffuse, emission, floor, icosphere, perspective, scene
 
+ALL = LIGHTS | examples.LIGHTS
 BALL = Ball(np.array([[0.1], [-0.2], [0.3]]), 1.7, 5.0)
 COUNT = 40000
 A = 9.0  # square metres of the rectangle
@@ -55,13 +57,13 @@ def test_the_mean_weight_is_the_flux(name, rng):
     assert np.all(error <= 0.01 * FLUX[name])
 
 
-@pytest.mark.parametrize("name", [name for name in LIGHTS if not light_sampler(LIGHTS[name], 1.0).delta])
+@pytest.mark.parametrize("name", [name for name in ALL if not light_sampler(ALL[name], 1.0).delta])
 def test_a_ray_back_meets_the_light_where_the_ray_left_it(name, rng):
-    light = light_sampler(LIGHTS[name], 1.0)
+    light = light_sampler(ALL[name], 1.0)
     rays = emit(light, rng)
     distance, radiance = light.intersect(rays.origin + 0.7 * rays.direction, -rays.direction)
     met = rays.brightness > 0.0
-    assert met.mean() > 0.5
+    assert met.sum() > 1000  # most rays of a squeezed spot leave outside its cone
     far = np.isinf(distance[met])
     np.testing.assert_allclose(distance[met][~far], 0.7, rtol=1e-9)
     np.testing.assert_allclose(luminance(radiance)[met], rays.brightness[met], rtol=1e-9)
@@ -83,10 +85,10 @@ def flux_onto(rays, ball):
     return rays.weight * ((dot(apart, apart) <= ball.radius**2) & (dot(beside, rays.direction) > 0.0))
 
 
-@pytest.mark.parametrize("name", [name for name in LIGHTS if isinstance(light_sampler(LIGHTS[name], 1.0), Aimable)])
+@pytest.mark.parametrize("name", [name for name in ALL if isinstance(light_sampler(ALL[name], 1.0), Aimable)])
 def test_aimed_rays_bring_the_same_flux_to_every_target(name, rng):
     """Two targets that overlap and one apart, within 5 standard errors of rays that are not aimed, where 100 of these meet it."""
-    light = light_sampler(LIGHTS[name], 1.0)
+    light = light_sampler(ALL[name], 1.0)
     direction, density = Aim(light.extent, TARGETS).sample(tuple(rng.random((2, COUNT))))
     aimed = light.emit_along(direction, density, tuple(rng.random((2, COUNT))))
     plain = light.emit(BALL, tuple(rng.random((2, 10 * COUNT))), tuple(rng.random((2, 10 * COUNT))))

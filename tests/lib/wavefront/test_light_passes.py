@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from etalon.lib.effects.families import FAMILIES
 from etalon.lib.effects.light_passes import light_passes
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.film.light_passes import Family, LightPass
@@ -181,7 +180,7 @@ def test_each_closure_has_one_family(closure, family, seed):
 
 def test_a_family_named_wrongly_is_seen(monkeypatch, seed):
     """The error planted: diffuse lobes counted as glossy fail the closed form."""
-    monkeypatch.setitem(FAMILIES, Diffuse, (Family.GLOSSY,))
+    monkeypatch.setattr(Diffuse, "families", (Family.GLOSSY,))
     with pytest.raises(AssertionError):
         test_sunlit_diffuse_plane_has_only_diffuse_direct_light(seed)
 
