@@ -5,7 +5,7 @@ The page is docs/departures_by_pass.md.
 
     python tests/benchmarks/departures_by_pass.py > docs/departures_by_pass.md
 
-The scenes are those of tests/lib/departures/test_planted.py. Each is rendered by the reference with the departure and
+The scenes are those of tests/lib/departures/planted_scenes.py. Each is rendered by the reference with the departure and
 without, under the same random numbers, so that what it does not act on is the same bit by bit.
 """
 
@@ -19,7 +19,7 @@ from etalon.lib.departures.catalogue import DEPARTURES, relevant
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.lib.departures.test_planted import SCENES, masking
+from etalon.tests.lib.departures.planted_scenes import SCENES, masking
 
 SAMPLES = 256
 REFERENCE_SCENES, EDGE = ("cornell_glossy", "glossy_spheres", "veach_plates"), 48
@@ -29,9 +29,9 @@ MASKING = "separable"
 HEAD = """\
 # Departures by light pass
 
-What each departure of Cycles does to the light passes of the scene in which tests plant it (`tests/lib/departures/test_planted.py`): the change
-of a pass in the pixel where it is largest, relative to the brightest pixel of that pass. A pass that is not named is the same bit by bit.
-Made by `python tests/benchmarks/departures_by_pass.py`; random numbers are the same with the departure and without.
+What each departure of Cycles does to the light passes of the scene in which tests plant it (`tests/lib/departures/planted_scenes.py`): the
+change of a pass in the pixel where it is largest, relative to the brightest pixel of that pass. A pass that is not named is the same bit
+by bit. Made by `python tests/benchmarks/departures_by_pass.py`; random numbers are the same with the departure and without.
 
 | departure | scene | passes and their largest change |
 |---|---|---|"""

@@ -4,7 +4,6 @@
 Each scene lets every departure act on cells of its own, well beyond the tolerance.
 """
 
-import functools
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -12,38 +11,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.comparison.departures import Alternatives, alternatives
+from etalon.lib.comparison.departures import alternatives
 from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import DEPARTURES, SWITCHES, relevant
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.report.words import sentences
-from etalon.lib.scene.converters import Curve, Curves
-from etalon.lib.scene.expressions import (
-    ONE,
-    WHITE,
-    BeneathLayer,
-    ColorRamp,
-    Constant,
-    Coordinates,
-    ImageTexture,
-    LayerWeight,
-    Math,
-    ValueToColor,
-)
-from etalon.lib.scene.images import Image
-from etalon.lib.scene.lights import AreaLight, SunLight
-from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, Subsurface, WeightedClosure
+from etalon.lib.scene.lights import SunLight
 from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import Role, State
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.subsurface import SHORT_WALKS
 from etalon.tests import scenes
+from etalon.tests.lib.departures.planted_scenes import SCENES, early, furnace, judged, masking, planted, rug, slope, wax
 
-ANGLES = np.radians([64.0, 78.0, 87.1])
-# Most are done after 27; where the difference is not much more than the tolerance its share takes longer.
-REPLICATES = 62
 # Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
 PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
 LONG = (
@@ -60,219 +42,6 @@ LONG = (
     ("refraction from behind",),
     ("Oren-Nayar colour", "narrow spread"),
 )
-
-
-def furnace():
-    """A white world over facets that see nothing of each other, and a sun that the middle ones mirror to the camera."""
-    inside = (0.2, 0.2, 0.2, 1.0), (0.9, 0.9, 0.9, 1.0)
-    ramp = ColorRamp(LayerWeight(Constant(0.5), output="FACING"), (0.5610, 0.5620), inside)
-    checker = np.ones((2, 2, 4), np.float32)
-    checker[[0, 1], [0, 1], :3] = 0.6
-    materials = [
-        scenes.glossy(0.36, distribution="BECKMANN"),
-        scenes.glossy(0.21**2, 0.9, distribution="MULTI_GGX"),
-        scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0),
-        scenes.material(Diffuse(ramp)),
-        scenes.material(Diffuse(ImageTexture(Coordinates("POSITION"), 0))),
-        Material("coated", (WeightedClosure(Diffuse(), BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)),)),
-    ]
-    twice = 2.0 * ANGLES[1]
-    sun = SunLight("sun", (np.sin(twice), 0.0, np.cos(twice)), 0.0, (0.5, 0.5, 0.5))
-    count = len(materials)
-    geometry, camera = scenes.fan(ANGLES, count), scenes.fan_camera(ANGLES, count)
-    scene = scenes.scene(geometry, materials, camera, (sun,), 1.0, images=(Image("checker", checker, "SRGB"),))
-    return replace(scene, blender=(5, 2))
-
-
-def coats():
-    """A rough coat over a white base, and a layer that is no coat, in a white world, as Blender 5.3 has them."""
-    coat = BeneathLayer(Constant(1.5), WHITE, Constant(0.8), ONE, "MULTI_GGX", coat=True)
-    layer = BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)
-    materials = [
-        Material(name, (WeightedClosure(Diffuse(), node),)) for name, node in (("coat", coat), ("layer", layer))
-    ]
-    scene = scenes.scene(scenes.fan(ANGLES, 2), materials, scenes.fan_camera(ANGLES, 2), world=1.0)
-    return replace(scene, blender=(5, 3))
-
-
-def early():
-    """A rough diffuse floor under a sun, as Blender 4.2 has it."""
-    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
-    camera = scenes.orthographic(2, 2, 1.0, (0.0, 0.0, 5.0))
-    scene = scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0), camera, (sun,))
-    return replace(scene, blender=(4, 2))
-
-
-def slope():
-    """Two floors: one smooth, under a sun below its face but above its normals, one rough, under another sun."""
-    parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
-    tilted = np.repeat(np.array([[np.sin(0.5)], [0.0], [np.cos(0.5)]]), 4, axis=1)
-    parts[0] = scenes.Part(parts[0].vertices, parts[0].triangles, 0, tilted)
-    suns = [((np.cos(0.2), 0.0, -np.sin(0.2)), 0.05), ((0.0, 0.6, 0.8), 0.0)]
-    suns = [SunLight(f"sun {k}", place, angle, (1.0, 1.0, 1.0)) for k, (place, angle) in enumerate(suns)]
-    materials = [scenes.diffuse(0.8), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0)]
-    return replace(
-        scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), suns), blender=(5, 2)
-    )
-
-
-def soft_box():
-    """A floor under an area light whose slats let hardly anything pass aside."""
-    edges = (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)
-    light = AreaLight("narrow", (0.0, 0.0, 4.0), *edges, (0.0, 0.0, -1.0), "RECTANGLE", (1.0, 1.0, 1.0), 0.1)
-    camera = scenes.orthographic(2, 2, 1.0, (0.0, 0.0, 3.0))
-    scene = scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0), camera, (light,))
-    return replace(scene, blender=(5, 2))
-
-
-def documents():
-    """Rough facets in a white world; the reference masks them as the documents do, each direction by itself."""
-    return scenes.scene(scenes.fan(ANGLES[1:]), scenes.glossy(0.6, 0.9), scenes.fan_camera(ANGLES[1:]), world=1.0)
-
-
-def phong():
-    """Facets by Ashikhmin and Shirley under grazing angles in a white world, and rough ones beside them."""
-    materials = [scenes.glossy(0.7**2, 0.9, distribution="ASHIKHMIN_SHIRLEY"), scenes.glossy(0.6, 0.9)]
-    return scenes.scene(scenes.fan(ANGLES, 2), materials, scenes.fan_camera(ANGLES, 2), world=1.0)
-
-
-def window():
-    """Rough glass, a sun below it that only facets whose backs it sees refract to the camera, and a steep rough face without it."""
-    low, steep = 0.2, np.radians(85.0)
-    parts = [
-        scenes.quad((-2.0, -1.0, 0.0), (2.0, 0.0, 2.0 * np.tan(low)), (0.0, 2.0, 0.0), 0),
-        scenes.quad((0.0, -1.0, 0.0), (2.0, 0.0, -2.0 * np.tan(steep)), (0.0, 2.0, 0.0), 1),
-    ]
-    glass = Material("glass", (WeightedClosure(Glass(distribution="GGX", roughness=Constant(0.8), ior=Constant(1.5))),))
-    sun = SunLight("sun", (-0.9, 0.0, -0.436), 0.0, (10.0, 10.0, 10.0))
-    camera = scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0))
-    return scenes.scene(parts, [glass, scenes.glossy(0.6, 0.9)], camera, (sun,), 1.0)
-
-
-def prism():
-    """Dispersive glass that mirrors a lamp above the camera and swallows what it refracts."""
-    parts = [scenes.floor(5.0), scenes.floor(50.0, 9.0, 1)]
-    glass = scenes.material(Glass(ior=Constant(1.5), dispersion=Constant(1.0 / 3.0), transmission=scenes.color(0.0)))
-    camera = scenes.orthographic(2, 1, 1.0, (0.1, 0.0, 5.0))
-    return scenes.scene(parts, [glass, scenes.emission(10.0)], camera)
-
-
-def films():
-    """A film on a steep metal, and one on glass seen from behind, in a white world; what glass refracts is swallowed."""
-    eta, k = (Constant((value,) * 3) for value in (1.5, 1.8))
-    film = {"film_thickness": Constant(60.0), "film_ior": Constant(1.33)}
-    metal = scenes.material(Metallic("GGX", "CONDUCTOR", eta, k, Constant(0.1), **film))
-    film = {"film_thickness": Constant(20.0), "film_ior": Constant(2.0)}
-    glass = scenes.material(Glass(ior=Constant(1.5), roughness=Constant(0.1), transmission=scenes.color(0.0), **film))
-    parts = [
-        scenes.quad((-2.0, -1.0, 0.0), (2.0, 0.0, -2.0 * np.tan(ANGLES[1])), (0.0, 2.0, 0.0), 0),
-        scenes.quad((0.0, -1.0, 0.0), (0.0, 2.0, 0.0), (2.0, 0.0, 0.0), 1),
-    ]
-    made = scenes.scene(parts, [metal, glass], scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 20.0)), world=1.0)
-    return replace(made, blender=(5, 3))
-
-
-def curved():
-    """Facets whose colour a curve makes of values above its end, where its handle falls and its table is flat."""
-    curve = Curve(0.0, 1.0, (0.2, *(0.9,) * 256), (0.2, 0.0), (0.9, -0.8))
-    facing = Math("ADD", LayerWeight(Constant(0.5), output="FACING"), ONE, Constant(0.0))
-    materials = scenes.material(Diffuse(Curves(ONE, ValueToColor(facing), (curve,) * 3)))
-    return scenes.scene(scenes.fan(ANGLES), materials, scenes.fan_camera(ANGLES), world=1.0)
-
-
-def decal():
-    """A texture of even texels that cover half of what they lie on, shining and as a diffuse floor under a sun."""
-    parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
-    texture = ImageTexture(Coordinates("POSITION"), 0, interpolation="CLOSEST", association="MULTIPLIED")
-    materials = [scenes.material(Emission(texture)), scenes.material(Diffuse(texture))]
-    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
-    images = (Image("decal", np.tile(np.array([0.6, 0.7, 0.8, 0.5], np.float32), (2, 2, 1)), "SRGB"),)
-    return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,), images=images)
-
-
-def rug():
-    """On the left a floor and its copy under a sun; on the right two panels in one plane that shine differently."""
-    left, right = (scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)) for x in (-2.0, 0.0))
-    parts = [left, left, replace(right, material=1), replace(right, material=2)]
-    sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
-    materials = [scenes.diffuse(0.8, 0.6, 0.4), scenes.emission(0.2), scenes.emission(0.3)]
-    return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,))
-
-
-def wax():
-    """A thick bright body that light scatters inside of, in a white world."""
-    coat = scenes.material(Subsurface(scenes.color(0.95), scenes.color(0.05), Constant(0.5)))
-    return scenes.scene(scenes.cube(), coat, scenes.orthographic(1, 1, 0.5, (0.0, 0.0, 5.0)), world=1.0)
-
-
-class Cached:
-    """A renderer that remembers its replicates, so that cases share what they have in common."""
-
-    settings: dict = {}  # noqa: RUF012
-
-    def __init__(self, name, renderer):
-        self.name, self._renderer, self._done = name, renderer, {}
-
-    def render(self, replicate, samples, progress, windows=None):
-        key = replicate, samples
-        if key not in self._done:
-            self._done[key] = self._renderer.render(replicate, samples)
-        return replace(self._done[key], windows=windows)
-
-
-@functools.cache
-def prepared(make):
-    """The scene, its reference, and what may depart, all with remembered replicates."""
-    scene = make()
-    reference = ReferenceRenderer(scene, Options(threads=1, masking=masking(make)))
-    found = alternatives(reference)
-    renderer = functools.cache(lambda names: Cached("alternative", found.renderer(names)))
-    return scene, Cached("reference", reference), Alternatives(found.departures, renderer)
-
-
-# Scene: tolerance, samples per pixel, and the cells that are too noisy to tell anything.
-SCENES = {
-    furnace: (1.5e-3, 1024, {3, 8}),
-    slope: (1e-2, 128, set()),
-    soft_box: (3e-4, 4096, set()),
-    documents: (5e-3, 512, set()),
-    phong: (1e-2, 512, set()),
-    window: (2e-2, 4096, set()),
-    coats: (3e-3, 1024, set()),
-    early: (5e-3, 64, set()),
-    prism: (2e-2, 512, set()),
-    films: (5e-3, 1024, set()),
-    curved: (5e-3, 64, set()),
-    rug: (1e-2, 64, set()),
-    decal: (1e-2, 64, set()),
-    wax: (1e-2, 256, set()),
-}
-
-
-def masking(make):
-    """The reference's form of it."""
-    return "separable" if make is documents else "correlated"
-
-
-def cells(make):
-    """Every pixel as a region of its own."""
-    camera = prepared(make)[0].camera
-    shape = camera.height, camera.width
-    told = [k for k in range(shape[0] * shape[1]) if k not in SCENES[make][2]]
-    return {"cell": [(f"{k}", np.eye(shape[0] * shape[1])[k].reshape(shape)) for k in told]}
-
-
-def judged(make, candidate):
-    scene, reference, among = prepared(make)
-    tolerance, samples, _ = SCENES[make]
-    options = CompareOptions(tolerance, time=None, samples=samples, replicates=REPLICATES)
-    return compare(scene, reference, candidate, cells(make), options, among=among)
-
-
-def planted(make, names, seed):
-    scene, _, _ = prepared(make)
-    options = Options(threads=1, seed=seed, masking=masking(make), departures=frozenset(names))
-    return Cached("candidate", ReferenceRenderer(scene, options))
 
 
 def cases():

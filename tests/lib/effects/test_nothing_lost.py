@@ -25,9 +25,8 @@ from etalon.tests.effect_cases import (
     POINT,
     SLOPED,
     SUN,
-    indoors,
-    lit,
 )
+from etalon.tests.indoors import indoors, lit
 from etalon.tests.neutral import NEUTRAL, TOGETHER
 from etalon.tests.scenes import color, glossy, icosphere, scene
 

@@ -24,7 +24,8 @@ from etalon.lib.scene.materials import (
 from etalon.lib.scene.rays import SEEN
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.effect_cases import CASES, indoors
+from etalon.tests.effect_cases import CASES
+from etalon.tests.indoors import indoors
 from etalon.tests.scenes import color, cube, floor, icosphere, material, orthographic, perspective, scene
 
 ABOVE = orthographic(4, 4, 1.0, (0.05, 0.1, 5.0))

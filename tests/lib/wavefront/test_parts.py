@@ -13,7 +13,8 @@ from etalon.lib.scene.materials import Diffuse, Emission
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.emitter_names import MOST
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.effect_cases import CASES, indoors
+from etalon.tests.effect_cases import CASES
+from etalon.tests.indoors import indoors
 from etalon.tests.scenes import color, cube, diffuse, emission, floor, material, orthographic, perspective, quad, scene
 
 ABOVE = orthographic(4, 4, 1.0, (0.05, 0.1, 5.0))
