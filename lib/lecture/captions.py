@@ -16,6 +16,13 @@ INTRODUCTION = Words(
 )
 REMADE = Words("Remake", "Refaire")
 HELD = Words("Test", "Test")
+DRAG = Words(
+    "Drag the point in any of the three pictures, or move it with the sliders (arrow keys).",
+    "Déplacez le point dans l'une des trois images, ou par les curseurs (touches fléchées).",
+)
+OBSERVER = Words("observer", "observateur")
+CELL = Words("The coloured cell widens by", "La cellule colorée s'élargit")
+BELOW = Words("below the surface: no light", "sous la surface : aucune lumière")
 
 CAPTIONS = {
     "densities": Caption(

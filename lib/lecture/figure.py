@@ -20,6 +20,11 @@ class Words:
     french: str
 
 
+def show_words(words: Words) -> Markup:
+    """Both texts as spans, of which the page shows one."""
+    return Markup('<span lang="en">{}</span><span lang="fr">{}</span>').format(words.english, words.french)
+
+
 @dataclass(frozen=True)
 class Caption:
     """The texts around a figure.

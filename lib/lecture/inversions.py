@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from ..microfacets.beckmann import Beckmann
 from ..vectors import cross, dot
-from .figure import Figure
+from . import captions
+from .figure import Figure, Words, show_words
 from .svg import draw_disc, draw_loop
 
 SIGMA, DEGREES, CELLS = 0.3, 30.0, 12
@@ -50,7 +51,7 @@ def solid_angle(corners: np.ndarray) -> float:
     return total
 
 
-def cell_grid(row: int, column: int, parts: int) -> np.ndarray:
+def cell_grid(row: float, column: float, parts: int) -> np.ndarray:
     """(xi1, xi2) at the corners of the parts of a cell, (2, parts + 1, parts + 1).
 
     The cell is divided into parts x parts.
@@ -68,7 +69,7 @@ def cell_outline(row: int, column: int) -> np.ndarray:
     return np.stack([(column + x) / CELLS, np.minimum((row + y) / CELLS, 1.0 - 1e-9)])
 
 
-def stretch(row: int, column: int) -> tuple[float, float]:
+def stretch(row: float, column: float) -> tuple[float, float]:
     """The factor by which reflection widens a cell of normals.
 
     Also returns the mean of 4 |o.m| over the same cell.
@@ -107,4 +108,33 @@ def illustrate_inversions(seed: int) -> Figure:
         "stretch": measured,
         "four_cos": expected,
     }
-    return Figure(Markup('<div class="discs">') + drawn + Markup("</div>"), numbers)
+    return Figure(Markup('<div class="discs">') + drawn + Markup("</div>") + _controls(), numbers)
+
+
+def _controls() -> Markup:
+    """What `inversions.js` shows: a slider for each number, and what follows from them; hidden without JavaScript."""
+    sliders = (
+        ("xi1", Words("ξ1", "ξ1"), 0.0, 1.0, 0.005),
+        ("xi2", Words("ξ2", "ξ2"), 0.0, 0.995, 0.005),
+        ("sigma", Words("sigma", "sigma"), 0.05, 1.0, 0.01),
+        ("degrees", captions.OBSERVER, 0.0, 85.0, 1.0),
+    )
+    rows = [
+        Markup(
+            '<label>{} <input type="range" name="{}" min="{}" max="{}" step="{}"> <output data-shows="{}"></output></label>'
+        ).format(show_words(label), name, low, high, step, name)
+        for name, label, low, high, step in sliders
+    ]
+    said = Markup(
+        '<p aria-live="polite">m: <output data-shows="m"></output><br>i: <output data-shows="i"></output> '
+        '<b class="below" hidden>{}</b><br>{}: × <output data-shows="widened"></output>; 4 |o.m| = '
+        '<output data-shows="four"></output></p>'
+    ).format(show_words(captions.BELOW), show_words(captions.CELL))
+    hint = Markup("<p>{}</p>").format(show_words(captions.DRAG))
+    return (
+        Markup('<div class="play" id="inversions-play" hidden>')
+        + hint
+        + Markup("").join(rows)
+        + said
+        + Markup("</div>")
+    )

@@ -44,7 +44,7 @@ def make_figures(names: tuple[str, ...], seed: int, progress: Progress = NO_PROG
 
 
 def make_page(figures: dict[str, Figure], seed: int) -> str:
-    """The whole page as HTML: it loads nothing and runs no script."""
+    """The whole page as HTML: it loads nothing, and says all without its script, which lets the inversions be dragged."""
     rows = [
         {
             "name": name,
