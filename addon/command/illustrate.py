@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+from ...lib.errors import Cancelled, EtalonError
 from ...lib.exit_codes import ExitCode
+from ...lib.lecture.figure import Figure
+from ...lib.lecture.illustrations import illustrate_missing, illustrate_rows
 from ...lib.lecture.page import FIGURES, illustrate
 from ...lib.progress import Progress
 from ...lib.settings.commands import IllustrateOptions
 from ...lib.settings.common import PageTerminal
+from ..host.blender import load_blender
 from .console import bar, interruptible, open_page, print_json
 
 
@@ -16,7 +20,8 @@ def run(options: IllustrateOptions, terminal: PageTerminal) -> int:
     names = tuple(FIGURES) if options.only is None else (options.only,)
     with interruptible() as interrupted, bar("illustrate", terminal) as shown:
         progress = Progress(shown.report, interrupted, shown.tell, shown.begin)
-        figures = illustrate(options.out, names, options.seed, progress)
+        makers = {**FIGURES, "illustrations": lambda seed: _illustrate_rows(seed, progress)}
+        figures = illustrate(options.out, names, options.seed, progress, makers)
     if terminal.json:
         print_json({name: figure.numbers for name, figure in figures.items()})
     else:
@@ -24,3 +29,16 @@ def run(options: IllustrateOptions, terminal: PageTerminal) -> int:
     if terminal.open:
         open_page(options.out)
     return ExitCode.DONE
+
+
+def _illustrate_rows(seed: int, progress: Progress) -> Figure:
+    """The two rows by both renderers, or what is missing for them: the other figures need no Blender."""
+    try:
+        load_blender()
+        from ..illustrations import render_rows
+
+        return illustrate_rows(render_rows(seed, progress), seed)
+    except Cancelled:
+        raise
+    except EtalonError as error:
+        return illustrate_missing(str(error))

@@ -23,6 +23,19 @@ DRAG = Words(
 OBSERVER = Words("observer", "observateur")
 CELL = Words("The coloured cell widens by", "La cellule colorée s'élargit")
 BELOW = Words("below the surface: no light", "sous la surface : aucune lumière")
+BY_REFERENCE = Words("Reference", "Référence")
+DIFFERENCE = Words("Relative difference, colour up to ± 20 %", "Différence relative, couleur jusqu'à ± 20 %")
+BY_FLIP = Words("FLIP: white is 1", "FLIP : le blanc vaut 1")
+BOTH_MODELS = Words("reference alone", "référence seule")
+MISSING = Words("Not rendered.", "Pas de rendu.")
+ROW_HEADS = (
+    Words("sphere", "sphère"),
+    Words("verdict", "verdict"),
+    Words("difference", "différence"),
+    Words("at most", "au plus"),
+    Words("FLIP", "FLIP"),
+    Words("FLIP of noise alone", "FLIP du bruit seul"),
+)
 
 CAPTIONS = {
     "densities": Caption(
@@ -89,6 +102,26 @@ CAPTIONS = {
             "quatre, où la formule donne 0/0 en virgule flottante.",
         ),
         "tests/lib/microfacets/test_slips.py, tests/lib/lecture/test_numbers.py::test_each_slip_is_decided_by_its_number",
+    ),
+    "illustrations": Caption(
+        "Quelques illustrations",
+        Words(
+            "Both rows by both renderers: does the eye see it?",
+            "Les deux rangées par les deux moteurs : l'œil le voit-il ?",
+        ),
+        Words(
+            "Spheres of Beckmann (above) and GGX (below) for sigma = 0.01, 0.1, 0.3 and 0.5, left to right, by the reference and by "
+            "Cycles. For each sphere: whether Cycles agrees to within 3 %, by how much its light differs, the largest difference that the "
+            "data have not ruled out, and the mean of FLIP over the sphere, which estimates what an eye notices (0 nothing, 1 everything). "
+            "FLIP of noise alone is what the noise of both pictures gives by itself. The last rows put GGX in place of Beckmann's "
+            "distribution in the upper row, by the reference: that is what the choice of D does to the light and to the eye.",
+            "Sphères de Beckmann (en haut) et de GGX (en bas) pour sigma = 0,01, 0,1, 0,3 et 0,5, de gauche à droite, par la référence et "
+            "par Cycles. Pour chaque sphère : si Cycles concorde à 3 % près, de combien sa lumière diffère, la plus grande différence que "
+            "les données n'excluent pas, et la moyenne de FLIP sur la sphère, qui estime ce que l'œil remarque (0 rien, 1 tout). Le FLIP "
+            "du bruit seul est ce que donne le bruit des deux images. Les dernières lignes mettent GGX à la place de Beckmann dans la "
+            "rangée du haut, par la référence : ce que le choix de D change pour la lumière et pour l'œil.",
+        ),
+        "tests/lib/lecture/test_illustrations.py",
     ),
     "masking": Caption(
         "Choix de F, D et G",

@@ -107,7 +107,7 @@ function draw() {
       const points = k === 0 ? corners.map(inSquare) : corners.map(toNormal).map((w) => (k === 1 ? w : reflect(w)));
       if (k < 2 || points.every((w) => w[2] > 0)) group.append(polygon(points, kind));
     }
-    if (k < 2 || i[2] > 0) group.append(element("circle", { class: "handle", cx: places[k][0], cy: places[k][1], r: 0.05 }));
+    if (k < 2 || i[2] > 0) group.append(element("circle", { class: "handle", cx: places[k][0], cy: places[k][1], r: 0.08 }));
   }
   say(m, i, stretch(left, low, width));
 }

@@ -127,7 +127,7 @@ def _controls() -> Markup:
     ]
     said = Markup(
         '<p aria-live="polite">m: <output data-shows="m"></output><br>i: <output data-shows="i"></output> '
-        '<b class="below" hidden>{}</b><br>{}: × <output data-shows="widened"></output>; 4 |o.m| = '
+        '<b class="below" hidden>{}</b><br>{} × <output data-shows="widened"></output>; 4 |o.m| = '
         '<output data-shows="four"></output></p>'
     ).format(show_words(captions.BELOW), show_words(captions.CELL))
     hint = Markup("<p>{}</p>").format(show_words(captions.DRAG))

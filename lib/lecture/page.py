@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from markupsafe import Markup
@@ -17,28 +17,36 @@ from . import captions
 from .densities import illustrate_densities
 from .facets import illustrate_facets
 from .figure import Figure
+from .illustrations import illustrate_missing
 from .inversions import illustrate_inversions
 from .masking import illustrate_masking
 from .slips import illustrate_slips
 from .uniform import illustrate_uniform
 
-FIGURES: dict[str, Callable[[int], Figure]] = {
+Makers = Mapping[str, Callable[[int], Figure]]
+"""For each figure by its name the function that makes it from the seed of its random numbers."""
+
+
+FIGURES: Makers = {
     "densities": illustrate_densities,
     "facets": illustrate_facets,
     "uniform": illustrate_uniform,
     "inversions": illustrate_inversions,
     "slips": illustrate_slips,
+    "illustrations": lambda seed: illustrate_missing("Blender"),
     "masking": illustrate_masking,
 }
-"""Each takes the seed of its random numbers."""
+"""All figures, without Blender: whoever has it replaces `illustrations`."""
 
 
-def make_figures(names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS) -> dict[str, Figure]:
+def make_figures(
+    names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS, makers: Makers = FIGURES
+) -> dict[str, Figure]:
     """The figures of these names, in their order; raises Cancelled when asked to stop."""
     figures = {}
     for k, name in enumerate(names):
         progress.check()
-        figures[name] = FIGURES[name](seed)
+        figures[name] = makers[name](seed)
         progress.report((k + 1) / len(names))
     return figures
 
@@ -60,13 +68,15 @@ def make_page(figures: dict[str, Figure], seed: int) -> str:
     return render_page(Path(__file__).with_name("lecture.html"), {**values, **labels})
 
 
-def illustrate(path: Path, names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS) -> dict[str, Figure]:
+def illustrate(
+    path: Path, names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS, makers: Makers = FIGURES
+) -> dict[str, Figure]:
     """Compute the figures and write the page to `path`, whole or not at all.
 
     Raises Cancelled when asked to stop, and EtalonError where `path` cannot be written, before anything is computed.
     """
     with replace_file(path) as beside:
-        figures = make_figures(names, seed, progress)
+        figures = make_figures(names, seed, progress, makers)
         beside.write_text(make_page(figures, seed), encoding="utf-8")
     return figures
 
