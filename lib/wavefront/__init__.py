@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One file per stage of the path integrator: camera rays, intersect, shade, direct light; the loop; tiles and threads."""
+"""The path integrator: one file per stage, the loop over the stages, tiles and threads.
+
+Stages: camera rays, intersect, shade, direct light.
+"""

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The objects that light scatters inside of: each alone in a ray caster of its own, and what its surface does where light leaves."""
+"""Ray casters for walks inside objects, and the surfaces at which these walks leave.
+
+Each object that light scatters inside of has a ray caster of its own.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,10 @@ from .raycaster import Raycaster
 
 
 class Body:
-    """Embree over one object, in a frame of its own: what is small in a large scene is resolved as finely as it would be alone."""
+    """Embree over one object, in a frame of its own.
+
+    A small object in a large scene is thus resolved as finely as it would be alone.
+    """
 
     def __init__(self, mesh: Mesh, number: int) -> None:
         self._index = np.flatnonzero(mesh.object_index == number).astype(np.int32)
@@ -36,25 +42,37 @@ class Body:
         self._low, self._high = low - diagonal, high + diagonal
 
     def below(self, triangle: np.ndarray, position: np.ndarray, ng: np.ndarray) -> np.ndarray:
-        """The points `position` (3, n) of the object's faces, moved against `ng` by what float32 can resolve there."""
+        """The points `position` (3, n) of the object's faces, moved below the surface.
+
+        They move against `ng` by what float32 can resolve there.
+        """
         local = np.searchsorted(self._index, triangle)
         return position - ng * np.take(self._caster.planes[4], local)
 
     def is_far(self, position: np.ndarray) -> np.ndarray:
-        """Whether points (3, n) are farther from the object's bounds than it is large, (n,): light got out by an opening."""
+        """Whether points (3, n) are farther from the object's bounds than its size, (n,) bool.
+
+        Light that is so far away left the object by an opening.
+        """
         return ((position < self._low) | (position > self._high)).any(axis=0)
 
     def closest(
         self, origin: np.ndarray, direction: np.ndarray, reach: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The first face within `reach` (n,): its triangle in the whole mesh, -1 for none, distance, u, v."""
+        """The first face within `reach` (n,).
+
+        Returns its triangle in the whole mesh (-1 for none), its distance, and u, v.
+        """
         hits = self._caster.closest(origin, direction, reach)
         met = hits.triangle >= 0
         return np.where(met, np.take(self._index, hits.triangle), np.int32(-1)), hits.distance, hits.u, hits.v
 
 
 class Bodies:
-    """The bodies of all objects that have a face under which light scatters; walks in any of them are followed together."""
+    """The bodies of all objects with a face under which light scatters.
+
+    Walks in different bodies are followed together.
+    """
 
     def __init__(self, mesh: Mesh, materials: Sequence[Material]) -> None:
         enters = np.array([any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in materials], bool)
@@ -97,9 +115,11 @@ class Bodies:
 
 
 def exit_materials(materials: Sequence[Material]) -> tuple[list[Material], np.ndarray]:
-    """What faces do to light that leaves there, and which of it the faces of each material do, (materials,).
+    """The materials by which faces scatter the light that leaves there.
 
-    They are diffuse and white, about the normal that the closures of the material share. Raises Refused where these differ.
+    Returns them and, for each material of the scene, the number of the one that its faces have, (materials,).
+    They are diffuse and white, about the normal that the closures of the material share. Raises Refused where these
+    differ.
     """
     exits, numbers = [_white("", None)], []
     for material in materials:

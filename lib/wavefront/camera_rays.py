@@ -15,8 +15,9 @@ from .panorama import across, panorama_directions
 
 @dataclass(frozen=True)
 class CameraRays:
-    """Origins at the near plane and unit directions, (3, n); `reach` (n,), the distance to the far plane.
+    """Camera rays: origins at the near plane and unit directions, (3, n).
 
+    `reach` (n,) is the distance to the far plane.
     `index` (n,) are the raster points that have a ray, ascending; None where all have one.
     """
 
@@ -27,7 +28,10 @@ class CameraRays:
 
 
 def camera_rays(camera: Camera, x: np.ndarray, y: np.ndarray, lens: tuple[np.ndarray, np.ndarray] | None) -> CameraRays:
-    """Rays through raster points (x to the right, y up, in pixels), with two uniforms for the lens if it has an aperture."""
+    """Rays through raster points (x to the right, y up, in pixels).
+
+    `lens` has two uniforms for a point of the lens, used if the camera has an aperture.
+    """
     a = camera.plane_from_raster
     plane_x = a[0, 0] * x + a[0, 1] * y + a[0, 2]
     plane_y = a[1, 0] * x + a[1, 1] * y + a[1, 2]
@@ -90,7 +94,10 @@ def lens_point(aperture: Aperture, u1: np.ndarray, u2: np.ndarray) -> tuple[np.n
 def _through_lens(
     aperture: Aperture, origin: np.ndarray, direction: np.ndarray, u1: np.ndarray, u2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rays from a point of the lens to the pinhole ray's point on the plane in focus, in camera space."""
+    """Rays from a point of the lens to where the pinhole ray meets the plane in focus.
+
+    Both are in camera space.
+    """
     lens_x, lens_y = lens_point(aperture, u1, u2)
     offset = np.stack([lens_x, lens_y, np.zeros_like(lens_x)])
     focus = origin + direction * aperture.focus_distance

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays that pass through some objects as if these were not there: they meet the other objects only."""
+"""Ray casters that meet only some of the objects; rays pass through the others."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from .raycaster import Hits, Raycaster
 
 
 class PartCaster:
-    """Embree over a part of the objects; the triangles of its hits are numbered as in the whole mesh."""
+    """Embree over some of the objects.
+
+    The triangles of its hits are numbered as in the whole mesh.
+    """
 
     def __init__(self, mesh: Mesh, frame: Frame, met: np.ndarray) -> None:
         """`met` (objects,) bool: which objects rays meet."""
@@ -34,7 +37,7 @@ class PartCaster:
 
 
 class Casters:
-    """One caster for each set of objects that rays of some kind meet; those of the same set share it.
+    """One caster for each set of objects that a kind of ray meets; equal sets share one.
 
     `whole` meets every object, in the `frame` that all share. `viewpoint` (3,) is the camera's place, for the frame.
     """

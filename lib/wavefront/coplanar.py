@@ -20,7 +20,10 @@ OTHER_FACE = "other of two faces"
 
 
 class Met(NamedTuple):
-    """Faces met at distance 0: the number (k,) of the ray, the triangle (k,) and the barycentrics u, v (k,) of where it is met."""
+    """Faces met at distance 0, (k,) each.
+
+    The number of the ray, the triangle, and the barycentrics u, v of the point where it is met.
+    """
 
     ray: np.ndarray
     triangle: np.ndarray
@@ -48,7 +51,10 @@ class CoplanarFaces:
         self._mesh = mesh
 
     def met_by(self, triangle: np.ndarray, point: np.ndarray) -> Met:
-        """What rays meet that leave `point` (3, n) on `triangle` (n,), in any direction; those that leave none, -1, meet nothing."""
+        """The faces at distance 0 that rays meet which leave `point` (3, n) on `triangle` (n,).
+
+        The direction does not matter. Rays that leave no triangle (-1) meet nothing.
+        """
         start = self._start[triangle]
         count = np.where(triangle < 0, 0, self._start[triangle + 1] - start)
         ray = np.repeat(np.arange(triangle.size), count)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What camera rays meet first: the share of each pixel that shows each material, at which angles, and each object."""
+"""What camera rays meet first in each pixel.
+
+The share of each pixel that shows each material, each of its angles, and each object.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +27,11 @@ Coverage = dict[str, list[tuple[str, sparse.csr_array]]]
 
 
 def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> Coverage:
-    """Kind ('material', 'facing', 'object') -> (name, share of each pixel as a sparse (height, width) array).
+    """The shares of each pixel that show each material, band of angles and object.
 
-    'facing' splits each material into bands of the angle between shading normal and viewer. What covers fewer than `least` pixels in
+    Returns kind ('material', 'facing', 'object') -> (name, share of each pixel as a sparse (height, width) array).
+    'facing' splits each material into bands of the angle between shading normal and viewer. What covers fewer than
+    `least` pixels in
     all is left out.
     """
     camera, mesh = kernel.scene.camera, kernel.scene.mesh

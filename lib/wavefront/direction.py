@@ -9,8 +9,9 @@ from ..textures.context import WithoutSurface
 
 
 class Directions(WithoutSurface):
-    """Unit directions (3, n) out of the scene; every kind of coordinates is the direction itself.
+    """Unit directions (3, n) out of the scene, as places where the world is evaluated.
 
+    Every kind of coordinates is the direction itself.
     `flags`, () or (n,) int, are those of the rays (scene/rays.py).
     """
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emissive triangles as one light: which faces emit, how much by estimate, and what exactly at a sampled point."""
+"""Emissive triangles as one light.
+
+Which faces emit, their estimated power, and their exact emission at a sampled point.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ from ..vectors import cross, dot, orthonormal_basis, to_world
 
 
 class EmissiveMesh:
-    """Emissive faces, by their indices `triangles` (t,); a light sampler of the material's own emission at the sampled point."""
+    """A light sampler of emissive faces, given by their indices `triangles` (t,).
+
+    A sample has the material's own emission at the sampled point.
+    """
 
     delta = False
 
@@ -37,7 +43,10 @@ class EmissiveMesh:
         self.power = self._sampler.power
 
     def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edges: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        """Size of the emission at each triangle's middle, negative too, with a floor so that nothing that emits is left out."""
+        """Magnitude of the emission at each triangle's middle, also where it is negative.
+
+        A floor keeps every face that emits.
+        """
         third = np.full(triangles.size, 1.0 / 3.0)
         middle = corner + (edges[0] + edges[1]) / 3.0
         points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
@@ -74,7 +83,10 @@ class EmissiveMesh:
         return bounding_ball(mesh.vertices[:, mesh.triangles[:, self.triangles].ravel()])
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
-        """Uniform by area on a face chosen by power, by the cosine on either side of it; origins stand off the face."""
+        """Rays from faces chosen by power: uniform by area, cosine-weighted on either side.
+
+        Their origins stand off the face.
+        """
         which = self._sampler.place(*place)[0]
         turn, side = np.modf(2.0 * heading[0])
         local = cosine_hemisphere(turn, heading[1])
@@ -83,7 +95,10 @@ class EmissiveMesh:
         return self.emit_along(direction, local[2] * (0.5 / np.pi), place)
 
     def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
-        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, from faces chosen by power."""
+        """Rays of given directions (3, n), from faces chosen by power.
+
+        The directions were sampled with `density` (n,) per steradian.
+        """
         which, b1, b2, position = self._sampler.place(*place)
         triangle = np.take(self.triangles, which)
         normal = np.take(self._normal, which, axis=1)
@@ -94,5 +109,8 @@ class EmissiveMesh:
         return Emitted(origin, direction, weight, luminance(np.abs(radiance)))
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
-        """Density per steradian with which `sample` gives a direction that hit `triangle` at `distance`."""
+        """Density per steradian with which `sample` gives a direction that hits `triangle`.
+
+        `distance` is that of the hit.
+        """
         return self._sampler.pdf_of_hit(triangle, distance, cos_light)

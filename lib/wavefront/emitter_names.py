@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whose light it is: the names of the emitters of a scene, as the samplers and faces of a kernel have them."""
+"""The names of a scene's emitters, by the light samplers and faces of a kernel."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ MOST = 64
 
 @dataclass(frozen=True)
 class EmitterNames:
-    """The `names` of the emitters; by their places, whose the lights (l,), the objects (o,) and the world are, -1 where nobody's.
+    """The `names` of the emitters, and which of them each light, object and the world is.
 
+    The lights (l,), the objects (o,) and the world have the index of their name, -1 for none.
     Lamps and objects of one name, such as instances, are one emitter.
     """
 
@@ -35,9 +36,11 @@ class EmitterNames:
 def name_emitters(
     lights: Sequence[Light], mesh: Mesh, emits: np.ndarray, sampled: Sequence[np.ndarray], plan: Plan
 ) -> EmitterNames:
-    """Name the emitters of a kernel: its light objects, the world, and the objects of faces that emit, `emits` (t,) bool.
+    """Name the emitters of a kernel: its light objects, the world, and emissive objects.
 
-    `sampled` are the faces of each of its samplers, each of one emitter. Raises EtalonError where there are more than MOST.
+    `emits` (t,) bool tells which faces emit. `sampled` are the faces of each of its samplers; each sampler is of
+    one emitter.
+    Raises EtalonError where there are more than MOST.
     """
     has_world = plan.needs(Effect.CONSTANT_WORLD) or plan.needs(Effect.ENVIRONMENT_WORLD)
     objects = [mesh.objects[k].name for k in np.unique(mesh.object_index[emits])]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: light that rays meet by themselves, lights along the way, emissive faces, the sky; weighed against light sampling."""
+"""Stage: light that rays meet by themselves, weighed against light sampling.
+
+It comes from lights along the way, emissive faces and the sky.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ class Emitters:
         self._asks_world = kernel.plan.needs(Effect.ENVIRONMENT_WORLD)
 
     def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
-        """The heuristic's weight for a direction of density `pdf` that light sampling finds with P(light) light_pdf."""
+        """The heuristic's weight for directions of density `pdf`.
+
+        Light sampling finds them with the density P(light) light_pdf.
+        """
         if self._kernel.sight.alone[light]:
             return np.where(np.isinf(pdf), 1.0, 0.0)
         if self._sampling.weighs:
@@ -84,7 +90,10 @@ class Emitters:
     def _mirrored(
         self, paths: Paths, light: Meetable, k: int, caster: Raycaster | PartCaster, near: np.ndarray
     ) -> np.ndarray:
-        """Add what rays of Dirac lobes see of light `k`, hidden by its blockers only; of the rays at `near`, those from the camera."""
+        """Add what rays of Dirac lobes see of light `k`, hidden by its blockers only.
+
+        Of the rays at `near`, only those from the camera count.
+        """
         kernel, transparent = self._kernel, paths.scatter_origin is not None
         scattered = np.broadcast_to(np.greater(paths.scatterings, 0), paths.pixel.shape)[near]
         sent = near[scattered & np.isinf(paths.pdf[near])]
@@ -137,7 +146,10 @@ class Emitters:
     def faces(
         self, paths: Paths, points: SurfacePoints, distance: np.ndarray, start: int, stop: int, material: int
     ) -> None:
-        """Emissive faces: `points` are the hits from `start` to `stop` of `paths`, all of one material."""
+        """Add the light of emissive faces of one material.
+
+        `points` are the hits from `start` to `stop` of `paths`.
+        """
         kernel = self._kernel
         arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
         if paths.receiver is not None:
@@ -161,7 +173,10 @@ class Emitters:
     def _add(
         self, paths: Paths, index: Index, arriving: np.ndarray, seen: LightPass, emitter: np.ndarray | int
     ) -> None:
-        """Add what arrives (3, n) from `emitter`, () or (n,), along the paths at `index`; straight from the camera it is of the pass `seen`."""
+        """Add light (3, n) that arrives from `emitter`, () or (n,), along the paths at `index`.
+
+        Light that comes straight to the camera belongs to the pass `seen`.
+        """
         sums = self._sums
         sums.add(paths.pixel[index], arriving)
         if sums.passes is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which steps of the loop run for a scene: the flags of its stages, as the plan decides them."""
+"""Which steps of the loop run for a scene: flags of its stages, set by the plan."""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The origin and the unit of length that single precision gets: near what most objects are, and of their size."""
+"""The origin and the unit of length used in single precision.
+
+Both follow from where most objects are, and from their size.
+"""
 
 from __future__ import annotations
 
@@ -31,9 +34,12 @@ class Frame:
 
 
 def find_frame(mesh: Mesh, viewpoint: np.ndarray | None = None) -> Frame:
-    """The median of the faces as centre, and one over their usual distance from it as scale; each object counts the same.
+    """The frame whose centre is the median of the faces; each object counts the same.
 
-    The middle of the bounds lies where nothing is as soon as one face is far from all others, and the mean of all vertices as soon as a
+    The scale is one over their usual distance from it.
+
+    The middle of the bounds lies where nothing is as soon as one face is far from all others, and the mean of all
+    vertices as soon as a
     far object has more of them than the near ones. `viewpoint` (3,) is the camera's place.
     """
     corners = np.take(mesh.vertices, mesh.triangles[0], axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene made ready for tracing: acceleration structure, prepared materials, light samplers."""
+"""A scene prepared for tracing: acceleration structure, materials, light samplers."""
 
 from __future__ import annotations
 
@@ -115,19 +115,22 @@ class Kernel:
         self.one_sided = not lit_from_below and not any(m.transmits for m in self.materials)
 
     def _add_bodies(self, mesh: Mesh) -> None:
-        """Make ready the objects that light scatters inside of, and what their faces do where it leaves."""
+        """Prepare the objects that light scatters inside of, and the faces where it leaves."""
         self.bodies = Bodies(mesh, self.scene.materials)
         made, numbers = exit_materials(self.scene.materials)
         self.exit_of = numbers + len(self.materials)
         self.materials += [PreparedMaterial(m, self.images, self.options, self.plan.prunes) for m in made]
 
     def _light_objects(self) -> list[tuple[Light, LightSampler]]:
-        """The light objects with their samplers; a plan that prunes leaves out those that send out nothing."""
+        """The light objects with their samplers; a plan that prunes leaves out the black ones."""
         pairs = [(light, light_sampler(light, self.caster.radius)) for light in self.scene.lights]
         return [pair for pair in pairs if pair[1].power > 0.0 or not self.plan.prunes]
 
     def _emissive_meshes(self) -> list[tuple[Switches, EmissiveMesh]]:
-        """Samplers of the emissive faces, one for those of the same switches; faces that no scattered ray meets are in none."""
+        """Samplers of the emissive faces, one for each group of equal switches.
+
+        Faces that no scattered ray meets are in none.
+        """
         mesh, emits = self.scene.mesh, self._emits
         of_objects = [(thing.rays, thing.links, thing.name if self.apart else "") for thing in mesh.objects]
         kinds = sorted(set(of_objects), key=lambda one: (one[0], one[1].receivers, one[1].blockers, one[2]))
@@ -151,7 +154,10 @@ class Kernel:
 
     @property
     def selects(self) -> bool:
-        """Whether there is a choice of lights: the plan says so, or emissive objects were told apart."""
+        """Whether there is a choice of lights.
+
+        The plan says so, or emissive objects were separated.
+        """
         return self.plan.needs(Effect.LIGHT_SELECTION) or (self.apart and len(self.lights) > 1)
 
     @property
@@ -161,7 +167,10 @@ class Kernel:
 
     @cached_property
     def emitters(self) -> EmitterNames:
-        """The names of the emitters, of a kernel that has them `apart`; raises EtalonError where volumes emit light, or there are too many."""
+        """The names of the emitters, for a kernel made with `apart`.
+
+        Raises EtalonError where volumes emit light, or where there are too many emitters.
+        """
         if self.media is not None and self.media.emits:
             raise EtalonError(
                 "light that volumes emit is no lamp's and no object's; leave --lights out (probe: --no-lights)"
@@ -209,7 +218,10 @@ class Kernel:
         return np.take(unknown, np.take(self.material_of, triangle))
 
     def is_counted(self, triangle: np.ndarray) -> np.ndarray:
-        """Whether triangles (n,) count among the transparent ones that a ray passes: those that only bound volumes do not, (n,) bool."""
+        """Whether triangles (n,) count among the transparent ones that a ray passes, (n,) bool.
+
+        Those that only bound volumes do not.
+        """
         counted = np.array([not material.only_bounds for material in self.materials])
         return np.take(counted, np.take(self.material_of, triangle))
 

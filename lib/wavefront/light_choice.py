@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: one light for each point, and a direction towards it; and how light sampling and lobe sampling share the work."""
+"""Stage: choice of one light for each point, and of a direction towards it.
+
+It also weighs light sampling against lobe sampling.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,11 @@ class LightSampling:
 
 @dataclass(frozen=True)
 class LightChoice:
-    """A light sample for each point; its light's number, the chance of it and whether only light sampling finds it, () or (n,) each."""
+    """A light sample for each point.
+
+    `number` is its light's, `probability` the chance of that light, `alone` whether only light sampling finds it,
+    () or (n,) each.
+    """
 
     sample: LightSample
     number: np.ndarray
@@ -59,7 +66,10 @@ class LightChoice:
         return LightChoice(piece, *(a if np.ndim(a) == 0 else a[start:stop] for a in facts))
 
     def within_bounces(self, kernel: Kernel, scatterings: np.ndarray | int) -> LightChoice:
-        """The samples with no light where their light reaches no paths that have scattered so often, () or (n,)."""
+        """The samples, without light where a light's limit of bounces is below `scatterings`.
+
+        `scatterings`, () or (n,), is how often each path has scattered.
+        """
         limits = kernel.sight.max_bounces
         return self if limits is None else self.where(limits[self.number] >= scatterings)
 
@@ -71,7 +81,10 @@ class LightChoice:
 def choose_light(
     kernel: Kernel, selects: bool, position: np.ndarray, choice: np.ndarray, u1: np.ndarray, u2: np.ndarray
 ) -> LightChoice:
-    """Pick a light by power with `choice` if there is one to pick (`selects`), then a direction by (u1, u2), for each point (3, n)."""
+    """Pick a light by power for each point (3, n), then a direction towards it.
+
+    `choice` picks the light where there is more than one (`selects`); (u1, u2) give the direction.
+    """
     lights = kernel.lights
     if not selects:
         sample = lights[0].sample(position, u1, u2)
@@ -82,7 +95,10 @@ def choose_light(
 
 
 def weigh_light(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:
-    """The weight of light samples over their density, where sampling of lobes or phase functions has density `pdf` (n,)."""
+    """The weight of light samples over their density, (n,).
+
+    `pdf` (n,) is the density with which lobes or phase functions are sampled in their directions.
+    """
     density = light.sample.pdf * light.probability
     if sampling.weighs:
         factor = cutoff_power_heuristic(density, np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf)

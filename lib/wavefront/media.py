@@ -100,7 +100,10 @@ class Media:
         return medium
 
     def _encloses(self, number: int, point: np.ndarray) -> np.ndarray:
-        """Whether the volume lies about points (3, n): the face of it that a ray meets first is met from behind."""
+        """Whether the volume encloses points (3, n).
+
+        It does where a ray meets the back of a face of the volume first.
+        """
         faces = self._faces[number]
         with self._lock:
             if number not in self._probes:
@@ -111,11 +114,17 @@ class Media:
         return (hits.triangle >= 0) & (dot(normal, _PROBE) > 0.0)
 
     def beyond(self, medium: np.ndarray, points: SurfacePoints, direction: np.ndarray) -> np.ndarray:
-        """The media (n,) of rays that leave `points` along `direction` (3, n) and came to them in `medium` (n,)."""
+        """The media (n,) of rays that leave `points` along `direction` (3, n).
+
+        The paths came to the points in `medium` (n,).
+        """
         return self.crossed(medium, points, dot(points.ng, direction) < 0.0)
 
     def crossed(self, medium: np.ndarray, points: SurfacePoints, crosses: np.ndarray) -> np.ndarray:
-        """The media (n,) after the faces at `points`, of the rays in `medium` (n,) that pass them: `crosses`, (n,) bool."""
+        """The media (n,) beyond the faces at `points`, for rays that were in `medium` (n,).
+
+        `crosses`, (n,) bool, tells which rays pass their face.
+        """
         number = np.take(self._number_of, points.triangle)
         index = np.flatnonzero(crosses & (number >= 0))
         if index.size == 0:
@@ -136,9 +145,10 @@ class Media:
         return np.array(following, np.intp)[place]
 
     def transmittance(self, medium: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """What is left of light over `distance` (n,) in `medium` (n,), (3, n). Rays that go on forever do so in the air.
+        """The share of light that is left after `distance` (n,) in `medium` (n,), (3, n).
 
-        Objects are closed: a ray that meets no face any more can be in none, whatever its edges make of it in single precision.
+        Rays without end are in the air: objects are closed, so a ray that meets no further face can be in none of them,
+        whatever single precision makes of their edges.
         """
         medium = np.where(np.isinf(distance), AIR, medium)
         return transmittance(np.take(self.extinction, medium, axis=1), distance)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where rays set out that leave a vertex of a path, and what they are in then: off faces, or in the middle of a volume."""
+"""Origins of the rays that leave a vertex of a path, and the medium they start in.
+
+The vertex is on a face or in the middle of a volume.
+"""
 
 from __future__ import annotations
 
@@ -30,20 +33,29 @@ class SurfaceOrigins:
         return origin
 
     def towards(self, direction: np.ndarray) -> np.ndarray:
-        """On the side of `direction`; where no light passes through, the side that is seen: the others carry none."""
+        """Origins on the side of `direction`.
+
+        Where no light passes through, they are on the visible side: rays to the other side carry no light.
+        """
         if self._front is not None:
             return self._front
         return self._off(np.copysign(self._offset, dot(self.points.ng, direction)))
 
     def medium(self, index: np.ndarray, direction: np.ndarray) -> np.ndarray | None:
-        """What rays are in that leave the points at `index` along `direction` (3, k), where there are volumes."""
+        """The media of rays that leave the points at `index` along `direction` (3, k).
+
+        None where there are no volumes.
+        """
         media = self._kernel.media
         if media is None or self._medium is None:
             return None
         return media.beyond(self._medium[index], self.points.at(index), direction)
 
     def coplanar(self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """What `faces` in the planes of the points at `index` let through along `direction` (3, k), (3, k): see coplanar.py."""
+        """The light that `faces` in the planes of the points at `index` let through, (3, k).
+
+        The rays leave along `direction` (3, k); see coplanar.py.
+        """
         return coplanar_transmittance(self._kernel, faces, self.points.at(index), direction)
 
 

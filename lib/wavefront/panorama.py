@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panoramic cameras: from the camera plane to directions, in camera space (x right, y up, -z forward)."""
+"""Panoramic cameras: from the camera plane to directions.
+
+In camera space x is right, y up and -z forward.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +18,17 @@ Seen = np.ndarray | bool
 
 
 def panorama_directions(camera: Camera, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, Seen]:
-    """Unit directions (3, n) for points (x, y) of the camera plane, and where the camera sees; elsewhere they mean nothing."""
+    """Unit directions (3, n) for points (x, y) of the camera plane, and where it sees.
+
+    Elsewhere the directions mean nothing.
+    """
     return _DIRECTIONS[camera.kind](camera, x, y)
 
 
 def across(camera: Camera, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The two unit axes of the lens across each direction, (3, n): Cycles takes the first as near as can be to the view axis.
+    """The two unit axes of the lens across each direction, (3, n).
 
+    As in Cycles, the first is as close as possible to the view axis.
     For a mirror ball it is the axis to the right, and the second is mirrored.
     """
     is_ball = camera.kind == "MIRRORBALL"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sums over the samples of each pixel of a tile, by how often light scattered and by what sent it out."""
+"""Sums over the samples of each pixel of a tile, by number of bounces and by emitter."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from .paths import Paths
 
 
 class BounceSums:
-    """The light of one tile by the length of its paths: radiance sums (3, p) of p pixels, for each limit of bounces up to `most`.
+    """The light of one tile by the length of its paths.
 
-    A path of at most b bounces, in Cycles' count, scatters at most b + 1 times. Light of paths is the same under every limit that they
-    keep, so one render has them all.
+    It has radiance sums (3, p) of p pixels, for each limit of bounces up to `most`.
+    A path of at most b bounces, in Cycles' count, scatters at most b + 1 times. The light of a path is the same
+    under every limit that
+    the path keeps, so one render has them all.
     """
 
     def __init__(self, most: int, pixels: int) -> None:
@@ -24,7 +26,10 @@ class BounceSums:
         self._sums = np.zeros((most + 2, 3, pixels))
 
     def add(self, paths: Paths, index: np.ndarray | slice, light: np.ndarray, further: int) -> None:
-        """Add light (3, n) of the paths at `index`, which scattered `further` times beyond what the paths themselves did."""
+        """Add light (3, n) of the paths at `index`.
+
+        It scattered `further` times beyond what the paths themselves did.
+        """
         count = light.shape[1]
         scatterings = paths.scatterings
         if not isinstance(scatterings, int):
@@ -43,14 +48,20 @@ class BounceSums:
 
 
 class EmitterSums:
-    """The light of one tile by its emitter: radiance sums (3, p) of p pixels, for each of `names`."""
+    """The light of one tile by its emitter.
+
+    It has radiance sums (3, p) of p pixels, for each of `names`.
+    """
 
     def __init__(self, names: Sequence[EmitterLight], pixels: int) -> None:
         self._names = tuple(names)
         self._sums = np.zeros((len(names), 3, pixels))
 
     def add(self, pixel: np.ndarray, light: np.ndarray, emitter: np.ndarray | int) -> None:
-        """Add light (3, n) to the pixels (n,); `emitter` says whose it is, by its place among the names, () or (n,)."""
+        """Add light (3, n) to the pixels (n,).
+
+        `emitter` () or (n,) is the index of its emitter among the names.
+        """
         if np.ndim(emitter) == 0:
             for k in range(3):
                 self._sums[int(emitter), k] += np.bincount(pixel, light[k], self._sums.shape[2])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sums over the samples of each pixel of a tile, by light pass: what scattered the light first, and how often it was scattered."""
+"""Sums over the samples of each pixel of a tile, by light pass.
+
+The pass depends on what scattered the light first, and on how often it was scattered.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,10 @@ class PassSums:
         return len(self._families) > 1
 
     def add_emission(self, paths: Paths, index: Index, arriving: np.ndarray, seen: LightPass) -> None:
-        """Add light (3, n) that the paths at `index` met by themselves: to the pass `seen` where they have not scattered yet."""
+        """Add light (3, n) that the paths at `index` met by themselves.
+
+        It goes to the pass `seen` where they have not scattered yet.
+        """
         for scatterings, here in _by_scatterings(paths, index, arriving.shape[1]):
             pixel, light = paths.pixel[index][here], arriving[:, here]
             if scatterings == 0:
@@ -45,9 +51,10 @@ class PassSums:
                 self._part(names, pixel, light, self._of_first(paths, index, here))
 
     def add_direct(self, paths: Paths, index: np.ndarray, arriving: np.ndarray, shares: np.ndarray | None) -> None:
-        """Add light (3, n) that the paths at `index` scatter from lights that were sampled; `shares` (families - 1, 3, n) are its own.
+        """Add light (3, n) from sampled lights that the paths at `index` scatter.
 
-        They count at the first scattering; after it, those that `remember` was told.
+        `shares` (families - 1, 3, n) are those of this light. They count at the first scattering; later ones use
+        what `remember` stored.
         """
         for scatterings, here in _by_scatterings(paths, index, arriving.shape[1]):
             pixel, light = paths.pixel[index][here], arriving[:, here]
@@ -57,7 +64,7 @@ class PassSums:
                 self._part(self._indirect, pixel, light, self._of_first(paths, index, here))
 
     def remember(self, paths: Paths, shares: np.ndarray | None) -> None:
-        """Keep the shares (families - 1, 3, n) of scattered light, for the paths that scatter for the first time."""
+        """Store the shares (families - 1, 3, n) of light at the first scattering of each path."""
         if shares is None or self._shares is None:
             return
         for scatterings, here in _by_scatterings(paths, slice(None), paths.size):
@@ -90,7 +97,10 @@ class PassSums:
 
 
 def _by_scatterings(paths: Paths, index: Index, count: int) -> Iterator[tuple[int, Index]]:
-    """How often the paths at `index` have scattered, 0, 1 or 2 for more, and which of the `count` have."""
+    """Split paths by how often they have scattered: 0, 1, or 2 for more.
+
+    Yields this number, and which of the `count` paths at `index` have it.
+    """
     if not count:
         return
     if isinstance(paths.scatterings, int):

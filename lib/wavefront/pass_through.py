@@ -16,7 +16,11 @@ Groups = list[tuple[int, int, int]]
 
 @dataclass(frozen=True)
 class Split:
-    """`passing` paths, already on the far side; `index` of the hits that scatter, with their groups; `share` (n,) of all hits that do."""
+    """The hits, split into those that pass through and those that scatter.
+
+    `passing` paths are already on the far side. `index` are the hits that scatter, with their groups; `share` (n,)
+    of all hits that do.
+    """
 
     passing: Paths
     index: np.ndarray
@@ -35,9 +39,11 @@ def split(
     uniform: np.ndarray,
     most_bounces: int,
 ) -> Split:
-    """Decide by `uniform` which paths pass; the chance is that of the transparent lobe among all lobes.
+    """Decide by `uniform` which paths pass through.
 
-    Bounces are counted as Cycles counts them: passing is no scattering, but a path that has used up its bounces stops, and so does
+    The chance is that of the transparent lobe among all lobes.
+    Bounces are counted as Cycles counts them: passing is no scattering, but a path that has used up its bounces
+    stops, and so does
     one that is not `alive`, (n,) bool: it has passed max(transparent_max_bounces, 1) surfaces.
     """
     factor = np.zeros_like(paths.throughput)

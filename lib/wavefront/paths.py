@@ -49,7 +49,10 @@ class Paths:
         return self.pixel.shape[0]
 
     def may_scatter(self, most_bounces: int, volume_bounces: int) -> np.ndarray:
-        """Which paths (n,) have not used up their bounces: `most_bounces` of all kinds, and `volume_bounces` in volumes."""
+        """Which paths (n,) have not used up their bounces.
+
+        The limits are `most_bounces` of all kinds, and `volume_bounces` in volumes.
+        """
         may = np.less_equal(self.scatterings, most_bounces)
         return may if self.in_volumes is None else may & (self.in_volumes <= volume_bounces)
 

@@ -23,7 +23,10 @@ _FLOAT32_STEP = 2.0**-23
 
 @dataclass(frozen=True)
 class Hits:
-    """Closest hits: triangle (n,) int32 with -1 for a miss, distance (n,) with inf for a miss, Embree's barycentrics u, v (n,)."""
+    """Closest hits, (n,) each.
+
+    triangle: int32, -1 for a miss. distance: inf for a miss. u, v: Embree's barycentrics.
+    """
 
     triangle: np.ndarray
     distance: np.ndarray
@@ -43,7 +46,10 @@ class Hits:
 
 
 class Raycaster:
-    """Embree over one mesh, in a `frame` of its own unless given; `radius` is the frame's, metres."""
+    """Embree over one mesh, in a `frame` of its own unless one is given.
+
+    `radius` is the frame's, in metres.
+    """
 
     def __init__(self, mesh: Mesh, frame: Frame | None = None) -> None:
         # Embree may crash on no triangles at all: one without extent, which nothing meets, stands in for them.
@@ -83,7 +89,10 @@ class Raycaster:
         return self._scene.run(self._origins(origin), _rounded(direction), dists=far, query="OCCLUDED") >= 0
 
     def on_plane(self, triangle: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The point moved along the normal onto its triangle's plane, the geometric normal, and the safe offset (n,)."""
+        """The point moved along the normal onto the plane of its triangle.
+
+        Returns it with the geometric normal and the safe offset (n,).
+        """
         plane = np.take(self.planes, triangle, axis=1)
         ng = plane[:3]
         height = plane[3]
@@ -104,8 +113,9 @@ def _rounded(direction: np.ndarray) -> np.ndarray:
 
 
 def _planes(mesh: Mesh, center: np.ndarray, magnitude: np.ndarray) -> np.ndarray:
-    """Rows: unit geometric normal (3), plane distance from `center`, offset that float32 can resolve; (5, t).
+    """The planes of the triangles, (5, t).
 
+    Rows: unit geometric normal (3), plane distance from `center`, offset that float32 can resolve.
     `magnitude` (v,) is each vertex's largest coordinate after centring.
     """
     a, b, c = mesh.triangles

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far light goes from materials that are not known: the pixels that it reaches, and those that show it."""
+"""Which pixels unsupported materials can affect, and which pixels show them."""
 
 from __future__ import annotations
 
@@ -20,15 +20,20 @@ SAMPLES = 64
 
 
 def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
-    """The pixels (height, width) that a material which is not known sends any light to, were it a lamp and the only one.
+    """Pixels (height, width) lit if the unsupported materials were the only light sources.
 
-    Light that it reflects, or lets pass from elsewhere, goes the same ways. Lamps are sampled, so few samples find almost all.
+    Light that such a material reflects, or lets pass from elsewhere, takes the same paths. Few samples find almost
+    all such pixels,
+    since lamps are sampled.
     """
     return _lit(reference, samples, lambda closure: not isinstance(closure, Emission))
 
 
 def seen(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
-    """The pixels (height, width) that show a material which is not known: through transparent faces, mirrors and smooth glass."""
+    """The pixels (height, width) that show an unsupported material.
+
+    It may be seen through transparent faces, in mirrors or through smooth glass.
+    """
     return _lit(
         reference, samples, lambda closure: isinstance(closure, Transparent) or is_smooth(closure), volumes=False
     )
@@ -37,7 +42,10 @@ def seen(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
 def _lit(
     reference: ReferenceRenderer, samples: int, keeps: Callable[[Closure], bool], volumes: bool = True
 ) -> np.ndarray:
-    """The pixels (height, width) that unknown materials light, were they lamps, where others have the lobes that `keeps` says."""
+    """The pixels (height, width) that unsupported materials would light if they were lamps.
+
+    Other materials have only the lobes that `keeps` accepts.
+    """
     materials = fold_scene(reference.scene).materials
     lamps = replace(
         reference.scene,
@@ -51,7 +59,10 @@ def _lit(
 
 
 def _only_light(material: Material, keeps: Callable[[Closure], bool], volumes: bool) -> Material:
-    """A lamp where the material is not known; else the lobes of it that `keeps` says, and its volume where `volumes` are kept."""
+    """A lamp in place of an unsupported material, else the material with fewer lobes.
+
+    It has the lobes that `keeps` accepts, and its volume if `volumes` is set.
+    """
     if material.unknown:
         return Material(material.name, (WeightedClosure(Emission()),))
     kept = tuple(x for x in material.lobes if keeps(x.closure))

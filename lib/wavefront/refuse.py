@@ -17,7 +17,10 @@ from ..scene.scene import Scene
 
 
 def refuse_linked_faces(scene: Scene) -> None:
-    """Raise Refused where a mirror or smooth glass may show emitting faces behind objects that do not hide them."""
+    """Raise Refused where mirrors or smooth glass may show linked emitting faces wrongly.
+
+    The faces would be behind objects that do not hide them.
+    """
     facts = Facts(scene)
     if not facts.smooth:
         return
@@ -28,7 +31,10 @@ def refuse_linked_faces(scene: Scene) -> None:
 
 
 def refuse_volumes(scene: Scene) -> None:
-    """Raise Refused where faces do not say what is in their volume, or where some rays would not know that they enter it."""
+    """Raise Refused where faces do not say what is in their volume.
+
+    Also where some rays would not know that they enter it.
+    """
     facts = Facts(scene)
     if not facts.volumes:
         return
@@ -77,7 +83,10 @@ def _of_bounds(scene: Scene) -> Iterator[Refusal]:
 
 
 def _of_bodies(scene: Scene) -> Iterator[Refusal]:
-    """Objects below whose faces light may get from one volume into another: walks do not say which they pass."""
+    """Objects below whose faces light may get from one volume into another.
+
+    Walks do not say which volumes they pass.
+    """
     mesh = scene.mesh
     filled = [m.volume is not None and not m.volume.is_empty for m in scene.materials]
     enters = [any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in scene.materials]

@@ -56,8 +56,9 @@ _Done = tuple[Tile, PixelSums, StageClock, int]
 
 
 class ReferenceRenderer:
-    """The scene by the book. One object renders any number of replicates; each has its own scrambling.
+    """Renders a scene by the reference model.
 
+    One object renders any number of replicates; each has a scrambling of its own.
     `passes` are the light passes and other parts that its images come with; without any, nothing is done for them.
     """
 
@@ -81,7 +82,10 @@ class ReferenceRenderer:
         return ReferenceRenderer(self.scene, options, self.plan, self.kernel, self.passes)
 
     def at_size(self, width: int, height: int) -> ReferenceRenderer:
-        """The same scene on a raster that sees the same with fewer pixels; `width` and `height` divide its own."""
+        """The same scene and view, on a raster of fewer pixels.
+
+        `width` and `height` divide its own.
+        """
         scene = replace(self.scene, camera=smaller_camera(self.scene.camera, width, height))
         return ReferenceRenderer(scene, self.options, self.plan, self.kernel, self.passes)
 
@@ -109,7 +113,10 @@ class ReferenceRenderer:
         progress: Progress = NO_PROGRESS,
         windows: Windows | None = None,
     ) -> Rendering:
-        """One independent replicate of `samples` samples per pixel, or of the pixels in `windows`; raises Cancelled when asked to stop."""
+        """One independent replicate of `samples` samples per pixel.
+
+        With `windows`, only their pixels are rendered. Raises Cancelled when asked to stop.
+        """
         begin = perf_counter()
         camera = self.scene.camera
         shape = (camera.height, camera.width)
@@ -146,7 +153,10 @@ class ReferenceRenderer:
         return Rendering(radiance, nonfinite, seconds, stages, index.size * samples, rays, windows, unknown, passes)
 
     def _in_threads(self, run: Callable[[Tile], _Done], work: Sequence[Tile], progress: Progress) -> Iterator[_Done]:
-        """What `run` gives for each tile, as soon as it is there; raises Cancelled when asked to stop."""
+        """The result of `run` for each tile, as soon as it is ready.
+
+        Raises Cancelled when asked to stop.
+        """
         with ThreadPoolExecutor(self.options.threads) as pool:
             pending: set[Future] = set()
             queue, done = iter(work), 0
@@ -173,7 +183,10 @@ class ReferenceRenderer:
         return Tracer(self.kernel, uniforms, sums, clock)
 
     def _tile_paths(self, paths: int) -> int:
-        """Paths in a tile: as the options say, but small images still give every thread several tiles."""
+        """Paths in a tile: as in the options, or fewer.
+
+        Small images still give every thread several tiles.
+        """
         return min(self.options.tile_paths, max(paths // (4 * self.options.threads), SMALLEST_TILE))
 
     def _run(

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: shading of the hits of one material, direct light by light sampling and the next direction by BSDF sampling."""
+"""Stage: shading of the hits of one material.
+
+Direct light by light sampling, and the next direction by BSDF sampling.
+"""
 
 from __future__ import annotations
 
@@ -130,7 +133,10 @@ def _direct(
     light: LightChoice,
     split: Split | None,
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """One light's contribution by light sampling, weighed against BSDF sampling; (3, n), and the families' shares of it."""
+    """The contribution (3, n) of one light by light sampling, weighed against BSDF sampling.
+
+    Also the shares that the families of lobes have in it.
+    """
     sample, sight = light.sample, kernel.sight
     toward = to_local(sample.wi, *frame, points.n)
     if isinstance(mixture, ClassedMixture):

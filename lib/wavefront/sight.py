@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who sees whom: which rays meet which objects, lights and worlds, by one mask for each of them.
+"""Visibility by kind of ray: which rays meet which objects, lights and worlds.
 
-Kinds of rays that see the same things make one class; class 0 is the camera's rays. Where rays need not be told apart, there is nothing
-to ask. Light samples ask shadow rays, and directions that lobes choose are answered by the ray itself. Where the two would
-meet different faces, or where a light does not shine as far as rays reach, direct light is what light sampling finds: such a light is
+Each of these has a mask of the rays that see it.
+Kinds of rays that see the same things make one class; class 0 is the camera's rays. Where no kind of ray differs
+from another,
+there are no classes. Light samples are tested by shadow rays, directions that lobes choose by the ray itself. Where
+the two would
+meet different faces, or where a light does not shine as far as rays reach, only light sampling finds direct light:
+such a light is
 `alone`, as one without size is.
 """
 
@@ -51,7 +55,11 @@ class Sight:
     def __init__(
         self, scene: Scene, plan: Plan, casters: Casters, lights: Sequence[tuple[Switches, bool]], delta: np.ndarray
     ) -> None:
-        """`lights`: the switches of each sampler, and whether it is made of faces; `delta` (lights,) bool: which have no size."""
+        """Make the masks of the scene's lights, objects and world.
+
+        `lights`: the switches of each sampler, and whether it is made of faces. `delta` (lights,) bool: which
+        lights have no size.
+        """
         hides, told = plan.needs(Effect.HIDDEN_OBJECTS), plan.needs(Effect.RAY_KINDS)
         self.camera = casters.for_bits(CAMERA) if hides else casters.whole
         self.shadow = casters.for_bits(SHADOW) if hides else casters.whole
@@ -117,11 +125,14 @@ class Sight:
 
     @property
     def splits(self) -> bool:
-        """Whether what lobes scatter is of several classes, so that they cannot stand in for each other."""
+        """Whether scattered rays are of several classes, which cannot stand in for each other."""
         return self.class_of is not None and self.class_of.max() > 1
 
     def flags_of(self, paths: Paths, index: np.ndarray | None = None) -> np.ndarray | int:
-        """The flags of rays, (n,) int, or 0 where no shader asks for them; `index` of some of them."""
+        """The flags of rays, (n,) int, or 0 where no shader asks for them.
+
+        With `index`, those of some of the rays.
+        """
         if not self.reads_flags or paths.ray_class is None:
             return 0
         kind, pdf = (x if index is None else x[index] for x in (paths.ray_class, paths.pdf))

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: subsurface scattering; at each hit a path scatters on the surface, or walks below it to where it leaves the object.
+"""Stage: subsurface scattering.
 
-Where a walk leaves, light is sampled and scattered as by a white diffuse surface, whatever material the face has: Cycles' model.
+At each hit a path scatters on the surface, or walks below it to where it leaves the object.
+Where a walk leaves, light is sampled and scattered as by a white diffuse surface, whatever material the face has:
+Cycles' model.
 Walk and exit together are one scattering of the path.
 """
 
@@ -53,7 +55,10 @@ def walk_below(
     groups: Groups,
     step: int,
 ) -> Below | None:
-    """Choose by what comes out which paths enter, and follow these until they leave; None where none can enter."""
+    """Choose which paths enter, and follow these until they leave.
+
+    The chance follows from what comes out. None where no path can enter.
+    """
     if not any(kernel.materials[material].enters for material, _, _ in groups):
         return None
 
@@ -94,7 +99,10 @@ def _enter(
     u1: np.ndarray,
     u2: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, list[_Started]]:
-    """Which points of one material light enters, (n,) bool, the chance that it does not, (n,), and the walks that begin."""
+    """Which points of one material light enters, (n,) bool.
+
+    Also the chance that it does not, (n,), and the walks that begin.
+    """
     prepared = kernel.materials[material]
     t, s = orthonormal_basis(points.n)
     entries, reflected, site = prepared.entries(points, to_local(points.wo, t, s, points.n), t, s)

@@ -15,9 +15,11 @@ from .pass_sums import PassSums
 
 
 class PixelSums:
-    """Radiance sums (3, p) and counts of non-finite contributions (p,); a pixel that met one is NaN, never averaged away.
+    """Radiance sums (3, p) and counts of non-finite contributions (p,).
 
-    `unknown` (p,) counts how often paths met a material that is not known. `passes`, `bounces` and `emitters` have the same light in
+    A pixel that had a non-finite contribution is NaN; it is never averaged away.
+    `unknown` (p,) counts how often paths met an unsupported material. `passes`, `bounces` and `emitters` have the
+    same light in
     parts, where these are asked for.
     """
 
@@ -46,7 +48,10 @@ class PixelSums:
         self.unknown += np.bincount(pixel, minlength=self.unknown.shape[0])
 
     def part_radiance(self, part: Part) -> np.ndarray:
-        """The radiance sums (3, p) of one part of the image; NaN where a contribution was not finite."""
+        """The radiance sums (3, p) of one part of the image.
+
+        NaN where a contribution was not finite.
+        """
         if isinstance(part, BounceLimit) and self.bounces is not None:
             radiance = self.bounces.radiance(part)
         elif isinstance(part, EmitterLight) and self.emitters is not None:

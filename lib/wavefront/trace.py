@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The loop: camera rays, then intersect, collect emission, shade, shadow rays, until no path is left."""
+"""The loop over the stages, until no path is left.
+
+Camera rays come first; then intersect, collect emission, shade and trace shadow rays, again and again.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +55,10 @@ class Tracer:
         return self._rays + self._direct.rays
 
     def trace(self, column: np.ndarray, row: np.ndarray, pixel: np.ndarray, sample: np.ndarray) -> None:
-        """Follow one path for each (pixel, sample); column and row (p,) locate the tile's pixels in the image."""
+        """Follow one path for each (pixel, sample).
+
+        `column` and `row` (p,) are where the tile's pixels are in the image.
+        """
         paths, reach = self._from_camera(column, row, pixel, sample)
         step = 0
         while paths.size:
@@ -104,7 +110,10 @@ class Tracer:
         return self._kernel.caster.occluded(paths.origin, paths.direction, np.full(paths.size, np.inf))
 
     def _with_camera_hits(self, paths: Paths, hits: Hits) -> Hits:
-        """The hits, where camera rays that passed transparent faces still do not meet what hides from them."""
+        """The hits, with those of camera rays that passed transparent faces replaced.
+
+        Such rays still do not meet objects that are hidden from the camera.
+        """
         index = np.flatnonzero(paths.scatterings == 0)
         origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
         return hits.replaced(index, self._kernel.sight.camera.closest(origin, direction))
@@ -168,14 +177,20 @@ class Tracer:
         return self._next(paths, points, distance, offset, groups, step)
 
     def _count_unknown(self, paths: Paths, start: int, stop: int) -> None:
-        """Count the paths that end in a material that is not known; of a passive one, those that come straight from the camera."""
+        """Count the paths that end in an unsupported material.
+
+        Where the kernel is passive, only those that come straight from the camera count.
+        """
         pixel = paths.pixel[start:stop]
         if self._kernel.is_passive:
             pixel = pixel[np.broadcast_to(paths.scatterings, paths.pixel.shape)[start:stop] == 0]
         self._sums.add_unknown(pixel)
 
     def _by_material(self, hits: Hits) -> tuple[np.ndarray, Groups]:
-        """Indices of the hits, sorted by material, and each material's (index, start, stop) in that order."""
+        """Indices of the hits, sorted by material.
+
+        Also each material's (index, start, stop) in that order.
+        """
         if not self._flow.several_materials:
             order = np.flatnonzero(hits.triangle >= 0)
             return order, [(int(self._kernel.material_of[0]), 0, order.size)] if order.size else []
@@ -215,7 +230,10 @@ class Tracer:
     def _shade_or_walk(
         self, paths: Paths, points: SurfacePoints, offset: np.ndarray, groups: Groups, step: int
     ) -> Paths:
-        """Scatter at the hits, or walk below them and scatter where the walks leave; the paths that go on."""
+        """Scatter at the hits, or walk below them and scatter where the walks leave.
+
+        Returns the paths that go on.
+        """
         below = walk_below(self._kernel, self._uniforms, paths, points, groups, step) if self._flow.subsurface else None
         if below is None:
             return self._shade(paths, points, offset, groups, step)
@@ -274,7 +292,10 @@ class Tracer:
         return shaded
 
     def _take_color(self, throughput: np.ndarray, wavelength: np.ndarray, awaits: np.ndarray, groups: Groups) -> None:
-        """Give paths the colour of their wavelength where they first meet a material whose index depends on it."""
+        """Give paths the colour of their wavelength at their first dispersive material.
+
+        That is one whose index depends on the wavelength.
+        """
         for material, start, stop in groups:
             if self._kernel.materials[material].disperses:
                 index = start + np.flatnonzero(awaits[start:stop])
@@ -282,7 +303,10 @@ class Tracer:
                 awaits[index] = False
 
     def _advance(self, paths: Paths, origins: SurfaceOrigins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
-        """The paths whose throughput is not zero and that the uniforms `fate` spare, set out along wi."""
+        """The paths that go on along wi: their throughput is not zero and roulette spares them.
+
+        `fate` are the uniforms of Russian roulette.
+        """
         wi, weight, pdf = shaded.onward
         throughput = weight * paths.throughput
         going = throughput.any(axis=0)
@@ -326,7 +350,10 @@ class Tracer:
 
 
 def _with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
-    """The hits, where rays meet the other of two faces in one plane that have different materials."""
+    """The hits, where rays meet the other one of two faces in one plane.
+
+    The two have different materials.
+    """
     index = np.flatnonzero(hits.triangle >= 0)
     distance = hits.distance[index]
     point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
@@ -336,13 +363,16 @@ def _with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
 
 
 def _with_coplanar_hits(faces: CoplanarFaces, left: np.ndarray, origin: np.ndarray, hits: Hits) -> Hits:
-    """The hits, where rays that leave the triangles `left` (n,) meet others in the plane of these at distance 0."""
+    """The hits, with those at distance 0 for rays that leave the triangles `left` (n,).
+
+    Such rays meet other triangles in the plane of the one that they leave.
+    """
     met = faces.met_by(left, origin).first()
     there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
     return hits.replaced(met.ray, there)
 
 
 def _no_hits(hidden: np.ndarray) -> Hits:
-    """Hits of rays of which it is known only whether they leave the scene: those `hidden` (n,) do not."""
+    """Hits of rays of which only `hidden` (n,) is known: whether they do not leave the scene."""
     nowhere = np.zeros(hidden.size, np.float32)
     return Hits(np.where(hidden, np.int32(0), np.int32(-1)), np.where(hidden, 0.0, np.inf), nowhere, nowhere)

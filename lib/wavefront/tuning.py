@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of the whole process that make tiles quick: the C library's allocator, and how Python's threads take turns.
+"""Settings of the whole process that make tiles fast.
 
-They are for processes of Étalon's own: the command `etalon`, also within `blender --command`, the second Blender, the children of a
-batch. Each asks for them by `tune_process` when it starts. Nobody else does: in the Blender that a user works in, and in a
+They concern the allocator of the C library, and how Python's threads take turns.
+They are for processes of Étalon's own: the command `etalon`, also within `blender --command`, the second Blender,
+the children of a
+batch. Each calls `tune_process` when it starts. Nobody else does: in the Blender that a user works in, and in a
 script that imports the package, both stay as they are.
 """
 
@@ -32,11 +34,15 @@ class _State:
 
 
 def tune_process() -> None:
-    """Set this process up for tracing tiles; call it once, at the start of a process that does nothing else.
+    """Set this process up for tracing tiles.
 
-    Threads hand the interpreter on after `SWITCH_INTERVAL`. glibc keeps a tile's arrays when they are freed, and gives an image's
-    back: by itself it returns arrays of some 100 kB to the system at every free and has their pages faulted in again at the next use,
-    which costs kernels up to a factor of two; or, once it has seen large ones freed, keeps those too. Elsewhere the heap stays as it is.
+    Call it once, at the start of a process that does nothing else.
+    Threads hand the interpreter on after `SWITCH_INTERVAL`. glibc keeps a tile's arrays when they are freed, and
+    gives an image's
+    back: by itself it returns arrays of some 100 kB to the system at every free and has their pages faulted in
+    again at the next use,
+    which costs kernels up to a factor of two; or, once it has seen large ones freed, keeps those too. Elsewhere the
+    heap stays as it is.
     """
     sys.setswitchinterval(SWITCH_INTERVAL)
     mallopt = _glibc("mallopt")
@@ -48,7 +54,10 @@ def tune_process() -> None:
 
 
 def give_back_memory() -> None:
-    """Return what glibc kept of the tiles' arrays in a tuned process, 100 MB a thread, before another program's part begins."""
+    """Return to the system what glibc kept of the tiles' arrays in a tuned process.
+
+    This is about 100 MB a thread. Call it before another program's part begins.
+    """
     trim = _glibc("malloc_trim") if _State.tuned else None
     if trim is not None:
         trim(0)

@@ -23,12 +23,15 @@ def transmittance(
     caster: Raycaster | PartCaster | None = None,
     medium: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What part of the light arrives over distance `reach`, (1, n) or (3, n), and which rays a material that is not known ends, (k,).
+    """The share of light that arrives over distance `reach`, (1, n) or (3, n).
 
+    Also the rays (k,) that an unsupported material ends.
     Opaque scenes need one occlusion query. Where materials are `transparent` the ray goes on through them, at most
-    `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the light, meet only what the
-    camera sees, and pass faces as the camera sees them. `caster` meets what hides the light, where that is not what shadow rays meet.
-    `medium` (n,) is what they begin in, where there are volumes.
+    `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the
+    light, meet only
+    what the camera sees, and pass faces as the camera sees them. `caster` meets what hides the light, where that is
+    not what shadow
+    rays meet. `medium` (n,) is what the rays begin in, where there are volumes.
     """
     if caster is None:
         caster = kernel.sight.camera if to_camera else kernel.sight.shadow
@@ -78,7 +81,10 @@ def transmittance_to(
     reach: np.ndarray,
     medium: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `transmittance`, towards the lights `number` (n,), each of which is hidden by the objects linked to its shadows."""
+    """As `transmittance`, towards the lights `number` (n,).
+
+    Each light is hidden by the objects linked to its shadows.
+    """
     sight = kernel.sight
     through, unknown = np.zeros((3 if transparent else 1, reach.size)), []
     group = np.take(sight.shadow_of, number)
@@ -95,7 +101,10 @@ def transmittance_to(
 def coplanar_transmittance(
     kernel: Kernel, coplanar: CoplanarFaces, points: SurfacePoints, direction: np.ndarray
 ) -> np.ndarray:
-    """What faces in the plane of the one that shadow rays leave let through, (3, n): a departure's, see coplanar.py."""
+    """The light that faces in the plane of a shadow ray's origin let through, (3, n).
+
+    It is part of a departure, see coplanar.py.
+    """
     through = np.ones_like(direction)
     met = coplanar.met_by(points.triangle, points.position)
     if met.ray.size == 0:

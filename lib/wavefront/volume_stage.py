@@ -51,7 +51,11 @@ class VolumeStage:
         self._pivots = Pivots(kernel) if sampling.runs and flow.volumes_scatter else None
 
     def pass_through(self, paths: Paths, medium: np.ndarray, hits: Hits, step: int) -> tuple[Paths, Hits, Paths | None]:
-        """The paths in `medium` (n,) that reach the next face, with what is left of their light; their hits; the paths that scatter before."""
+        """Follow the paths in `medium` (n,) to the next face.
+
+        Returns the paths that reach it, with what is left of their light; their hits; the paths that scatter before
+        it.
+        """
         self._emitters.volumes(self._media, medium, paths, hits)
         factor = self._media.transmittance(medium, hits.distance)
         scattered = None
@@ -92,7 +96,10 @@ class VolumeStage:
         self._direct.add(paths, VolumeOrigins(position, segment.medium), light, direct, self._shares(paths.size))
 
     def _shares(self, size: int) -> np.ndarray | None:
-        """What families of lobes have of light that volumes scatter: nothing, so that all is left to the last family, the volumes'."""
+        """The shares of the families of lobes in light that volumes scatter: all zero.
+
+        This leaves all of it to the last family, the volumes'.
+        """
         passes = self._sums.passes
         return np.zeros((len(self._kernel.families) - 1, 3, size)) if passes is not None and passes.parts else None
 

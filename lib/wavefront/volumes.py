@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: volumes that scatter; where paths scatter along a segment, from where light is sampled, and phase functions.
+"""Stage: volumes that scatter.
 
-Coefficients are coloured. A channel is chosen, and what it gives is weighed by the density of all channels together (the balance heuristic;
-Veach 1997, section 9.2.2). Light is sampled from a place of its own on the segment: at a distance that follows what scatters, or at
-an angle of which light it is seen (equiangular.py), again by the density of both together. Whether light sampling or the phase function
-finds light is a question of directions alone, as at surfaces.
+Where paths scatter along a segment, from where light is sampled, and phase functions.
+
+Coefficients are coloured. A channel is chosen, and what it gives is weighed by the density of all channels together
+(the balance
+heuristic; Veach 1997, section 9.2.2). Light is sampled from a place of its own on the segment: at a distance that
+follows what
+scatters, or at an angle as seen from the light (equiangular.py), again by the density of both together. Light
+sampling and the
+phase function are weighed against each other by directions alone, as at surfaces.
 """
 
 from __future__ import annotations
@@ -26,9 +31,11 @@ from .raycaster import Hits
 
 @dataclass(frozen=True)
 class Segment:
-    """The parts of paths up to the next face, where they may scatter: `index` (n,) among all paths.
+    """The parts of paths up to the next face, where they may scatter.
 
-    origin, direction (3, n); length (n,), infinite where no face follows; medium (n,); extinction and scattering (3, n), 1/m;
+    `index` (n,) is their place among all paths.
+    origin, direction (3, n); length (n,), infinite where no face follows; medium (n,); extinction and scattering
+    (3, n), 1/m;
     throughput (3, n), at the origin.
     """
 
@@ -47,7 +54,10 @@ class Segment:
 
 
 def find_segments(media: Media, paths: Paths, hits: Hits, limits: tuple[int, int]) -> Segment:
-    """The segments of those paths that may scatter before they meet the next face; `limits` of bounces as in `Paths.may_scatter`."""
+    """The segments of those paths that may scatter before they meet the next face.
+
+    `limits` are those of bounces, as in `Paths.may_scatter`.
+    """
     medium = np.where(hits.triangle < 0, AIR, paths.medium)
     turbid = media.scattering.any(axis=(0, 1))
     index = np.flatnonzero(np.take(turbid, medium) & paths.may_scatter(*limits))
@@ -68,7 +78,10 @@ def _shares(color: np.ndarray) -> np.ndarray:
 
 
 def _pick(shares: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Index (n,) among `shares` (k, n), which sum to 1, by uniforms (n,); one without a share is never chosen."""
+    """Index (n,) among `shares` (k, n), which sum to 1, by uniforms (n,).
+
+    An entry without a share is never chosen.
+    """
     bounds = np.cumsum(shares, axis=0)
     return (u * bounds[-1] >= bounds[:-1]).sum(axis=0)
 
@@ -79,9 +92,10 @@ def _at(values: np.ndarray, channel: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Flight:
-    """Which paths scatter (n,) bool, after what distance (n,), and what their throughput is multiplied by (3, n).
+    """Which paths scatter (n,) bool, and after what distance (n,).
 
-    Of those that scatter, what they scatter (1/m) is still to be multiplied.
+    `weight` (3, n) multiplies their throughput. For those that scatter, the scattering coefficient (1/m) is still
+    to be multiplied.
     """
 
     scatters: np.ndarray
@@ -90,9 +104,11 @@ class Flight:
 
 
 def fly(segment: Segment, u1: np.ndarray, u2: np.ndarray) -> Flight:
-    """Have paths scatter along their segments or reach their ends, by uniforms for the channel and for the distance.
+    """Have paths scatter along their segments or reach the ends.
 
-    A channel scatters with the chance of its albedo times what it extinguishes on the way, so that no path is absorbed by chance.
+    The uniforms are for the channel and for the distance.
+    A channel scatters with the chance of its albedo times what it extinguishes on the way, so that no path is
+    absorbed by chance.
     """
     shares, tau = _shares(segment.throughput), depth(segment.extinction, segment.length)
     dense = segment.extinction > 0.0
@@ -121,7 +137,10 @@ class Pivots:
     def place(
         self, segment: Segment, number: np.ndarray, u1: np.ndarray, u2: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n,) at which to sample the lights `number` (n,), and what is left of their light over the density there, (3, n)."""
+        """Distances (n,) at which to sample the lights `number` (n,).
+
+        Also what is left of their light over the density there, (3, n).
+        """
         turbid = segment.scattering > 0.0
         scattered = np.where(turbid, segment.scattering, 0.0) * np.where(
             turbid, attenuated_length(np.where(turbid, segment.extinction, 1.0), segment.length), 0.0
@@ -146,7 +165,10 @@ class Pivots:
 
 
 class Phases:
-    """The phase functions of the `medium` (n,) about light that flies along `direction` (3, n), each picked by what it scatters."""
+    """The phase functions of the `medium` (n,), each picked by what it scatters.
+
+    The light flies along `direction` (3, n).
+    """
 
     def __init__(self, media: Media, medium: np.ndarray, direction: np.ndarray, throughput: np.ndarray) -> None:
         self._anisotropies, self._direction = media.anisotropies, direction
@@ -156,7 +178,10 @@ class Phases:
         self._shares = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(weight))
 
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What is scattered towards `wi` (3, n), in 1/m per steradian, (3, n), and the density of `sample` there, (n,)."""
+        """The light scattered towards `wi` (3, n), in 1/m per steradian, (3, n).
+
+        Also the density of `sample` there, (n,).
+        """
         cosine = dot(self._direction, wi)
         value, density = np.zeros(wi.shape), np.zeros(cosine.shape)
         for k, g in enumerate(self._anisotropies):
@@ -166,7 +191,10 @@ class Phases:
         return value, density
 
     def sample(self, u: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Directions (3, n) by a uniform that picks a phase function and two for it; `evaluate` over the density (3, n), and the density."""
+        """Sample directions (3, n): one uniform picks a phase function, two give the direction.
+
+        Returns them, `evaluate` over the density (3, n), and the density.
+        """
         g = np.take(np.array(self._anisotropies), _pick(self._shares, u))
         wi = henyey_greenstein.sample(self._direction, g, u1, u2)
         value, density = self.evaluate(wi)
@@ -174,6 +202,9 @@ class Phases:
 
 
 def scatter_light(sampling: LightSampling, phases: Phases, light: LightChoice) -> np.ndarray:
-    """What of sampled light is scattered back along the rays, weighed against the phase functions' own samples; (3, n)."""
+    """Sampled light that is scattered back along the rays, (3, n).
+
+    It is weighed against the phase functions' own samples.
+    """
     value, density = phases.evaluate(light.sample.wi)
     return value * weigh_light(sampling, light, density) * light.sample.radiance
