@@ -6,10 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..lib.batch.comparison import Limits, run_comparison
+from ..lib.batch.process import start_comparison
 from ..lib.errors import Cancelled, EtalonError, Refused
 from ..lib.files.ownership import temporary_folder
 from ..lib.plain_text import folder_name
@@ -74,7 +76,7 @@ def _against_reference(
     """Run `etalon compare` in a Blender; what came of it."""
     report = folder / folder_name(blender.label)
     words = ["compare", *write_changes(target, settings), f"--out={report.absolute()}", "--quiet"]
-    status, code, message = run_comparison(blender.request({"words": words}), report, limits)
+    status, code, message = run_comparison(partial(start_comparison, blender.request({"words": words})), report, limits)
     return version_figures(blender.label, report, out, status, code, message)
 
 

@@ -11,6 +11,7 @@ import importlib
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 
 from ...lib.errors import EtalonError, Refused
 from ...lib.exit_codes import ExitCode
@@ -20,7 +21,7 @@ from ...lib.settings.common import Target
 from ...lib.version import VERSION
 from ...lib.wavefront.tuning import tune_process
 from ..host.libraries import explain_import
-from ..host.own_process import gather_temporary_files, watch_leash
+from ..host.own_process import gather_temporary_files, is_ahead, receive_words, watch_leash
 from .arguments import check_words, make_parser, read_arguments, read_words
 from .scene_choice import require_scene
 from .streams import dependable_streams
@@ -52,12 +53,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     Every error that a user can cause is one line on standard error.
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    if is_ahead():
+        words += _load_ahead(words[0])
     with dependable_streams() as output:
         code = _main(words)
         output.flush()
         if output.error is not None and not isinstance(output.error, BrokenPipeError):
             return _fail(f"standard output cannot be written ({output.error.strerror}); make room or write elsewhere")
         return code
+
+
+def _load_ahead(name: str) -> list[str]:
+    """Load Blender and a command, and wait for the rest of its words; what fails here fails again, and is told, when it runs."""
+    from ..host.blender import load_blender
+
+    with suppress(EtalonError, ImportError, OSError):
+        gather_temporary_files()
+        load_blender()
+        importlib.import_module(f".{name}", __package__)
+    return receive_words()
 
 
 def _fail(message: str) -> int:

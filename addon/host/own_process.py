@@ -7,13 +7,14 @@ Such a process ends with the process that started it, and removes its temporary 
 from __future__ import annotations
 
 import atexit
+import json
 import os
 import sys
 import tempfile
 import threading
 from contextlib import ExitStack
 
-from ...lib.batch.process import LEASH
+from ...lib.batch.process import AHEAD, LEASH
 from ...lib.exit_codes import ExitCode
 from ...lib.files.ownership import temporary_folder
 
@@ -34,6 +35,23 @@ def watch_leash() -> None:
         os._exit(ExitCode.INTERRUPTED)
 
     threading.Thread(target=watch, name="leash", daemon=True).start()
+
+
+def is_ahead() -> bool:
+    """Whether the process that started this one tells it the rest of its words later."""
+    return os.environ.get(LEASH) == AHEAD
+
+
+def receive_words() -> list[str]:
+    """Words that come as one line of JSON on standard input; ends this process where there are none any more."""
+    line = b""
+    while not line.endswith(b"\n"):
+        # One byte at a time: what comes later is for `watch_leash`.
+        byte = os.read(0, 1)
+        if not byte:
+            leave()
+        line += byte
+    return json.loads(line)
 
 
 def gather_temporary_files() -> None:

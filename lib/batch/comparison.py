@@ -17,7 +17,7 @@ from ..memory import resident_memory
 from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
-from .process import end, start
+from .process import end
 
 VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
 _OURS = "etalon: "
@@ -43,14 +43,16 @@ class Limits:
 NO_LIMITS = Limits()
 
 
-def run_comparison(command: list[str], folder: Path, limits: Limits = NO_LIMITS) -> tuple[str, int, str]:
-    """Run an `etalon compare` that writes to `folder`, in a process of its own.
+def run_comparison(
+    begin: Callable[[], subprocess.Popen[str]], folder: Path, limits: Limits = NO_LIMITS
+) -> tuple[str, int, str]:
+    """Run an `etalon compare` that writes to `folder`, in the process that `begin` starts.
 
     Returns its status, FINISHED, REFUSED, FAILED or ENDED from outside, its exit code, and the reason where it is not finished. One that
     crashed is run once more.
     """
     for _ in range(2):
-        code, words, is_over = _run(command, folder, limits)
+        code, words, is_over = _run(begin, folder, limits)
         if is_over:
             return (ENDED if limits.is_ending() else FAILED), code, words
         status, message = _judge(code, words, folder / "verdict.json")
@@ -78,13 +80,9 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
     return FINISHED, ""
 
 
-def _run(command: list[str], folder: Path, limits: Limits) -> tuple[int, str, bool]:
-    """Run `command`, which writes to `folder`.
-
-    Returns its exit code, its reason, and whether a limit ended it.
-    """
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
-    process = start(command, leash=True, **pipes)
+def _run(begin: Callable[[], subprocess.Popen[str]], folder: Path, limits: Limits) -> tuple[int, str, bool]:
+    """Run what writes to `folder`; return its exit code, its reason, and whether a limit ended it."""
+    process = begin()
     try:
         errors, over = _wait(process, limits)
     except BaseException:

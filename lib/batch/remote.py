@@ -10,7 +10,7 @@ import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 from ..cluster.client import Cluster
@@ -21,7 +21,7 @@ from ..files.atomic import replace_files
 from ..version import VERSION
 from .asked import ask_plan
 from .comparison import ENDED, FAILED, REFUSED, Limits, run_comparison
-from .process import etalon_command
+from .process import etalon_command, start_comparison
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,9 @@ def run_on_worker(
     with tempfile.TemporaryDirectory(dir=folder()) as made:
         out = Path(made) / "out"
         command = [*etalon_command(), name, str(places.get(scene, scene)), *rest, *_threads(words), f"--out={out}"]
-        status, code, message = run_comparison(command, out, Limits(seconds, memory, watch_task()))
+        status, code, message = run_comparison(
+            partial(start_comparison, command), out, Limits(seconds, memory, watch_task())
+        )
         report = {path.name: path.read_bytes() for path in out.glob("*") if path.is_file()}
     return Done(status, code, message, report)
 

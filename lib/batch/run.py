@@ -11,13 +11,16 @@ import re
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from ..files.atomic import UNFINISHED, clear_unfinished
 from ..pages.formats import format_duration
 from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
+from .ahead import Ahead, Begin, Command
 from .comparison import FINISHED, Limits, run_comparison
 from .journal import Entry
 from .plan import BatchPlan, Unit
@@ -95,8 +98,12 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
     begin, stop = time.monotonic(), threading.Event()
     # A scheduler has a queue of its own, and workers may come later.
     jobs = batch.how.jobs if batch.how.cluster is None else _AT_ONCE
-    with ThreadPoolExecutor(max_workers=jobs) as pool:
-        waiting = [pool.submit(_run_unit, batch, key, stop, progress) for key in missing]
+    ahead = Ahead("compare", [_command(batch, key) for key in missing], jobs)
+    with closing(ahead), ThreadPoolExecutor(max_workers=jobs) as pool:
+        waiting = [
+            pool.submit(_run_unit, batch, key, partial(ahead.begin, number), stop, progress)
+            for number, key in enumerate(missing)
+        ]
         try:
             for number, future in enumerate(as_completed(waiting), 1):
                 entry = future.result()
@@ -117,23 +124,27 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
             raise
 
 
-def _run_unit(batch: Batch, key: str, stop: threading.Event, progress: Progress) -> Entry:
-    """Run one comparison; return what it came to."""
+def _command(batch: Batch, key: str) -> Command:
+    """The command line that runs words of `etalon` in the Blender of one comparison."""
+    host = batch.how.hosts.get(batch.units[key].blender or "")
+    return host.command if host is not None else lambda words: [*etalon_command(), *words]
+
+
+def _run_unit(batch: Batch, key: str, begin_process: Begin, stop: threading.Event, progress: Progress) -> Entry:
+    """Run one comparison in the process that `begin_process` gives its words, or on a worker; return what it came to."""
     plan, how, unit = batch.plan, batch.how, batch.units[key]
     progress.begin(unit.label)
     folder = _folder_name(unit, key)
     begin = time.perf_counter()
-    words = ["compare", *unit.arguments(), *plan.options, "--quiet"]
+    words = [*unit.arguments(), *plan.options, "--quiet"]
     limits = Limits(plan.time_limit, plan.memory_limit, stop.is_set)
     if how.cluster is not None:
         files = batch.files.get(unit.target, {})
-        status, code, message = run_on_cluster(how.cluster, words, files, plan.out / folder, limits)
+        status, code, message = run_on_cluster(how.cluster, ["compare", *words], files, plan.out / folder, limits)
     else:
         words += [] if how.threads is None else [f"--threads={how.threads}"]
         words.append(f"--out={plan.out / folder}")
-        host = how.hosts.get(unit.blender or "")
-        command = [*etalon_command(), *words] if host is None else host.command(words)
-        status, code, message = run_comparison(command, plan.out / folder, limits)
+        status, code, message = run_comparison(partial(begin_process, words), plan.out / folder, limits)
     assignments = json.dumps({v.name: value for v, value in unit.assignments})
     return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
 

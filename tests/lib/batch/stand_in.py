@@ -17,6 +17,8 @@ from etalon.lib.batch.results import End
 STAND_IN = """
 import json, os, sys
 from pathlib import Path
+if os.environ.get("ETALON_LEASH") == "ahead":
+    sys.argv[2:2] = json.loads(sys.stdin.readline() or sys.exit(0))
 if sys.argv[1] == "plan":
     if any(a.endswith('="nowhere"') for a in sys.argv):
         print("etalon: x: no such property", file=sys.stderr)
