@@ -48,8 +48,8 @@ def compare(
 ) -> Comparison:
     """Render a scene with the reference and with Cycles, and compare the images.
 
-    `progress` is told the share that is done, 0 to 1, and asked whether to stop. If `settings.out` is a folder, the report
-    is written there; otherwise no file is written. The settings of the scene come back.
+    `progress` receives the share that is done, 0 to 1, and says whether to stop. If `settings.out` is a folder, the
+    report is written there; otherwise no file is written. The settings of the scene are restored.
 
     Returns the Comparison: `verdict.outcome` is EQUIVALENT, DIFFERENT, UNDECIDED or EXPLAINED, `verdict` has intervals for every
     region, `reference.film` and `candidate.film` have both images. Raises EtalonError or Refused.
@@ -82,7 +82,7 @@ def render(
     A path that ends in .npz is a scene saved by `etalon plan --save`; it needs no Blender.
 
     Returns the Film: `moments.mean` is the radiance (height, width, 3) in W m^-2 sr^-1, linear Rec. 709, and `moments.n` the number of
-    replicates, fewer than asked for if it was cancelled. Raises EtalonError or Refused.
+    replicates, fewer than requested if it was cancelled. Raises EtalonError or Refused.
 
     >>> import etalon
     >>> target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=10",))

@@ -7,7 +7,7 @@ import threading
 
 
 class Background:
-    """Work in a thread; made, asked and ended by the main thread."""
+    """Work in a thread; the main thread makes, reads and ends it."""
 
     _thread: threading.Thread
 
@@ -21,7 +21,7 @@ class Background:
 
     @property
     def is_cancelled(self) -> bool:
-        """Whether it was told to end."""
+        """Whether its end was requested."""
         return self._cancel.is_set()
 
     def wait(self) -> None:

@@ -75,7 +75,7 @@ def _pass_by(comparison: Comparison) -> None:
 def _shrink(
     scene: Scene, reference: ReferenceRenderer, candidate: Renderer, divisor: int
 ) -> tuple[ReferenceRenderer, Renderer]:
-    """Both renderers with an image that is so many times narrower and lower."""
+    """Both renderers with an image that is `divisor` times narrower and lower."""
     size = scene.camera.width // divisor, scene.camera.height // divisor
     return reference.at_size(*size), candidate.at_size(*size)
 

@@ -31,7 +31,7 @@ REFERENCE_SHARE = 0.5
 
 @dataclass(frozen=True)
 class SceneResult:
-    """What came of one scene: its figures, and its pictures for the page."""
+    """The result of one scene: its figures, and its pictures for the page."""
 
     figures: dict[str, Any]
     pictures: dict[str, str]
@@ -73,7 +73,7 @@ def compare_versions(
 def _against_reference(
     target: Target, blender: Blender, settings: Settings, folder: Path, out: Path, limits: Limits
 ) -> dict[str, Any]:
-    """Run `etalon compare` in a Blender; what came of it."""
+    """Run `etalon compare` in a Blender, and return its result."""
     report = folder / folder_name(blender.label)
     words = ["compare", *write_changes(target, settings), f"--out={report.absolute()}", "--quiet"]
     status, code, message = run_comparison(partial(start_comparison, blender.request({"words": words})), report, limits)

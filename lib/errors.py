@@ -16,7 +16,7 @@ class EtalonError(Exception):
 
 
 class Cancelled(EtalonError):
-    """The caller asked to stop; nothing of the unfinished replicate is kept."""
+    """The caller asked to stop; the unfinished replicate is not kept."""
 
 
 class SceneError(EtalonError):

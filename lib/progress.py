@@ -29,7 +29,7 @@ def _show_nobody(found: Any) -> None:
 
 
 class Progress:
-    """Told how far the work is and what it has found; asked whether it is to end.
+    """Receives the progress and findings of the work, and says whether it is to end.
 
     `begin` takes the name of the stage that begins; `report` takes the share that is done, 0 to 1; `tell` takes what is known so far, in
     one line; `show` takes the same as an object of the work's own, such as compare.Interim; `is_cancelled` says whether the user wants the
@@ -78,7 +78,7 @@ class Progress:
 
     @property
     def silent(self) -> Progress:
-        """The same question, and nobody who is told how far the work is."""
+        """A progress that says whether to end, and passes on no reports."""
         return Progress(is_cancelled=self._is_cancelled)
 
 

@@ -43,7 +43,7 @@ class Bar:
         self._stage, self._known = "", ""
 
     def begin(self, stage: str) -> None:
-        """Show the name of a stage, without a bar until it tells how far it is."""
+        """Show the name of a stage, without a bar until its progress is known."""
         self._stage = one_line(stage)
         self._draw(_STAGE)
 

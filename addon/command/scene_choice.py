@@ -47,6 +47,6 @@ def describe_missing(path: Path) -> str:
 
 
 def _is_file_open() -> bool:
-    """Whether Blender runs in this process and has a file open; the factory scene is none."""
+    """Whether Blender runs in this process and has a file open, other than the factory scene."""
     blender = sys.modules.get("bpy")
     return blender is not None and bool(blender.data.filepath)

@@ -99,7 +99,7 @@ def _refuse_same_folder(scenes: Sequence[str]) -> None:
 
 
 def _tell(result: SceneResult) -> None:
-    """Print what came of one scene, above the progress bar."""
+    """Print the result of one scene, above the progress bar."""
     figures = result.figures
     lines = [f"{figures['scene']}: {figures['sentence']}"]
     for one in figures["versions"]:

@@ -50,7 +50,7 @@ _MULTILAYER = {
 def ask_for_passes(changes: Changes, scene: bpy.types.Scene, layer: str, passes: Sequence[LightPass]) -> None:
     """Have the view layer called `layer` write `passes` into a file of several layers.
 
-    Passes of its own stay on: Blender cuts a compositor node off from one that goes, even if it comes back.
+    Passes of its own stay on: Blender cuts a compositor node off from a pass that is switched off, even if it returns.
     """
     wanted = {*passes, *filter(None, map(_family, passes))}
     for one, (name, *_) in (_PROPERTIES | _COLORS).items():

@@ -53,10 +53,10 @@ Assignment = tuple[Any, str, Any]
 
 
 class CyclesWith(CyclesRenderer):
-    """Cycles in its neutral state but for `values` of `scene.cycles` and `others` of any data.
+    """Cycles in its neutral state, except for some properties.
 
-    Each replicate is one render call, as a user's is. Adaptive sampling may stop earlier than the samples that it is asked
-    for. Raises EtalonError for a denoiser that is not there.
+    They are `values` of `scene.cycles` and `others` of any data. Each replicate is one render call, as a user's is.
+    Adaptive sampling may take fewer samples than requested. Raises EtalonError for a denoiser that does not exist.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ def noise_threshold(value: float) -> float:
 
 
 def denoiser_is_there() -> bool:
-    """Without it Cycles renders as if it had not been asked for."""
+    """Without it Cycles renders as if the denoiser were off."""
     import _cycles
 
     return bool(_cycles.with_openimagedenoise)

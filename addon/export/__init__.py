@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From Blender's evaluated scene to lib.scene.
 
-scene.py the whole, mesh.py one mesh, placements.py its instances in the world, camera.py, lights.py, refusals.py what of objects
-and settings is not simulated; materials.py with nodes*.py closures and the world, images.py textures, sky.py skies.
+scene.py the whole, mesh.py one mesh, placements.py its instances in the world, camera.py, lights.py, refusals.py objects
+and settings that are not simulated; materials.py with nodes*.py closures and the world, images.py textures, sky.py skies.
 """
 
 from .nodes.sky import render_skies

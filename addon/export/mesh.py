@@ -30,7 +30,7 @@ def read_mesh(
 
     `uv_maps` are the maps wanted ('' is the active render map), `attributes` the others ('' is the active render colour); one that
     the mesh lacks is zero, as in Cycles.
-    Raises SceneError when a vertex is not finite, or a face uses one that is not there.
+    Raises SceneError when a vertex is not finite, or a face uses one that does not exist.
     """
     triangles = _transposed(_read(mesh.loop_triangles, "vertices", np.int32, 3))
     positions = _transposed(_read(mesh.vertices, "co", np.float32, 3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of the scene's settings, objects and lights is not simulated, by name."""
+"""Refusals, by name, of settings, objects and lights that are not simulated."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _REMEDIES = {
 
 
 def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals: list[Refusal]) -> None:
-    """Append what of the evaluated scene's and view layer's settings is not simulated."""
+    """Append the evaluated scene's and view layer's settings that are not simulated."""
     render = scene.render
     settings = {
         "Simplify": ("use_simplify", render.use_simplify),
@@ -66,7 +66,7 @@ def refuse_object(
     checked: set[tuple[int, ...]],
     refusals: list[Refusal],
 ) -> None:
-    """Append what of an object, mesh or not, or of its instancer is not simulated.
+    """Append the parts of an object, mesh or not, or its instancer that are not simulated.
 
     `checked` collects the objects whose properties were checked: thousands of instances of one object are checked once.
     """
@@ -142,7 +142,7 @@ def refuse_unscattered(depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
-    """Append what of a light's switches and kinds of light is not simulated."""
+    """Append a light's switches and kinds of light that are not simulated."""
     data = light.data
     cycles = data.cycles
     switches = {

@@ -40,7 +40,7 @@ _OWNER = re.compile(f"({'|'.join(KINDS)}) '(.*)'", re.DOTALL)
 
 
 def pattern_of(template: str) -> re.Pattern[str]:
-    """What finds the values of `template` in a text that was made of it."""
+    """A pattern that finds the values of `template` in a text that was made from it."""
     parts = re.split(r"\{(\w+)\}", template)
     return re.compile("".join(f"(?P<{p}>.+)" if n % 2 else re.escape(p) for n, p in enumerate(parts)), re.DOTALL)
 

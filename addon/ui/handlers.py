@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender tells the extension of: changes of the scene, other files, saving."""
+"""Handlers of Blender's events: changes of the scene, other files, saving."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def follow_result(uid: int) -> None:
 
 
 def _look() -> float | None:
-    """Load what has been written, and show it where it was asked for."""
+    """Load what has been written, and show it where it was requested."""
     for uid, writer in _writers.items():
         if writer.count != _seen[uid]:
             _seen[uid] = writer.count

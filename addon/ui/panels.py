@@ -30,7 +30,7 @@ _PREFIX = "STRIP_COLOR" if bpy.app.version >= (4, 4, 0) else "SEQUENCE_COLOR"
 
 
 class _Main:
-    """What is always in sight: the result, the button or the progress, and what went wrong."""
+    """The part that is always visible: result, button or progress, and errors."""
 
     bl_label = "Étalon"
 
@@ -156,7 +156,7 @@ class _Model(_Part):
 
 
 class _Frame(_Part):
-    """What of the scene is compared."""
+    """The part of the scene that is compared."""
 
     bl_label = "Region"
 
@@ -185,7 +185,7 @@ class _Passes(_Part):
 
 
 class _Tools(_Part):
-    """The other questions, and what came of them."""
+    """The other questions, and their answers."""
 
     bl_label = "Settings, Cost and Plan"
 

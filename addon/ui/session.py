@@ -46,7 +46,7 @@ class Setup:
 
 @dataclass(eq=False)
 class Result:
-    """What came of one comparison of a scene.
+    """The result of one comparison of a scene.
 
     `border` is the part of the frame that was compared: left, bottom, right, top, in shares of it. `is_changed` says that the scene has
     changed since the comparison began.
@@ -139,7 +139,7 @@ class Session:
         return ended
 
     def add_error(self, uid: int, error: str) -> None:
-        """Keep an error of a scene beside those of its job, once; an empty one is none."""
+        """Keep an error of a scene beside those of its job, once; an empty one is ignored."""
         known = self.errors.get(uid, ())
         if error and error not in known:
             self.errors[uid] = (*known, error)

@@ -23,7 +23,7 @@ class Watched:
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Esc ends the job; once it has ended, say what came of it."""
+        """End the job on Esc; once it has ended, report its result."""
         is_running = session.running is self._watched
         if is_running and event.type == "ESC" and event.value == "PRESS":
             session.running.job.cancel()

@@ -33,7 +33,7 @@ STAGES = (
 
 
 def describe_stage(running: Running) -> str:
-    """The stage that is under way, or that the job was told to end."""
+    """The stage that is under way, or that the job is ending."""
     if running.job.is_cancelled and running.result is None:
         return translate("Ending")
     said = translate(running.job.stage)

@@ -35,7 +35,7 @@ NOISE_FLOOR = 0.01
 
 @dataclass(frozen=True)
 class Finding:
-    """What came of one setting.
+    """The result for one setting.
 
     `outcomes` (k,) of Outcome for each region, the whole image first; `difference`, `low`, `high` (k, 3) the relative difference to the
     neutral state and its interval, simultaneous for all settings, regions and channels. `seconds` are the mean ones of a render call,

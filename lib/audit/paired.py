@@ -61,7 +61,7 @@ def interval(user: np.ndarray, neutral: np.ndarray, floor: float, tail: float) -
 
 
 def _same(user: np.ndarray, neutral: np.ndarray) -> np.ndarray:
-    """Where (k, 3) two series are equal to the last bit in every replicate."""
+    """Where (k, 3) two series are exactly equal in every replicate."""
     return (user == neutral).all(axis=0)
 
 

@@ -32,7 +32,7 @@ _DISK = {
 
 @dataclass(frozen=True)
 class Entry:
-    """What one comparison came to.
+    """The result of one comparison.
 
     `key` stands for all that its result depends on, `assignments` are its values as JSON, `status` is 'finished', 'refused', 'failed' or
     'ended' (from outside), `message` the reason where it is not finished, `folder` its results' own below the batch's.

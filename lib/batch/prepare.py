@@ -80,8 +80,9 @@ class Batch:
 def prepare(plan: BatchPlan, how: How, tell: Tell, progress: Progress) -> Iterator[Batch]:
     """Check a plan and open its journal for the length of a block.
 
-    Each scene that has comparisons to run is read by `etalon plan`, in a process of its own. `tell` is told what of the earlier results cannot
-    be used. Raises EtalonError where a scene cannot be read, or has not what the plan varies.
+    Each scene that has comparisons to run is read by `etalon plan`, in a process of its own. `tell`
+    receives the earlier results that cannot be used. Raises EtalonError where a scene cannot be read, or lacks what the
+    plan varies.
     """
     with replace_files(plan.out):  # says at once when the folder cannot be written
         pass

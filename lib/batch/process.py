@@ -86,7 +86,7 @@ def send(process: subprocess.Popen[str], line: str) -> None:
 
 
 def end(process: subprocess.Popen[str]) -> None:
-    """End a process and its children at once, and wait until they are gone."""
+    """End a process and its children at once, and wait until they have ended."""
     if process.poll() is None:
         if sys.platform == "win32":
             process.kill()

@@ -76,7 +76,7 @@ class End:
 
 @dataclass(frozen=True)
 class Results:
-    """The rows of a batch, by the labels of its comparisons, and what they came to."""
+    """The rows of a batch, by the labels of its comparisons, and their results."""
 
     plan: BatchPlan
     rows: list[tuple[str, Row]]
@@ -106,7 +106,7 @@ class Results:
         return max((ExitCode[row.verdict] for _, row in self.rows), key=_SEVERITY.index)
 
     def sentences(self) -> list[str]:
-        """What the batch came to: how many comparisons of each verdict, what changed, what fails."""
+        """The result of the batch: comparisons of each verdict, what changed, what fails."""
         counts = Counter(row.verdict or row.status for _, row in self.rows)
         shown = ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
         said = [f"{plural(len(self.rows), 'comparison')}: {shown}"]

@@ -131,7 +131,10 @@ def _command(batch: Batch, key: str) -> Command:
 
 
 def _run_unit(batch: Batch, key: str, begin_process: Begin, stop: threading.Event, progress: Progress) -> Entry:
-    """Run one comparison in the process that `begin_process` gives its words, or on a worker; return what it came to."""
+    """Run one comparison and return its result.
+
+    It runs in the process that `begin_process` gives its words, or on a worker.
+    """
     plan, how, unit = batch.plan, batch.how, batch.units[key]
     progress.begin(unit.label)
     folder = _folder_name(unit, key)

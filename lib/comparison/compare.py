@@ -51,7 +51,7 @@ ASIDE_SHARE = 0.05
 
 @dataclass(frozen=True)
 class Comparison:
-    """All that came of a comparison of the scene named `scene`.
+    """All results of a comparison of the scene named `scene`.
 
     `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
     not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a comparison tells of itself while it runs."""
+"""The interim results that a comparison reports while it runs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The memory that a comparison needs for its pixels, said before anything is allocated."""
+"""The memory that a comparison needs for its pixels, before anything is allocated."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FEWER = "lower the resolution, or give a time and let a smaller image be compare
 
 
 def needed_memory(width: int, height: int, passes: int = 0) -> int:
-    """Bytes that comparing images of so many pixels takes, with so many light passes."""
+    """Bytes that comparing images of this size takes, with this number of light passes."""
     return (BYTES_PER_PIXEL + BYTES_PER_PASS * passes) * width * height
 
 

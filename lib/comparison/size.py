@@ -29,8 +29,8 @@ FEW, MORE, PROBED = 1, 4, 1 << 14
 def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: TimedRun) -> int:
     """How many times narrower and lower the image is to be, 1 for as it is; raises Cancelled.
 
-    It divides width and height, so that the smaller camera sees exactly the same. Where there is no limit on time, or no such
-    divisor but 1, the image stays as it is.
+    It divides width and height, so that the smaller camera sees exactly the same. Where there is no limit on time, or 1 is
+    the only such divisor, the image stays as it is.
     """
     pixels = camera.width * camera.height
     divisors = [d for d in range(1, camera.width + 1) if camera.width % d == camera.height % d == 0]

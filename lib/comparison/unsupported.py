@@ -100,7 +100,7 @@ def find_unsupported_light(reference: ReferenceRenderer, run: TimedRun) -> Unsup
 
 
 def _stand_in(reference: ReferenceRenderer, closure: Closure) -> ReferenceRenderer:
-    """The reference of the scene in which unsupported materials are made of one closure."""
+    """The reference of the scene in which unsupported materials are one closure."""
     lobes = (WeightedClosure(closure),)
     scene: Scene = reference.scene
     materials = tuple(Material(one.name, lobes) if one.unknown else one for one in scene.materials)

@@ -120,7 +120,7 @@ def _reason(error: OSError) -> str:
 
 
 def _place(folder: Path, name: str) -> str:
-    """The path that a user knows of a file that is written beside its place."""
+    """The path by which a user knows a file that is written beside its place."""
     inside = UNFINISHED in name
     return str(folder / Path(name).name if Path(name).suffix else folder) if inside else name
 

@@ -114,7 +114,7 @@ def _remove(folder: Path, descriptor: int | None) -> None:
 
 
 def sweep(parent: Path, prefix: str) -> Iterator[Path]:
-    """Each folder of `parent` whose owner is gone, to be looked at before it is removed.
+    """Yield each folder of `parent` whose owner has ended, before it is removed.
 
     Folders of other users, of running processes, and those that no process ever owned stay.
     """

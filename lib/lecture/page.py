@@ -42,7 +42,7 @@ FIGURES: Makers = {
 def make_figures(
     names: tuple[str, ...], seed: int, progress: Progress = NO_PROGRESS, makers: Makers = FIGURES
 ) -> dict[str, Figure]:
-    """The figures of these names, in their order; raises Cancelled when asked to stop."""
+    """Make the figures of these names, in their order; raises Cancelled."""
     figures = {}
     for k, name in enumerate(names):
         progress.check()

@@ -70,7 +70,7 @@ def probe(
     seconds: float,
     progress: Progress,
 ) -> Probe:
-    """Render the pixels of `box` with both renderers in turns for so many seconds.
+    """Render the pixels of `box` with both renderers in turns for `seconds`.
 
     The image has the `shape` (height, width). `parts` are those of the light; limits of bounces are turned into what
     each bounce adds. Cancelling keeps what both sides finished; raises EtalonError where there are fewer than two

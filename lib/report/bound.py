@@ -97,7 +97,7 @@ def level_sentence(comparison: Comparison) -> str:
 
 
 def blind_sentence(comparison: Comparison) -> str | None:
-    """What a claim of agreement does not exclude; None where there is none."""
+    """What a claim of agreement does not exclude; None where it excludes everything."""
     verdict = comparison.verdict
     agree = (verdict.outcomes == Outcome.EQUIVALENT) & (verdict.blind > 0)
     if not agree.any():

@@ -182,7 +182,7 @@ def _region(comparison: Comparison, k: int) -> dict[str, Any]:
 
 
 def _reason(comparison: Comparison, k: int) -> str | None:
-    """What the difference of region k is put down to; None where it is not shown to differ."""
+    """The reason for the difference of region k; None where it is not shown to differ."""
     outcome, why = comparison.verdict.outcomes[k], comparison.explanation
     if outcome is Outcome.EXPLAINED and why is not None:
         return "scene" if why.rounded[k] else "departures"

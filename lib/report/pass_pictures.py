@@ -35,7 +35,7 @@ class PassPicture:
 
     @property
     def view(self) -> dict[str, Any]:
-        """What the page's script must know of it."""
+        """The data of it that the page's script needs."""
         return {"name": self.name, "exposure": self.exposure}
 
 

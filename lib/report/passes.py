@@ -42,7 +42,7 @@ def pass_sentences(comparison: Comparison) -> list[str]:
 
 
 def _light_passes(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) -> list[str]:
-    """What is said of the light passes among the parts, by their numbers."""
+    """Sentences on the light passes among the parts, by their numbers."""
     differing = [
         f"The {found.passes[k]} pass differs{_where(comparison, at)} by {_difference(found, k, at)}."
         for k, at in _differing(found, numbers)
@@ -51,7 +51,7 @@ def _light_passes(comparison: Comparison, found: PassVerdict, numbers: np.ndarra
 
 
 def _emitters(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) -> list[str]:
-    """What is said of the light of each emitter."""
+    """Sentences on the light of each emitter."""
     differing = [
         f"The {found.passes[k]} differs{_where(comparison, at)} by {_difference(found, k, at)}."
         for k, at in _differing(found, numbers)

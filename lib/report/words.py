@@ -80,7 +80,7 @@ def _excluded(count: int) -> str:
 
 
 def _left_out(comparison: Comparison) -> str:
-    """What of the image is not compared, and the materials that are to blame."""
+    """The part of the image that is not compared, and the materials that cause it."""
     count, total = int(comparison.left_out.sum()), comparison.left_out.size
     named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
     share = format_part(count / total)
@@ -186,7 +186,7 @@ def _region(comparison: Comparison, k: int) -> str:
 
 
 def _forecast(comparison: Comparison) -> str:
-    """What more time would show, or why that cannot be told."""
+    """What more time would show, or why that is unknown."""
     verdict, forecast, ends = comparison.verdict, comparison.verdict.forecast, forecast_seconds(comparison)
     if forecast is None or ends is None:
         if (

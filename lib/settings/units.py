@@ -258,7 +258,7 @@ class Flag(Unit):
 
 
 class UnknownName(ValueError):
-    """A name that there is not; its text is the whole sentence."""
+    """An unknown name; its text is the whole sentence."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Case:
-    """What was asked of one equation or scene, and what came out.
+    """The test of one equation or scene, and its result.
 
     `worst` is the largest error found, in `unit`, at `where`; `bound` what it may be. Where the reference gives digits away on
     purpose, `excuse` says why, and `judged` is the error that is then held against the bound. `printed` and `cycles` are the same

@@ -58,7 +58,7 @@ class PassChange:
 
 @dataclass(frozen=True)
 class Change:
-    """What came of one pair of versions, by their numbers.
+    """The result for one pair of versions, by their numbers.
 
     `outcomes` (k,) of Outcome for each region, the whole image first: DIFFERENT is changed by more than the tolerance, EXPLAINED changed as
     `departures` say, EQUIVALENT unchanged within the tolerance. `difference`, `low`, `high` (k, 3) are the change relative to the first

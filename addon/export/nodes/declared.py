@@ -21,7 +21,7 @@ _NEVER_SHOWN = ("Weight",)  # of every shader; Blender itself sets it
 
 @dataclass(frozen=True)
 class Declaration:
-    """What the reader of a node type knows of it.
+    """The parts of a node type that its reader knows.
 
     `reads`: identifiers of the inputs that it reads or refuses itself. `neutral`: inputs that are not simulated, and the only
     content that is accepted (None: unlinked). `idle`: inputs that cannot change the image, because a neutral one switches

@@ -243,7 +243,7 @@ def _scene(size: tuple[int, int]) -> Iterator[tuple[bpy.types.Scene, bpy.types.N
 
 @contextmanager
 def _image(texels: np.ndarray) -> Iterator[bpy.types.Image]:
-    """An image of floats (height, width, 3), row 0 at the bottom, which is gone afterwards."""
+    """An image of floats (height, width, 3), row 0 at the bottom, which is removed afterwards."""
     height, width = texels.shape[:2]
     image = bpy.data.images.new("etalon sky", width, height, float_buffer=True, is_data=True)
     try:

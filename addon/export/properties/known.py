@@ -18,7 +18,7 @@ EVERY_RELEASE = Versions()
 
 @dataclass(frozen=True)
 class Group:
-    """What the export knows of one kind of struct; names are separated by blanks.
+    """The known properties of one kind of struct; names are separated by blanks.
 
     `read`: properties that the export or the renderer reads, sets per render, or refuses itself. `values`: enums that are read,
     with the values that are read or refused by name; any other value is refused. `neutral`: properties that cannot change the
