@@ -31,8 +31,7 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
 
     Returns kind ('material', 'facing', 'object') -> (name, share of each pixel as a sparse (height, width) array).
     'facing' splits each material into bands of the angle between shading normal and viewer. What covers fewer than
-    `least` pixels in
-    all is left out.
+    `least` pixels in all is left out.
     """
     camera, mesh = kernel.scene.camera, kernel.scene.mesh
     sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)

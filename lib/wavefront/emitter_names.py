@@ -38,9 +38,8 @@ def name_emitters(
 ) -> EmitterNames:
     """Name the emitters of a kernel: its light objects, the world, and emissive objects.
 
-    `emits` (t,) bool tells which faces emit. `sampled` are the faces of each of its samplers; each sampler is of
-    one emitter.
-    Raises EtalonError where there are more than MOST.
+    `emits` (t,) bool tells which faces emit. `sampled` are the faces of each of its samplers; each sampler is of one
+    emitter. Raises EtalonError where there are more than MOST.
     """
     has_world = plan.needs(Effect.CONSTANT_WORLD) or plan.needs(Effect.ENVIRONMENT_WORLD)
     objects = [mesh.objects[k].name for k in np.unique(mesh.object_index[emits])]

@@ -39,8 +39,7 @@ def find_frame(mesh: Mesh, viewpoint: np.ndarray | None = None) -> Frame:
     The scale is one over their usual distance from it.
 
     The middle of the bounds lies where nothing is as soon as one face is far from all others, and the mean of all
-    vertices as soon as a
-    far object has more of them than the near ones. `viewpoint` (3,) is the camera's place.
+    vertices as soon as a far object has more of them than the near ones. `viewpoint` (3,) is the camera's place.
     """
     corners = np.take(mesh.vertices, mesh.triangles[0], axis=1)
     weights = 1.0 / np.bincount(mesh.object_index)[mesh.object_index]

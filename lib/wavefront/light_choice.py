@@ -50,8 +50,8 @@ class LightSampling:
 class LightChoice:
     """A light sample for each point.
 
-    `number` is its light's, `probability` the chance of that light, `alone` whether only light sampling finds it,
-    () or (n,) each.
+    `number` is its light's, `probability` the chance of that light, `alone` whether only light sampling finds it, () or
+    (n,) each.
     """
 
     sample: LightSample

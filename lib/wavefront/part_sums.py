@@ -15,9 +15,8 @@ class BounceSums:
     """The light of one tile by the length of its paths.
 
     It has radiance sums (3, p) of p pixels, for each limit of bounces up to `most`.
-    A path of at most b bounces, in Cycles' count, scatters at most b + 1 times. The light of a path is the same
-    under every limit that
-    the path keeps, so one render has them all.
+    A path of at most b bounces, in Cycles' count, scatters at most b + 1 times. The light of a path is the same under
+    every limit that the path keeps, so one render has them all.
     """
 
     def __init__(self, most: int, pixels: int) -> None:

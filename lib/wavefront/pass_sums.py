@@ -53,8 +53,8 @@ class PassSums:
     def add_direct(self, paths: Paths, index: np.ndarray, arriving: np.ndarray, shares: np.ndarray | None) -> None:
         """Add light (3, n) from sampled lights that the paths at `index` scatter.
 
-        `shares` (families - 1, 3, n) are those of this light. They count at the first scattering; later ones use
-        what `remember` stored.
+        `shares` (families - 1, 3, n) are those of this light. They count at the first scattering; later ones use what
+        `remember` stored.
         """
         for scatterings, here in _by_scatterings(paths, index, arriving.shape[1]):
             pixel, light = paths.pixel[index][here], arriving[:, here]

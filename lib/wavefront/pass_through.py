@@ -18,8 +18,8 @@ Groups = list[tuple[int, int, int]]
 class Split:
     """The hits, split into those that pass through and those that scatter.
 
-    `passing` paths are already on the far side. `index` are the hits that scatter, with their groups; `share` (n,)
-    of all hits that do.
+    `passing` paths are already on the far side. `index` are the hits that scatter, with their groups; `share` (n,) of
+    all hits that do.
     """
 
     passing: Paths
@@ -42,9 +42,8 @@ def split(
     """Decide by `uniform` which paths pass through.
 
     The chance is that of the transparent lobe among all lobes.
-    Bounces are counted as Cycles counts them: passing is no scattering, but a path that has used up its bounces
-    stops, and so does
-    one that is not `alive`, (n,) bool: it has passed max(transparent_max_bounces, 1) surfaces.
+    Bounces are counted as Cycles counts them: passing is no scattering, but a path that has used up its bounces stops,
+    and so does one that is not `alive`, (n,) bool: it has passed max(transparent_max_bounces, 1) surfaces.
     """
     factor = np.zeros_like(paths.throughput)
     chance = np.zeros(paths.size)

@@ -22,9 +22,8 @@ SAMPLES = 64
 def reached(reference: ReferenceRenderer, samples: int = SAMPLES) -> np.ndarray:
     """Pixels (height, width) lit if the unsupported materials were the only light sources.
 
-    Light that such a material reflects, or lets pass from elsewhere, takes the same paths. Few samples find almost
-    all such pixels,
-    since lamps are sampled.
+    Light that such a material reflects, or lets pass from elsewhere, takes the same paths. Few samples find almost all
+    such pixels, since lamps are sampled.
     """
     return _lit(reference, samples, lambda closure: not isinstance(closure, Emission))
 

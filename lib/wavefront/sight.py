@@ -2,13 +2,10 @@
 """Visibility by kind of ray: which rays meet which objects, lights and worlds.
 
 Each of these has a mask of the rays that see it.
-Kinds of rays that see the same things make one class; class 0 is the camera's rays. Where no kind of ray differs
-from another,
-there are no classes. Light samples are tested by shadow rays, directions that lobes choose by the ray itself. Where
-the two would
-meet different faces, or where a light does not shine as far as rays reach, only light sampling finds direct light:
-such a light is
-`alone`, as one without size is.
+Kinds of rays that see the same things make one class; class 0 is the camera's rays. Where no kind of ray differs from
+another, there are no classes. Light samples are tested by shadow rays, directions that lobes choose by the ray itself.
+Where the two would meet different faces, or where a light does not shine as far as rays reach, only light sampling
+finds direct light: such a light is `alone`, as one without size is.
 """
 
 from __future__ import annotations
@@ -57,8 +54,8 @@ class Sight:
     ) -> None:
         """Make the masks of the scene's lights, objects and world.
 
-        `lights`: the switches of each sampler, and whether it is made of faces. `delta` (lights,) bool: which
-        lights have no size.
+        `lights`: the switches of each sampler, and whether it is made of faces. `delta` (lights,) bool: which lights
+        have no size.
         """
         hides, told = plan.needs(Effect.HIDDEN_OBJECTS), plan.needs(Effect.RAY_KINDS)
         self.camera = casters.for_bits(CAMERA) if hides else casters.whole

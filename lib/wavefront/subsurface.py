@@ -3,8 +3,7 @@
 
 At each hit a path scatters on the surface, or walks below it to where it leaves the object.
 Where a walk leaves, light is sampled and scattered as by a white diffuse surface, whatever material the face has:
-Cycles' model.
-Walk and exit together are one scattering of the path.
+Cycles' model. Walk and exit together are one scattering of the path.
 """
 
 from __future__ import annotations

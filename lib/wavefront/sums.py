@@ -18,9 +18,8 @@ class PixelSums:
     """Radiance sums (3, p) and counts of non-finite contributions (p,).
 
     A pixel that had a non-finite contribution is NaN; it is never averaged away.
-    `unknown` (p,) counts how often paths met an unsupported material. `passes`, `bounces` and `emitters` have the
-    same light in
-    parts, where these are asked for.
+    `unknown` (p,) counts how often paths met an unsupported material. `passes`, `bounces` and `emitters` have the same
+    light in parts, where these are asked for.
     """
 
     def __init__(

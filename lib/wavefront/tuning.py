@@ -2,10 +2,9 @@
 """Settings of the whole process that make tiles fast.
 
 They concern the allocator of the C library, and how Python's threads take turns.
-They are for processes of Étalon's own: the command `etalon`, also within `blender --command`, the second Blender,
-the children of a
-batch. Each calls `tune_process` when it starts. Nobody else does: in the Blender that a user works in, and in a
-script that imports the package, both stay as they are.
+They are for processes of Étalon's own: the command `etalon`, also within `blender --command`, the second Blender, the
+children of a batch. Each calls `tune_process` when it starts. Nobody else does: in the Blender that a user works in,
+and in a script that imports the package, both stay as they are.
 """
 
 from __future__ import annotations
@@ -37,12 +36,10 @@ def tune_process() -> None:
     """Set this process up for tracing tiles.
 
     Call it once, at the start of a process that does nothing else.
-    Threads hand the interpreter on after `SWITCH_INTERVAL`. glibc keeps a tile's arrays when they are freed, and
-    gives an image's
-    back: by itself it returns arrays of some 100 kB to the system at every free and has their pages faulted in
-    again at the next use,
-    which costs kernels up to a factor of two; or, once it has seen large ones freed, keeps those too. Elsewhere the
-    heap stays as it is.
+    Threads hand the interpreter on after `SWITCH_INTERVAL`. glibc keeps a tile's arrays when they are freed, and gives
+    an image's back: by itself it returns arrays of some 100 kB to the system at every free and has their pages faulted
+    in again at the next use, which costs kernels up to a factor of two; or, once it has seen large ones freed, keeps
+    those too. Elsewhere the heap stays as it is.
     """
     sys.setswitchinterval(SWITCH_INTERVAL)
     mallopt = _glibc("mallopt")

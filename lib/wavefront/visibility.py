@@ -28,10 +28,8 @@ def transmittance(
     Also the rays (k,) that an unsupported material ends.
     Opaque scenes need one occlusion query. Where materials are `transparent` the ray goes on through them, at most
     `transparent_max_bounces` times, as in Cycles. Rays begin where light is scattered; those `to_camera` follow the
-    light, meet only
-    what the camera sees, and pass faces as the camera sees them. `caster` meets what hides the light, where that is
-    not what shadow
-    rays meet. `medium` (n,) is what the rays begin in, where there are volumes.
+    light, meet only what the camera sees, and pass faces as the camera sees them. `caster` meets what hides the light,
+    where that is not what shadow rays meet. `medium` (n,) is what the rays begin in, where there are volumes.
     """
     if caster is None:
         caster = kernel.sight.camera if to_camera else kernel.sight.shadow

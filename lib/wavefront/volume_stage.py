@@ -53,8 +53,7 @@ class VolumeStage:
     def pass_through(self, paths: Paths, medium: np.ndarray, hits: Hits, step: int) -> tuple[Paths, Hits, Paths | None]:
         """Follow the paths in `medium` (n,) to the next face.
 
-        Returns the paths that reach it, with what is left of their light; their hits; the paths that scatter before
-        it.
+        Returns the paths that reach it, with what is left of their light; their hits; the paths that scatter before it.
         """
         self._emitters.volumes(self._media, medium, paths, hits)
         factor = self._media.transmittance(medium, hits.distance)

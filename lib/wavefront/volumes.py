@@ -4,12 +4,9 @@
 Where paths scatter along a segment, from where light is sampled, and phase functions.
 
 Coefficients are coloured. A channel is chosen, and what it gives is weighed by the density of all channels together
-(the balance
-heuristic; Veach 1997, section 9.2.2). Light is sampled from a place of its own on the segment: at a distance that
-follows what
-scatters, or at an angle as seen from the light (equiangular.py), again by the density of both together. Light
-sampling and the
-phase function are weighed against each other by directions alone, as at surfaces.
+(the balance heuristic; Veach 1997, section 9.2.2). Light is sampled from a place of its own on the segment: at a
+distance that follows what scatters, or at an angle as seen from the light (equiangular.py), again by the density of
+both together. Light sampling and the phase function are weighed against each other by directions alone, as at surfaces.
 """
 
 from __future__ import annotations
@@ -35,8 +32,7 @@ class Segment:
 
     `index` (n,) is their place among all paths.
     origin, direction (3, n); length (n,), infinite where no face follows; medium (n,); extinction and scattering
-    (3, n), 1/m;
-    throughput (3, n), at the origin.
+    (3, n), 1/m; throughput (3, n), at the origin.
     """
 
     index: np.ndarray
@@ -94,8 +90,8 @@ def _at(values: np.ndarray, channel: np.ndarray) -> np.ndarray:
 class Flight:
     """Which paths scatter (n,) bool, and after what distance (n,).
 
-    `weight` (3, n) multiplies their throughput. For those that scatter, the scattering coefficient (1/m) is still
-    to be multiplied.
+    `weight` (3, n) multiplies their throughput. For those that scatter, the scattering coefficient (1/m) is still to be
+    multiplied.
     """
 
     scatters: np.ndarray
@@ -107,8 +103,8 @@ def fly(segment: Segment, u1: np.ndarray, u2: np.ndarray) -> Flight:
     """Have paths scatter along their segments or reach the ends.
 
     The uniforms are for the channel and for the distance.
-    A channel scatters with the chance of its albedo times what it extinguishes on the way, so that no path is
-    absorbed by chance.
+    A channel scatters with the chance of its albedo times what it extinguishes on the way, so that no path is absorbed
+    by chance.
     """
     shares, tau = _shares(segment.throughput), depth(segment.extinction, segment.length)
     dense = segment.extinction > 0.0
