@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene in one .npz file: its frozen dataclasses as JSON, large arrays beside; nothing in it is ever executed."""
+"""A scene in one .npz file: its frozen dataclasses as JSON, with large arrays beside it.
+
+Nothing in the file is ever executed.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +81,10 @@ def save(scene: Scene, path: Path | str) -> None:
 
 
 def load(path: Path | str) -> Scene:
-    """Read and validate what `save` wrote; raises EtalonError when it is missing, damaged or of another version."""
+    """Read and validate what `save` wrote.
+
+    Raises EtalonError when the file is missing, damaged or of another version.
+    """
     path = Path(path)
     try:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
@@ -99,7 +105,10 @@ def load(path: Path | str) -> Scene:
 
 
 def fingerprint(scene: Scene) -> str:
-    """A hash of all that an image of `scene` depends on: its name, its findings and the release that exported it do not count."""
+    """A hash of all that an image of `scene` depends on.
+
+    Its name, its findings and the release that exported it do not count.
+    """
     encoder = _Encoder()
     root = encoder.encode(replace(scene, name="", blender=None, findings=()))
     digest = hashlib.sha256(json.dumps([root, encoder.nodes]).encode())
@@ -110,7 +119,10 @@ def fingerprint(scene: Scene) -> str:
 
 
 class _Encoder:
-    """Turns values into JSON; each dataclass instance becomes one node, however often the scene refers to it."""
+    """Turns values into JSON.
+
+    Each dataclass instance becomes one node, however often the scene refers to it.
+    """
 
     def __init__(self) -> None:
         self.nodes: list[dict[str, Any]] = []
@@ -137,7 +149,10 @@ class _Encoder:
 
 
 class _Decoder:
-    """The way back; nodes only refer to nodes before them, so that there is no cycle to follow."""
+    """Turns JSON back into values.
+
+    Nodes refer only to earlier nodes, so there are no cycles to follow.
+    """
 
     def __init__(self, nodes: list[dict[str, Any]], file: np.lib.npyio.NpzFile) -> None:
         self._file = file

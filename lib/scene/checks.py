@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a scene keeps the rules that its docstrings state; each defect is one line that names its owner."""
+"""Whether a scene keeps the rules that its docstrings state.
+
+Each defect is one line that names its owner.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ _INTENSITIES = ("intensity", "radiance", "emission", "irradiance")
 
 
 def validate(scene: Scene) -> None:
-    """Raise SceneError, naming the object and its defect, unless all arrays and numbers of `scene` keep their rules."""
+    """Raise SceneError unless all arrays and numbers of `scene` keep their rules.
+
+    The error names the object and its defect.
+    """
     _check_mesh(scene.mesh, len(scene.materials))
     _check_camera(scene.camera)
     for light in scene.lights:
@@ -178,7 +184,10 @@ def _check_image(image: Image) -> None:
 
 
 def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
-    """Demand that images, UV maps and generated coordinates that `root` reads are there, and constants finite."""
+    """Demand that all data that `root` reads exist, and that its constants are finite.
+
+    The data are images, UV maps and generated coordinates.
+    """
     for node in _nodes(root):
         if isinstance(node, ImageTexture | EnvironmentTexture | Sky | SunDisc):
             _demand(0 <= node.image < len(scene.images), owner, f"image {node.image} is not in the scene")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Expressions that change values, vectors and colours at a point: Blender's Converter and Color nodes."""
+"""Expressions that change values, vectors and colours at a point.
+
+They are Blender's Converter and Color nodes.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ class Combine(Expression):
 
 @dataclass(frozen=True)
 class ColorModel(Expression):
-    """A colour in another model; `kind`: 'RGB_TO_HSV', 'HSV_TO_RGB', 'RGB_TO_HSL', 'HSL_TO_RGB'."""
+    """A colour in another model.
+
+    `kind`: 'RGB_TO_HSV', 'HSV_TO_RGB', 'RGB_TO_HSL', 'HSL_TO_RGB'.
+    """
 
     color: Expression
     kind: str
@@ -52,7 +58,10 @@ class MapRange(Expression):
 
 @dataclass(frozen=True)
 class VectorMath(Expression):
-    """Blender's Vector Math; `operation` by Blender's identifier. A value for DOT_PRODUCT, DISTANCE and LENGTH, else a vector."""
+    """Blender's Vector Math; `operation` by Blender's identifier.
+
+    A value for DOT_PRODUCT, DISTANCE and LENGTH, else a vector.
+    """
 
     operation: str
     a: Expression
@@ -93,8 +102,9 @@ class BrightContrast(Expression):
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve as Blender evaluates it: `table` at evenly spaced places from `low` to `high`, linear between them.
+    """A curve as Blender evaluates it.
 
+    `table` has its values at evenly spaced places from `low` to `high`; it is linear between them.
     Beyond the ends it is a straight line: `start` and `end` are each its value at the end and its slope.
     """
 
@@ -107,10 +117,11 @@ class Curve:
 
 @dataclass(frozen=True)
 class Curves(Expression):
-    """Curves over the channels of `color` (RGB and Vector Curves), or over a value where there is one (Float Curve).
+    """Curves over the channels of `color` (RGB and Vector Curves).
 
-    `combined` comes before those of the channels (RGB Curves). `factor` mixes the result with the input. `extends`: the curves go
-    on beyond their ends, in place of staying.
+    Or over a value where there is one (Float Curve).
+    `combined` comes before those of the channels (RGB Curves). `factor` mixes the result with the input. `extends`: the
+    curves go on beyond their ends, instead of staying constant.
     """
 
     factor: Expression
@@ -122,6 +133,9 @@ class Curves(Expression):
 
 @dataclass(frozen=True)
 class Blackbody(Expression):
-    """Colour of a black body of `temperature` kelvin with luminance 1, linear Rec. 709, as Cycles fits it; at least 0."""
+    """Colour of a black body of `temperature` kelvin, linear Rec. 709.
+
+    It has luminance 1, as Cycles fits it, and is at least 0.
+    """
 
     temperature: Expression

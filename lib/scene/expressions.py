@@ -45,8 +45,9 @@ class Coordinates(Expression):
 
 @dataclass(frozen=True)
 class Attribute(Expression):
-    """A named attribute of the mesh ('' is the active render colour), mixed from the corners; 0 where a mesh has none.
+    """A named attribute of the mesh ('' is the active render colour), mixed from the corners.
 
+    It is 0 where a mesh has none.
     `output`: 'COLOR', or one of the values 'FACTOR', 'ALPHA' (1 where a mesh has none) and 'PRESENCE' (0 or 1).
     """
 
@@ -56,14 +57,20 @@ class Attribute(Expression):
 
 @dataclass(frozen=True)
 class ObjectInfo(Expression):
-    """A fact of the object that the point lies on: the vectors 'LOCATION' and 'COLOR', the values 'ALPHA', 'INDEX' and 'RANDOM'."""
+    """A fact of the object that the point lies on.
+
+    The vectors 'LOCATION' and 'COLOR', the values 'ALPHA', 'INDEX' and 'RANDOM'.
+    """
 
     output: str
 
 
 @dataclass(frozen=True)
 class NormalMap(Expression):
-    """Blender's Normal Map node: a unit vector of the world. `space` by Blender's identifier ('TANGENT', 'OBJECT', ...)."""
+    """Blender's Normal Map node: a unit vector of the world.
+
+    `space` by Blender's identifier ('TANGENT', 'OBJECT', ...).
+    """
 
     color: Expression
     strength: Expression
@@ -74,7 +81,10 @@ class NormalMap(Expression):
 
 @dataclass(frozen=True)
 class Bump(Expression):
-    """Blender's Bump node: the normal (`normal`, or the shading normal) of the surface raised by the value `height`."""
+    """Blender's Bump node: the normal of the surface raised by the value `height`.
+
+    The surface is that of `normal`, or of the shading normal.
+    """
 
     height: Expression
     strength: Expression
@@ -90,7 +100,10 @@ class NormalScale(Expression):
 
 @dataclass(frozen=True)
 class Mapping(Expression):
-    """Blender's Mapping node. `kind`: 'POINT', 'TEXTURE', 'VECTOR', 'NORMAL'; rotation in radians, XYZ Euler."""
+    """Blender's Mapping node.
+
+    `kind`: 'POINT', 'TEXTURE', 'VECTOR', 'NORMAL'; rotation in radians, XYZ Euler.
+    """
 
     vector: Expression
     location: Expression
@@ -101,11 +114,12 @@ class Mapping(Expression):
 
 @dataclass(frozen=True)
 class ImageTexture(Expression):
-    """Colour (or alpha, a value) of image `image` (an index into `Scene.images`) at `vector`'s x and y.
+    """Colour (or alpha, a value) of an image at `vector`'s x and y.
 
-    `interpolation`: 'LINEAR', 'CLOSEST' or 'CUBIC' (B-spline); `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR'; `output`: 'COLOR'
-    or 'ALPHA'. `projection`: 'FLAT', 'SPHERE', 'TUBE' or 'BOX', which needs the `normal` in the object's space and blends its
-    faces over `blend` (0..1).
+    `image` is an index into `Scene.images`.
+    `interpolation`: 'LINEAR', 'CLOSEST' or 'CUBIC' (B-spline); `extension`: 'REPEAT', 'EXTEND', 'CLIP' or 'MIRROR';
+    `output`: 'COLOR' or 'ALPHA'. `projection`: 'FLAT', 'SPHERE', 'TUBE' or 'BOX', which needs the `normal` in the
+    object's space and blends its faces over `blend` (0..1).
     `association`: 'SEPARATE' (the colour knows nothing of alpha), 'MULTIPLIED' (the texels' colours times alpha are
     interpolated) or 'WEIGHTED' (alpha weighs the texels in the interpolation).
     """
@@ -123,8 +137,9 @@ class ImageTexture(Expression):
 
 @dataclass(frozen=True)
 class Tile(Expression):
-    """`inside` where `vector` lies in tile `number` of a tiled image (UDIM: 1001 + column + 10 rows), and `outside` elsewhere.
+    """`inside` where `vector` lies in tile `number` of a tiled image, and `outside` elsewhere.
 
+    The number is that of UDIM: 1001 + column + 10 rows.
     There are 10 columns. As in Cycles, what is above -1 belongs to the first column or row.
     """
 
@@ -150,7 +165,10 @@ class EnvironmentTexture(Expression):
 
 @dataclass(frozen=True)
 class Checker(Expression):
-    """Blender's Checker texture. `output`: 'COLOR' or 'FACTOR' (a value: 1 where `color1` shows)."""
+    """Blender's Checker texture.
+
+    `output`: 'COLOR' or 'FACTOR' (a value: 1 where `color1` shows).
+    """
 
     vector: Expression
     color1: Expression
@@ -161,7 +179,10 @@ class Checker(Expression):
 
 @dataclass(frozen=True)
 class Math(Expression):
-    """Blender's Math node on values; `operation` by Blender's identifier ('ADD', 'POWER', 'WRAP', ...)."""
+    """Blender's Math node on values.
+
+    `operation` by Blender's identifier ('ADD', 'POWER', 'WRAP', ...).
+    """
 
     operation: str
     a: Expression
@@ -172,8 +193,9 @@ class Math(Expression):
 
 @dataclass(frozen=True)
 class Mix(Expression):
-    """Blender's Mix node: values if a and b are values, else colours; `factor` a value (or a vector, non-uniform).
+    """Blender's Mix node: values if a and b are values, else colours.
 
+    `factor` is a value, or a vector (non-uniform).
     `blend` by Blender's identifier ('MIX', 'MULTIPLY', 'SCREEN', ...), 'MIX' alone for values and vectors.
     """
 
@@ -204,7 +226,10 @@ class ColorRamp(Expression):
 
 @dataclass(frozen=True)
 class Gamma(Expression):
-    """Blender's Gamma node: each channel of `color` above 0 raised to `gamma`; others as they are."""
+    """Blender's Gamma node: each channel of `color` above 0 raised to `gamma`.
+
+    Other channels stay as they are.
+    """
 
     color: Expression
     gamma: Expression
@@ -212,7 +237,10 @@ class Gamma(Expression):
 
 @dataclass(frozen=True)
 class FresnelFactor(Expression):
-    """Exact unpolarised dielectric reflectance at |n.wo| of `normal`, or the shading normal; the index is inverted on back faces."""
+    """Exact unpolarised dielectric reflectance at |n.wo|.
+
+    n is `normal`, or the shading normal. The index is inverted on back faces.
+    """
 
     ior: Expression
     normal: Expression | None = None
@@ -220,7 +248,10 @@ class FresnelFactor(Expression):
 
 @dataclass(frozen=True)
 class LayerWeight(Expression):
-    """Blender's Layer Weight, at |n.wo| of `normal`, or the shading normal. `output`: 'FRESNEL' or 'FACING'."""
+    """Blender's Layer Weight node, at |n.wo|.
+
+    n is `normal`, or the shading normal. `output`: 'FRESNEL' or 'FACING'.
+    """
 
     blend: Expression
     output: str = "FRESNEL"
@@ -229,12 +260,14 @@ class LayerWeight(Expression):
 
 @dataclass(frozen=True)
 class BeneathLayer(Expression):
-    """What a glossy layer leaves for the layers below it, a value: 1 - `weight` times the largest colour of its albedo at |n.wo|.
+    """What a glossy layer leaves for the layers below it, a value.
 
-    The layer is a `lib.scene.materials.Specular` of the same `ior`, `tint`, `roughness` and `distribution`; the first must be
-    constant, and what describes a film on the layer, too. Anisotropy leaves the albedo's estimate as it is. `coat`: the layer is a coat of
-    Blender's Principled BSDF. Departures (lib/departures): `tables`, the nodes along each axis of the tables from which Cycles estimates the
-    albedo (0: the integral itself), `lossless`, as if no light were lost between facets, and `film_by_table`.
+    It is 1 - `weight` times the largest colour of the layer's albedo at |n.wo|.
+    The layer is a `lib.scene.materials.Specular` of the same `ior`, `tint`, `roughness` and `distribution`; the first
+    must be constant, and what describes a film on the layer, too. Anisotropy leaves the albedo's estimate as it is.
+    `coat`: the layer is a coat of Blender's Principled BSDF. Departures (lib/departures): `tables`, the nodes along
+    each axis of the tables from which Cycles estimates the albedo (0: the integral itself), `lossless`, as if no light
+    were lost between facets, and `film_by_table`.
     """
 
     ior: Constant
@@ -253,8 +286,9 @@ class BeneathLayer(Expression):
 
 @dataclass(frozen=True)
 class BeneathSheen(Expression):
-    """What sheen leaves for the layers below it, a value: 1 - its albedo at n.wo times the largest colour of `weight` `tint`.
+    """What sheen leaves for the layers below it, a value.
 
+    It is 1 - the albedo at n.wo times the largest colour of `weight` `tint`.
     The sheen is a `lib.scene.materials.Sheen` of the same `roughness` and `normal`.
     """
 
@@ -266,7 +300,10 @@ class BeneathSheen(Expression):
 
 @dataclass(frozen=True)
 class CoatTint(Expression):
-    """What an absorbing coat leaves of light, a colour: 1 mixed by `weight` with tint^(1 / cos), cos that of |n.wo| refracted."""
+    """What an absorbing coat leaves of light, a colour.
+
+    It is 1 mixed by `weight` with tint^(1 / cos), where cos is that of |n.wo| refracted.
+    """
 
     ior: Expression
     tint: Expression
@@ -276,7 +313,10 @@ class CoatTint(Expression):
 
 @dataclass(frozen=True)
 class Wireframe(Expression):
-    """1 within half of |`size`| metres of an edge of the point's triangle, else 0 (a value). Blender's diagonals count, too."""
+    """1 near an edge of the point's triangle, else 0 (a value).
+
+    Near means within half of |`size`| metres. Diagonals that Blender adds count, too.
+    """
 
     size: Expression
 
@@ -288,7 +328,10 @@ class Backfacing(Expression):
 
 @dataclass(frozen=True)
 class RayFlag(Expression):
-    """1 where the ray that meets the point is of a kind, else 0 (a value); `flag` is a name in rays.FLAGS."""
+    """1 where the ray that meets the point is of a kind, else 0 (a value).
+
+    `flag` is a name in rays.FLAGS.
+    """
 
     flag: str
 

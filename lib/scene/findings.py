@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Findings about a scene: what in it is likely not meant, or was set aside for the comparison."""
+"""Findings about a scene: likely mistakes, and what was left out of the comparison."""
 
 from __future__ import annotations
 

@@ -10,10 +10,12 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Image:
-    """Pixels (height, width, 4), float32, row 0 at the bottom, alpha straight (not multiplied in) unless `multiplied`.
+    """Pixels (height, width, 4), float32, row 0 at the bottom.
 
-    `encoding`: 'SRGB' (code values in 0..1, to be decoded), 'LINEAR' (linear Rec. 709) or 'DATA' (numbers, never decoded).
-    Where `multiplied`, colours are stored times alpha (code values times alpha), and a colour may be left where alpha is 0.
+    Alpha is straight (not multiplied in) unless `multiplied`.
+    `encoding`: 'SRGB' (code values in 0..1, to be decoded), 'LINEAR' (linear Rec. 709) or 'DATA' (numbers, never
+    decoded). Where `multiplied`, colours are stored times alpha (code values times alpha), and a colour may be left
+    where alpha is 0.
     """
 
     name: str

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights in radiometric units, in world space; the exporter has already applied Blender's wattage rules.
+"""Lights in radiometric units, in world space.
 
+The exporter has already applied Blender's wattage rules.
 Colours are tuples of three (linear Rec. 709), positions and directions tuples of three (metres, unit vectors).
 A light that is hit is transparent: it adds its radiance and the ray goes on, as in Cycles.
 """
@@ -41,7 +42,10 @@ class PointLight(Switches):
 
 @dataclass(frozen=True)
 class SphereLight(Switches):
-    """A sphere that shows the same `radiance` (W m^-2 sr^-1) everywhere, also to what is inside it, as in Cycles."""
+    """A sphere that shows the same `radiance` (W m^-2 sr^-1) everywhere.
+
+    As in Cycles, it does so also to what is inside it.
+    """
 
     name: str
     position: Vector
@@ -66,7 +70,10 @@ class Cone:
 
 @dataclass(frozen=True)
 class SpotLight(Switches):
-    """A point (`radius` 0: `emission` is intensity, W sr^-1) or sphere (radiance) seen through a cone."""
+    """A point or sphere seen through a cone.
+
+    A point (`radius` 0) has its `emission` as intensity, W sr^-1, a sphere as radiance.
+    """
 
     name: str
     position: Vector
@@ -90,10 +97,11 @@ class SunLight(Switches):
 
 @dataclass(frozen=True)
 class AreaLight(Switches):
-    """A one-sided `shape` ('RECTANGLE' or 'ELLIPSE') about `center` with full edges (or axes) `edge_u` and `edge_v`.
+    """A one-sided light: a `shape` ('RECTANGLE' or 'ELLIPSE') about `center`.
 
-    It emits `radiance` to the side of `normal`; with `spread` < pi (radians) the radiance at angle theta is multiplied by
-    max(tan(spread/2) - tan theta, 0) / (tan(spread/2) - spread/2).
+    `edge_u` and `edge_v` are its full edges (or axes).
+    It emits `radiance` to the side of `normal`; with `spread` < pi (radians) the radiance at angle theta is multiplied
+    by max(tan(spread/2) - tan theta, 0) / (tan(spread/2) - spread/2).
     """
 
     name: str

@@ -15,7 +15,10 @@ EVERY_SET = -1
 
 @dataclass(frozen=True)
 class Links:
-    """What an emitter lights: `receivers` are the sets of objects that its light reaches, `blockers` those that cast its shadows."""
+    """What an emitter lights, and what casts its shadows.
+
+    `receivers` are the sets of objects that its light reaches, `blockers` those that cast its shadows.
+    """
 
     receivers: int = EVERY_SET
     blockers: int = EVERY_SET

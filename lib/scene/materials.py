@@ -29,7 +29,10 @@ class Closure:
 
 
 class Microfacets(Closure):
-    """Base of the closures with a `distribution` of microfacets and a `roughness`; no dataclass, so each says its own defaults."""
+    """Base of the closures with a `distribution` of microfacets and a `roughness`.
+
+    It is no dataclass, so each closure declares its own defaults.
+    """
 
     distribution: str
     roughness: Expression
@@ -47,7 +50,10 @@ class Anisotropic(Microfacets):
 
     @property
     def is_anisotropic(self) -> bool:
-        """Whether the tangent matters: any anisotropy but a constant that counts as none (at most 1e-4, as in Cycles)."""
+        """Whether the tangent matters.
+
+        It does with any anisotropy but a constant of at most 1e-4, which counts as none, as in Cycles.
+        """
         return not (isinstance(self.anisotropy, Constant) and np.all(np.abs(self.anisotropy.value) <= 1e-4))
 
 
@@ -96,9 +102,11 @@ class Glossy(Anisotropic):
 
 @dataclass(frozen=True)
 class Metallic(Anisotropic):
-    """Microfacet reflection from a metal (Blender's Metallic BSDF; `anisotropy` in [0, 1) stretches as there).
+    """Microfacet reflection from a metal (Blender's Metallic BSDF).
 
-    `fresnel` 'F82': `base` is the colour at normal incidence, `edge` tints near grazing. 'CONDUCTOR': index `base` + i `edge`.
+    `anisotropy` in [0, 1) stretches as there.
+    `fresnel` 'F82': `base` is the colour at normal incidence, `edge` tints near grazing. 'CONDUCTOR': index `base` + i
+    `edge`.
     """
 
     families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
@@ -117,8 +125,9 @@ class Metallic(Anisotropic):
 
 @dataclass(frozen=True)
 class Specular(Anisotropic):
-    """Microfacet reflection from a dielectric of index `ior`, the same on both faces (Blender's Principled BSDF: coat, specular).
+    """Microfacet reflection from a dielectric of index `ior`, the same on both faces.
 
+    Blender's Principled BSDF has it as coat and as specular.
     `tint` multiplies the reflectance at normal incidence and fades towards grazing. `anisotropy` as in Metallic.
     """
 
@@ -161,11 +170,12 @@ class Translucent(Closure):
 
 @dataclass(frozen=True)
 class Subsurface(Closure):
-    """Light that enters an object, scatters inside it and leaves by a diffuse lobe (Blender's Subsurface Scattering).
+    """Light that enters an object, scatters inside it and leaves by a diffuse lobe.
 
-    `color` is about the albedo of a thick body, `radius` the mean free path of each channel in metres, as `mapping` reads it
-    (lib/scattering/subsurface.py); `anisotropy` is that of the scattering. Light enters by refraction at GGX facets of `alpha` and the
-    index `ior`, and half of it by the cosine where it enters `softly`.
+    Blender's Subsurface Scattering.
+    `color` is about the albedo of a thick body, `radius` the mean free path of each channel in metres, as `mapping`
+    reads it (lib/scattering/subsurface.py); `anisotropy` is that of the scattering. Light enters by refraction at GGX
+    facets of `alpha` and the index `ior`, and half of it by the cosine where it enters `softly`.
     """
 
     families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
@@ -181,8 +191,9 @@ class Subsurface(Closure):
 
 @dataclass(frozen=True)
 class Sheen(Closure):
-    """A layer of upright fibers (Blender's Sheen BSDF 'Microfiber', Principled BSDF); lib/bsdfs/sheen.py.
+    """A layer of upright fibers; lib/bsdfs/sheen.py.
 
+    Blender's Sheen BSDF 'Microfiber', and its Principled BSDF.
     `roughness` in [0, 1] is Blender's.
     """
 
@@ -194,7 +205,10 @@ class Sheen(Closure):
 
 @dataclass(frozen=True)
 class Velvet(Closure):
-    """Ashikhmin's velvet (Blender's Sheen BSDF 'Ashikhmin', Velvet BSDF of older files); `sigma` in [0, 1] is the node's Roughness."""
+    """Ashikhmin's velvet (Blender's Sheen BSDF 'Ashikhmin', Velvet BSDF of older files).
+
+    `sigma` in [0, 1] is the node's Roughness.
+    """
 
     families: ClassVar[tuple[Family, ...]] = (Family.GLOSSY,)
     color: Expression = WHITE
@@ -204,7 +218,10 @@ class Velvet(Closure):
 
 @dataclass(frozen=True)
 class Toon(Closure):
-    """A cone of light about the normal (Blender's Toon BSDF); `size` and `smooth` in [0, 1] are parts of a right angle."""
+    """A cone of light about the normal (Blender's Toon BSDF).
+
+    `size` and `smooth` in [0, 1] are parts of a right angle.
+    """
 
     families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)
     color: Expression = WHITE
@@ -250,7 +267,10 @@ class Glass(Anisotropic):
 
 @dataclass(frozen=True)
 class Refraction(Microfacets):
-    """Refraction alone, no Fresnel (zero under total internal reflection); `distribution`: 'BECKMANN' or 'GGX'."""
+    """Refraction without Fresnel; zero under total internal reflection.
+
+    `distribution`: 'BECKMANN' or 'GGX'.
+    """
 
     families: ClassVar[tuple[Family, ...]] = (Family.TRANSMISSION,)
     color: Expression = WHITE

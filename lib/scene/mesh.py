@@ -24,11 +24,13 @@ def near(positions: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Object:
-    """An object (or one instance) as the user named it; `world_from_object` is a (3, 4) affine map.
+    """An object (or one instance) with the user's name for it.
 
-    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. `rays` is the mask of the rays
-    that meet it (rays.py); others pass through it as if it were not there. `receiver` and `blocker` number the sets of objects to which it
-    belongs where lights are linked to what they light and to what hides them, `links` says so of the light that it emits (links.py).
+    `world_from_object` is a (3, 4) affine map.
+    `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. `rays` is
+    the mask of the rays that meet it (rays.py); others pass through it as if it were not there. `receiver` and
+    `blocker` number the sets of objects to which it belongs where lights are linked to what they light and to what
+    hides them, `links` says so of the light that it emits (links.py).
     """
 
     name: str
@@ -76,7 +78,10 @@ class Mesh:
         return find_overlaps(self.vertices, self.triangles)
 
     def find_defect(self, object_index: int, material_index: int) -> str:
-        """Why the faces of an object with a material do not say what is inside them (shells.py), searched for once."""
+        """Why the faces of an object with a material do not say what is inside them.
+
+        See shells.py. The search runs once.
+        """
         key = object_index, material_index
         if key not in self._defects:
             faces = (self.object_index == object_index) & (self.material_index == material_index)

@@ -7,8 +7,9 @@ import numpy as np
 
 
 def overlap_in_plane(first: np.ndarray, second: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Indices of the pairs of triangles (3 corners, 2, n), counter-clockwise, that overlap by more than `depth` (n,).
+    """Indices of the pairs of triangles that overlap by more than `depth` (n,).
 
+    The triangles (3 corners, 2, n) are counter-clockwise.
     Two convex shapes are apart if and only if the line through an edge of one of them separates them.
     """
     overlap = np.ones(first.shape[2], bool)
@@ -23,7 +24,10 @@ def overlap_in_plane(first: np.ndarray, second: np.ndarray, depth: np.ndarray) -
 
 
 def overlap_area(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Area (n,) that triangles (3 corners, 2, n) share: the first is clipped by the edges of the second (Sutherland and Hodgman 1974)."""
+    """Area (n,) that triangles (3 corners, 2, n) share.
+
+    The first is clipped by the edges of the second (Sutherland and Hodgman 1974).
+    """
     polygon, clip = _turned(first), _turned(second)
     for k in range(3):
         start, edge = clip[k], clip[(k + 1) % 3] - clip[k]
@@ -51,7 +55,10 @@ def _turned(triangles: np.ndarray) -> np.ndarray:
 
 
 def _filled(points: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """The polygon of the points (m, 2 kinds, 2, n) that are `there` (m, 2, n), the others in the place of the one before them."""
+    """The polygon of the points (m, 2 kinds, 2, n) that are `there` (m, 2, n).
+
+    Each other point takes the place of the one before it.
+    """
     slots = 2 * points.shape[0]
     points, there = points.reshape(slots, *points.shape[2:]), there.reshape(slots, *there.shape[2:])
     number = np.where(there, np.arange(there.shape[0])[:, None], -1)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of boxes in a plane that overlap, for many planes at once: a sweep over small groups, a grid for large ones."""
+"""Pairs of boxes in a plane that overlap, for many planes at once.
+
+A sweep finds them in small groups, a grid in large ones.
+"""
 
 from __future__ import annotations
 
@@ -97,7 +100,10 @@ def _grid(boxes: Boxes) -> Pairs:
 
 
 def _cells(boxes: Boxes, index: np.ndarray, group: np.ndarray, size: float) -> tuple[np.ndarray, int]:
-    """The cell (k,), of `size`, of the lower corner of each box at `index` (k,), a number for each group's own; and the cells in a column."""
+    """The cell (k,), of `size`, of the lower corner of each box at `index` (k,).
+
+    Each group numbers its own cells. Also returns the number of cells in a column.
+    """
     x = np.floor(boxes.left[index] / size).astype(np.int64)
     y = np.floor(boxes.low[index] / size).astype(np.int64)
     columns, rows = int(np.ptp(x)) + 3, int(np.ptp(y)) + 3
@@ -105,7 +111,10 @@ def _cells(boxes: Boxes, index: np.ndarray, group: np.ndarray, size: float) -> t
 
 
 class _Table:
-    """Boxes (n,) sorted by the cell (n,) that each is in, and where each cell that has any begins."""
+    """Boxes (n,) sorted by the cell (n,) that each is in.
+
+    It knows where each cell that has any box begins.
+    """
 
     def __init__(self, box: np.ndarray, cell: np.ndarray) -> None:
         order = np.argsort(cell, kind="stable")

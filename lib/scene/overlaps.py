@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles that overlap in one plane, as far as single precision tells their planes apart.
+"""Triangles that overlap in one plane, within single precision.
 
-First the planes are hashed, each triangle into all cells that its plane may lie in, given how far its vertices are known. Triangles that share
-a cell are then searched for in the plane, by a grid with a level for each power of two of their size. What is left is tested exactly.
+Two planes count as one where single precision does not distinguish them.
+First the planes are hashed, each triangle into all cells that its plane may lie in, given the precision of its
+vertices. Triangles that share a cell are then searched for in the plane, by a grid with a level for each power of two
+of their size. The remaining pairs are tested exactly.
 """
 
 from __future__ import annotations
@@ -30,7 +32,10 @@ _MULTIPLIERS = np.array(
 
 @dataclass(frozen=True)
 class Overlaps:
-    """Pairs (2, k) of triangles that overlap in one plane, the smaller number first, and the area (k,) in m^2 that each pair shares."""
+    """Pairs (2, k) of triangles that overlap in one plane, and their shared areas.
+
+    The smaller number of a pair comes first. The area (k,) is in m^2.
+    """
 
     pairs: np.ndarray
     area: np.ndarray
@@ -43,7 +48,11 @@ class Overlaps:
 
 @dataclass(frozen=True)
 class _Planes:
-    """Per triangle: normal (3, t) of a fixed sign, distance (t,) from the centre, tolerance (t,), and how far normal and distance are known."""
+    """The planes of the triangles.
+
+    Per triangle: normal (3, t) of a fixed sign, distance (t,) from the centre, tolerance (t,), and the precision of
+    normal and distance.
+    """
 
     normal: np.ndarray
     distance: np.ndarray
@@ -53,9 +62,11 @@ class _Planes:
 
 
 def find_overlaps(vertices: np.ndarray, triangles: np.ndarray) -> Overlaps:
-    """All pairs of `triangles` (3, t) on `vertices` (3, v) that share a plane and an area of it.
+    """All pairs of triangles that share a plane and an area of it.
 
-    Triangles less than 1/4000 of the largest coordinate high are passed over: single precision does not tell their planes.
+    `triangles` (3, t) index the `vertices` (3, v).
+    Triangles less than 1/4000 of the largest coordinate high are passed over: single precision does not tell their
+    planes.
     """
     if triangles.shape[1] < 2:
         return Overlaps(np.empty((2, 0), np.intp), np.empty(0))
@@ -103,7 +114,10 @@ def _planes(corners: np.ndarray, center: np.ndarray) -> _Planes:
 
 
 def _hashed(planes: _Planes, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles (m,) and the number (m,) of the group that each is in: those whose planes may be one, sorted by group."""
+    """Triangles (m,) and the number (m,) of the group that each is in, sorted by group.
+
+    A group has triangles whose planes may be one.
+    """
     keep = np.flatnonzero(planes.normal_error <= 0.5 * _NORMAL_CELL)
     values = np.vstack([planes.normal[:, keep] / _NORMAL_CELL, planes.distance[None, keep] / (_DISTANCE_CELL * radius)])
     errors = np.vstack(
@@ -135,7 +149,10 @@ def _hashed(planes: _Planes, radius: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _dropped_axis(planes: _Planes, item: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """The axis (m,) along which each group is projected: the same for all of its triangles, and far from lying in their plane."""
+    """The axis (m,) along which each group is projected.
+
+    It is the same for all triangles of a group, and far from lying in their plane.
+    """
     if item.size == 0:
         return np.empty(0, np.intp)
     first = np.flatnonzero(np.append(True, group[1:] != group[:-1]))
@@ -143,7 +160,10 @@ def _dropped_axis(planes: _Planes, item: np.ndarray, group: np.ndarray) -> np.nd
 
 
 def _projected(corners: np.ndarray, item: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """The corners of the triangles (m, 3 corners * 2) in their planes, counter-clockwise; a row for each, for pairs pick rows."""
+    """The corners of the triangles (m, 3 corners * 2) in their planes, counter-clockwise.
+
+    Each triangle has a row, from which pairs pick.
+    """
     flat = np.empty((item.size, 3, 2))
     for dropped in range(3):
         here = np.flatnonzero(axis == dropped)

@@ -48,7 +48,10 @@ class LocalMesh:
 
 @dataclass(frozen=True)
 class _Instance:
-    """One object: its index, its map to the world, and the scene's material for each of its slots."""
+    """One object: its index, its map to the world, and its materials.
+
+    The materials are the scene's, one for each of its slots.
+    """
 
     index: int
     matrix: np.ndarray
@@ -132,14 +135,20 @@ def _bytes_of(local: LocalMesh) -> int:
 
 
 def _batches(group: _Group) -> Iterator[list[_Instance]]:
-    """The instances in runs that stay in cache, so that many small ones cost no more than a few large ones."""
+    """The instances in batches that fit the cache.
+
+    Many small instances thus cost no more than a few large ones.
+    """
     step = max(1, _BLOCK // max(1, group.local.triangles.shape[1]))
     for first in range(0, len(group.instances), step):
         yield group.instances[first : first + step]
 
 
 def _fill(mesh: Mesh, group: _Group, instances: list[_Instance], first_vertex: int, first_triangle: int) -> None:
-    """Write `instances` of `group` into the joined arrays, from the given vertex and triangle on."""
+    """Write `instances` of `group` into the joined arrays.
+
+    They begin at the given vertex and triangle.
+    """
     local = group.local
     k, v, t = len(instances), local.positions.shape[1], local.triangles.shape[1]
     at_vertices = slice(first_vertex, first_vertex + k * v)
@@ -173,10 +182,11 @@ def _fill(mesh: Mesh, group: _Group, instances: list[_Instance], first_vertex: i
 
 
 def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.ndarray, at: slice) -> None:
-    """Corner normals by the cofactor matrix, det(M) M^-T, which exists for flattened objects, too.
+    """Corner normals by the cofactor matrix, det(M) M^-T.
 
-    Cycles mixes an instance's normals in object space, but turns those of a mesh with one user into unit vectors of the world
-    first: so the latter are normalised, and the former keep the lengths that their transform gives them.
+    It exists for flattened objects, too.
+    Cycles mixes an instance's normals in object space, but turns those of a mesh with one user into unit vectors of the
+    world first: so the latter are normalised, and the former keep the lengths that their transform gives them.
     """
     local = group.local
     if local.corner_normals is None:
@@ -201,7 +211,10 @@ def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.nd
 
 
 def _mirrored_corners(values: np.ndarray, mirrored: np.ndarray) -> np.ndarray:
-    """`values` (3 corners, c, 1, t) once for each instance, corners 1 and 2 swapped where it is mirrored: (3, c, k, t)."""
+    """`values` (3 corners, c, 1, t) once for each instance, (3, c, k, t).
+
+    Corners 1 and 2 are swapped where the instance is mirrored.
+    """
     if not mirrored.any():
         return np.broadcast_to(values, (*values.shape[:2], mirrored.size, values.shape[3]))
     return np.where(mirrored[:, None], values[[0, 2, 1]], values)

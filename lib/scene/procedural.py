@@ -10,8 +10,9 @@ from .expressions import ONE, ZERO, Expression
 
 @dataclass(frozen=True)
 class Noise(Expression):
-    """Blender's Noise texture. `dimensions` 1 to 4 (1 reads `w` alone); `kind` by Blender's identifier ('FBM', ...).
+    """Blender's Noise texture.
 
+    `dimensions` 1 to 4 (1 reads `w` alone); `kind` by Blender's identifier ('FBM', ...).
     `output`: 'COLOR' or 'FACTOR' (a value).
     """
 
@@ -32,7 +33,10 @@ class Noise(Expression):
 
 @dataclass(frozen=True)
 class WhiteNoise(Expression):
-    """A random number for each coordinate, by its bits in single precision. `output`: 'COLOR' or 'FACTOR'."""
+    """A random number for each coordinate, by its bits in single precision.
+
+    `output`: 'COLOR' or 'FACTOR'.
+    """
 
     vector: Expression
     w: Expression
@@ -42,7 +46,10 @@ class WhiteNoise(Expression):
 
 @dataclass(frozen=True)
 class Gradient(Expression):
-    """Blender's Gradient texture, a value in [0, 1]; `kind` by Blender's identifier ('LINEAR', 'RADIAL', ...)."""
+    """Blender's Gradient texture, a value in [0, 1].
+
+    `kind` by Blender's identifier ('LINEAR', 'RADIAL', ...).
+    """
 
     vector: Expression
     kind: str = "LINEAR"
@@ -50,7 +57,10 @@ class Gradient(Expression):
 
 @dataclass(frozen=True)
 class Wave(Expression):
-    """Blender's Wave texture, a value. `kind`: 'BANDS' or 'RINGS', `direction` and `profile` by Blender's identifiers."""
+    """Blender's Wave texture, a value.
+
+    `kind`: 'BANDS' or 'RINGS', `direction` and `profile` by Blender's identifiers.
+    """
 
     vector: Expression
     scale: Expression
@@ -97,8 +107,9 @@ class Brick(Expression):
 
 @dataclass(frozen=True)
 class Voronoi(Expression):
-    """Blender's Voronoi texture. `feature`, `metric` by Blender's identifiers; `dimensions` 1 to 4 (1 reads `w` alone).
+    """Blender's Voronoi texture.
 
+    `feature`, `metric` by Blender's identifiers; `dimensions` 1 to 4 (1 reads `w` alone).
     `output`: 'DISTANCE', 'COLOR', 'POSITION', 'W' or 'RADIUS'. `hashing`: 'PCG' (Blender 5.0 on) or 'LOOKUP3' (before).
     """
 

@@ -21,7 +21,10 @@ RAY_NAMES = {"camera": CAMERA, "diffuse": DIFFUSE, "glossy": GLOSSY, "transmissi
 
 
 class Kind(IntEnum):
-    """What a ray of a path is: from the camera, or reflected or transmitted by a diffuse or another lobe."""
+    """The kind of a ray of a path.
+
+    It comes from the camera, or is reflected or transmitted by a diffuse or another lobe.
+    """
 
     CAMERA = 0
     DIFFUSE = 1
@@ -58,7 +61,7 @@ def has_bits(mask: int, bits: int) -> bool:
 
 
 def tells_shadows_apart(mask: int) -> bool:
-    """Whether shadow rays meet an object of that mask and some scattered rays do not, or the other way round."""
+    """Whether shadow rays and some scattered rays differ in meeting an object of that mask."""
     return mask & (SCATTERED | SHADOW) not in (0, SCATTERED | SHADOW)
 
 

@@ -31,8 +31,9 @@ class Transport:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything the reference needs; written by the exporter, checked by `checks.validate`, never changed.
+    """Everything the reference needs.
 
+    It is written by the exporter, checked by `checks.validate`, and never changed.
     `blender` is the release that exported it, by which departures are chosen; None for a scene that no Blender made.
     `findings` are what only the exporter could see; scene_check has the others.
     """

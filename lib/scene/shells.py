@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether faces enclose something: closed, turned outwards, and with no part inside another."""
+"""Whether faces enclose a volume.
+
+They do if they are closed, turned outwards, and have no part inside another.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,18 @@ from ..vectors import cross, dot
 
 
 def weld(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The corners (3, t) int64 of the triangles, where vertices (3, v) in one place count as one."""
+    """The corners (3, t) int64 of the triangles, with vertices in one place made one.
+
+    The vertices are (3, v).
+    """
     _, welded = np.unique(vertices + 0.0, axis=1, return_inverse=True)
     return welded.reshape(-1)[triangles].astype(np.int64)
 
 
 def directed_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sorted keys of the edges of triangles with `corners` (3, t), along their direction and against it, (3 t,) each.
+    """Sorted keys of the edges of triangles with `corners` (3, t).
 
+    Along their direction and against it, (3 t,) each.
     The two are equal exactly where the faces leave no opening.
     """
     a, b, c = corners
@@ -26,7 +33,10 @@ def directed_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def find_defect(vertices: np.ndarray, triangles: np.ndarray) -> str:
-    """Why the faces (3, t) among the vertices (3, v) do not say what is inside them; '' where they do."""
+    """Why the faces (3, t) do not say what is inside them; '' where they do.
+
+    `vertices` (3, v) are their corners.
+    """
     used, inverse = np.unique(triangles, return_inverse=True)
     vertices, triangles = vertices[:, used], inverse.reshape(triangles.shape)
     corners = weld(vertices, triangles)
@@ -47,8 +57,9 @@ def find_defect(vertices: np.ndarray, triangles: np.ndarray) -> str:
 
 
 def _find_misplaced(places: np.ndarray, label: np.ndarray, volume: np.ndarray) -> str:
-    """Whether a part of the faces, with corners `places` (3 corners, 3, t), stands where its side is turned the wrong way.
+    """Whether a part of the faces stands where its side is turned the wrong way.
 
+    The part has corners `places` (3 corners, 3, t).
     A part turned outwards stands outside all others, one turned inwards, a hollow, inside one.
     """
     order = np.argsort(label, kind="stable")
@@ -66,8 +77,9 @@ def _find_misplaced(places: np.ndarray, label: np.ndarray, volume: np.ndarray) -
 
 
 def winding_number(point: np.ndarray, places: np.ndarray) -> float:
-    """How often triangles with corners `places` (3 corners, 3, t) enclose `point` (3, 1): 1 inside faces turned outwards.
+    """How often triangles enclose `point` (3, 1): 1 inside faces turned outwards.
 
+    Their corners are `places` (3 corners, 3, t).
     Sum of signed solid angles over 4 pi (Van Oosterom and Strackee 1983, eq. 8).
     """
     a, b, c = places - point

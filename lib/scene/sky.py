@@ -10,10 +10,11 @@ from .expressions import Expression
 
 @dataclass(frozen=True)
 class SunDisc:
-    """A limb-darkened disc about `elevation` (radians above the horizon) and the sky's azimuth, `diameter` radians wide.
+    """A limb-darkened disc of a sun.
 
-    Image `image` holds the radiance of its centre line in two texels, that of its lower edge and that of its upper edge.
-    Its darkening is 1 - 0.6 (1 - sqrt(1 - r^2)), r the share of its radius. It adds to the sky, or `covers` it.
+    It is about `elevation` (radians above the horizon) and the sky's azimuth, `diameter` radians wide.
+    Image `image` holds the radiance of its centre line in two texels, that of its lower edge and that of its upper
+    edge. Its darkening is 1 - 0.6 (1 - sqrt(1 - r^2)), r the share of its radius. It adds to the sky, or `covers` it.
     """
 
     elevation: float
@@ -24,8 +25,9 @@ class SunDisc:
 
 @dataclass(frozen=True)
 class Sky(Expression):
-    """Radiance of a sky in direction `vector`: a table in image `image`, linear between texels, and the disc of a sun.
+    """Radiance of a sky in direction `vector`.
 
+    A table in image `image`, linear between texels, and the disc of a sun.
     The middle column looks along `azimuth` (radians from +x towards +y), which falls to the right. The row grows
     with the root of the elevation's magnitude on either side of the horizon, which lies between the two middle rows.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Homogeneous volumes: what absorbs, scatters and emits light between faces, the same everywhere."""
+"""Homogeneous volumes: media that absorb, scatter and emit light between faces."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ MOST_ANISOTROPY = 0.999
 
 @dataclass(frozen=True)
 class Phase:
-    """Light that is scattered: `scattering` in 1/m, about the direction of flight by Henyey and Greenstein's `anisotropy` g.
+    """Light that a volume scatters, by Henyey and Greenstein's phase function.
 
+    `scattering` is in 1/m; `anisotropy` g is about the direction of flight.
     The mean cosine of the angle is g, in (-1, 1); 0 scatters evenly in all directions.
     """
 

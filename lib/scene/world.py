@@ -12,8 +12,9 @@ from .volumes import Volume
 
 @dataclass(frozen=True)
 class World:
-    """`radiance` as a colour expression of the direction ('GENERATED' coordinates), W m^-2 sr^-1.
+    """The light and the medium around the scene.
 
+    `radiance` is a colour expression of the direction ('GENERATED' coordinates), W m^-2 sr^-1.
     `table_resolution` (width, height) is that of the equirectangular sampling table; it only steers where samples go.
     `rays` is the mask of the rays that see the world (rays.py). `volume` fills all space, None: nothing does.
     """
