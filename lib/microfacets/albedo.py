@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much light one scattering leaves: the directional albedo of a white GGX surface with height-correlated masking.
+"""The directional albedo of a white GGX surface with height-correlated masking.
 
-E(mu, alpha) = integral of D G / (4 mu) over wi, mu = cos(theta_o); isotropic, alpha in [0, 1]. For an anisotropic lobe Blender takes
-alpha = sqrt(alpha_x alpha_y). The exact form is a table worked out once from quadrature and read to about 5e-6 everywhere;
-beside it stand the coarser tables that Cycles reads, up to 1 % away from it.
+It is the share of light that is left after one scattering:
+E(mu, alpha) = integral of D G / (4 mu) over wi, mu = cos(theta_o); isotropic, alpha in [0, 1].
+For an anisotropic lobe Blender takes alpha = sqrt(alpha_x alpha_y). The exact form is a table computed once by
+quadrature, which gives E to about 5e-6 everywhere; the coarser tables that Cycles reads are also here, up to 1 % away
+from it.
 """
 
 from __future__ import annotations
@@ -35,7 +37,10 @@ def directional_albedo(cos_o: np.ndarray, alpha: float | np.ndarray) -> np.ndarr
 
 
 def average_albedo(alpha: float | np.ndarray) -> np.ndarray:
-    """Integral of 2 mu E(mu, alpha) over mu in [0, 1], shaped as `alpha`, to 1e-5: what is left of diffuse light."""
+    """Integral of 2 mu E(mu, alpha) over mu in [0, 1], shaped as `alpha`, to 1e-5.
+
+    It is the share of diffuse light that is left.
+    """
     return np.asarray(np.interp(alpha, np.linspace(0.0, 1.0, _CELLS + 1), _average()))
 
 
@@ -51,7 +56,10 @@ def directional_albedo_cycles(cos_o: np.ndarray, alpha: float | np.ndarray, powe
 
 
 def average_albedo_cycles(alpha: float | np.ndarray) -> np.ndarray:
-    """The average albedo as Cycles approximates it: linear between 32 nodes in roughness = sqrt(alpha)."""
+    """The average albedo as Cycles approximates it.
+
+    It is linear between 32 nodes in roughness = sqrt(alpha).
+    """
     return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, _CYCLES_NODES), _cycles_average())
 
 
@@ -63,14 +71,15 @@ def integrate_albedo(
     reflectance: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     shadowed: bool = True,
 ) -> np.ndarray:
-    """E by quadrature to 2e-7, (n,); `cos_o` and `alpha` (n,) in (0, 1]; `radii` x 2 `turns` points each.
+    """E by quadrature to 2e-7, (n,), with `radii` x 2 `turns` points each.
 
-    The integrand carries `reflectance` at the cosine between light and microfacet. Without `shadowed` light reaches every facet that
-    wo sees: the mean over visible normals, those that reflect below the surface counting 0.
+    `cos_o` and `alpha` (n,) in (0, 1].
+    The integrand carries `reflectance` at the cosine between light and microfacet. Without `shadowed` light reaches
+    every facet that wo sees: the mean over visible normals, those that reflect below the surface counting 0.
 
-    Over the tangents alpha x (cos phi, sin phi) of the microfacets, dm = alpha^2 x dx dphi cos^3, each turn out to the radius at
-    which the reflected direction meets the horizon, where the integrand ends at zero. Points crowd towards that end (the tail
-    of D) and towards phi = pi / 2 (a grazing observer sees a step there).
+    Over the tangents alpha x (cos phi, sin phi) of the microfacets, dm = alpha^2 x dx dphi cos^3, each turn out to the
+    radius at which the reflected direction meets the horizon, where the integrand ends at zero. Points crowd towards
+    that end (the tail of D) and towards phi = pi / 2 (a grazing observer sees a step there).
     """
     node, weight = roots_legendre(radii)
     rest = 0.5 * (1.0 - node)
@@ -103,7 +112,10 @@ def integrate_albedo(
 
 
 def _bilinear(table: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """The square `table` (k + 1, k + 1) between its nodes at `row` () or (n,) and `column` (n,), both in [0, k]."""
+    """Bilinear interpolation in the square `table` (k + 1, k + 1).
+
+    `row` () or (n,) and `column` (n,) are both in [0, k].
+    """
     cells = table.shape[0] - 1
     first = np.minimum(row.astype(np.intp), cells - 1)
     across = row - first
@@ -153,7 +165,10 @@ def _table() -> np.ndarray:
 
 @functools.cache
 def _average() -> np.ndarray:
-    """The average albedo at the rows of `_table`; nodes in the root of mu, as E goes at grazing."""
+    """The average albedo at the rows of `_table`.
+
+    The nodes are in the root of mu, as E goes at grazing angles.
+    """
     node, weight = roots_legendre(64)
     mu = (0.5 + 0.5 * node) ** 2
     weight = weight * (0.5 + 0.5 * node)

@@ -31,10 +31,11 @@ class Beckmann(Distribution):
     """Beckmann's distribution: Gaussian slopes."""
 
     def density(self, m: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """D(m) = exp(-(m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2) / (pi alpha_x alpha_y m.z^4), sr^-1, (n,).
+        """Beckmann's D(m), sr^-1, (n,).
 
-        Walter et al. 2007, eq. 25; the documents' sampling slide (the model slide's 2 sigma^2 integrates to 2). `m` (3, n)
-        unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
+        D = exp(-(m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2) / (pi alpha_x alpha_y m.z^4).
+        Walter et al. 2007, eq. 25; the documents' sampling slide (the model slide's 2 sigma^2 integrates to 2). `m`
+        (3, n) unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
         """
         z2 = np.square(np.maximum(m[2], FLOOR))
         d = np.exp(-(np.square(m[0] / alpha_x) + np.square(m[1] / alpha_y)) / z2) / (
@@ -43,17 +44,19 @@ class Beckmann(Distribution):
         return above_horizon(m, d, 0.0)
 
     def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """Smith's exact Lambda(w) = exp(-a^2) / (2 a sqrt(pi)) - erfc(a) / 2, a = w.z / |(alpha_x w.x, alpha_y w.y)|, (n,).
+        """Smith's exact Lambda(w) = exp(-a^2) / (2 a sqrt(pi)) - erfc(a) / 2, (n,).
 
-        Heitz 2014, eq. 66. `w` (3, n) unit; HIDDEN where w.z <= 0.
+        a = w.z / |(alpha_x w.x, alpha_y w.y)|; Heitz 2014, eq. 66.
+        `w` (3, n) unit; HIDDEN where w.z <= 0.
         """
         a = _slope_ratio(w, alpha_x, alpha_y)
         value = 0.5 * (np.exp(-a * a) / (_SQRT_PI * a) - erfc(a))
         return above_horizon(w, np.maximum(value, 0.0), HIDDEN)
 
     def sample_d_cos(self, alpha_x: Alpha, alpha_y: Alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-        """Microfacet normal with density D(m) (m.n), (3, n): phi = 2 pi u1, theta = atan(sqrt(-alpha^2 log(1 - u2))).
+        """Sample a microfacet normal, (3, n), with density D(m) (m.n).
 
+        phi = 2 pi u1, theta = atan(sqrt(-alpha^2 log(1 - u2))).
         The documents' example 2; the anisotropic lobe is the isotropic one stretched along x and y.
         """
         x, y = circle(u1)
@@ -89,10 +92,11 @@ class Beckmann(Distribution):
 
 
 def smith_lambda_rational(w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-    """A rational fit to Lambda(w): (1 - 1.259 a + 0.396 a^2) / (3.535 a + 2.181 a^2) where 1 / a^2 > 0.39, else 0, (n,).
+    """A rational fit to Beckmann's Lambda(w), (n,).
 
-    Walter et al. 2007, eq. 27 (Heitz 2014, eq. 69) with the bound that Cycles puts in place of a < 1.6. 1 + Lambda is up
-    to 0.31 % off the exact one, with a jump at the bound. `w` (3, n) unit; HIDDEN where w.z <= 0.
+    (1 - 1.259 a + 0.396 a^2) / (3.535 a + 2.181 a^2) where 1 / a^2 > 0.39, else 0.
+    Walter et al. 2007, eq. 27 (Heitz 2014, eq. 69) with the bound that Cycles puts in place of a < 1.6. 1 + Lambda is
+    up to 0.31 % off the exact one, with a jump at the bound. `w` (3, n) unit; HIDDEN where w.z <= 0.
     """
     a = np.minimum(_slope_ratio(w, alpha_x, alpha_y), _RATIONAL_END)
     fit = 0.396 * (np.square(a - _RATIONAL_MIDDLE) - _RATIONAL_GAP) / (a * (3.535 + 2.181 * a))
@@ -100,6 +104,9 @@ def smith_lambda_rational(w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.n
 
 
 def _slope_ratio(w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-    """The cotangent of w seen by the stretched surface, a = w.z / |(alpha_x w.x, alpha_y w.y)|, bounded at both ends."""
+    """The cotangent a of w, as seen by the stretched surface.
+
+    a = w.z / |(alpha_x w.x, alpha_y w.y)|, bounded at both ends.
+    """
     sine = np.sqrt(np.maximum(stretched_sine_squared(w, alpha_x, alpha_y), FLOOR))
     return np.clip(w[2], FLOOR, 1.0) / sine

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Albedos of dielectrics as Cycles tabulates them: linear between nodes of roughness, cosine and z = sqrt(|eta - 1| / (eta + 1)).
+"""Albedos of dielectrics as Cycles tabulates them.
 
-Cycles' layout of the nodes changed with Blender 5.3 (`Tables`). The values at the nodes come from quadrature; at the lower ends the nodes stand
-for 1e-4, and at the upper end of z for 0.99 (Cycles, app/cycles_precompute.cpp). One table of Blender up to 5.2 does not hold the integrals:
-that of glass from inside exceeds them near grazing, by up to 0.6; it is not reproduced. The exact forms are in layers.py.
+They are linear between nodes of roughness, cosine and z = sqrt(|eta - 1| / (eta + 1)).
+Cycles' layout of the nodes changed with Blender 5.3 (`Tables`). The values at the nodes come from quadrature; at the
+lower ends the nodes stand for 1e-4, and at the upper end of z for 0.99 (Cycles, app/cycles_precompute.cpp). One table
+of Blender up to 5.2 does not hold the integrals: that of glass from inside exceeds them near grazing, by up to 0.6; it
+is not reproduced. The exact forms are in layers.py.
 """
 
 from __future__ import annotations
@@ -26,8 +28,9 @@ _LEAST = 1e-4
 
 @dataclass(frozen=True)
 class Tables:
-    """A layout of Cycles' tables: `nodes` each of roughness, cosine and z, node k at the cosine (k / (nodes - 1))^`power`.
+    """A layout of Cycles' tables: `nodes` each of roughness, cosine and z.
 
+    Node k is at the cosine (k / (nodes - 1))^`power`.
     Tables of GGX without Fresnel have 32 nodes of roughness and cosine in every layout.
     """
 
@@ -77,22 +80,29 @@ def cycles_tables(blender: Release | None) -> Tables:
 
 
 def layer_share_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float, tables: Tables) -> np.ndarray:
-    """How far a layer's reflectance lies from f0 towards 1, on the average over what wo sees, (n,).
+    """How far a layer's reflectance lies from f0 towards 1, on average over visible normals.
 
-    The mean of (F - F0) / (1 - F0), at least 0, over visible normals whose mirror direction rises above the surface, the others counting
-    0: masking between facets is left out. The nodes stand for indices above 1 and are read by z alone: a layer of index below 1 gets the
-    share of one of 1 / `eta`, which reflects nothing totally. `cos_o` (n,) and `alpha`, () or (n,), in [0, 1].
+    The mean (n,) of (F - F0) / (1 - F0), at least 0, over visible normals whose mirror direction rises above the
+    surface, the others counting 0: masking between facets is left out. The nodes stand for indices above 1 and are read
+    by z alone: a layer of index below 1 gets the share of one of 1 / `eta`, which reflects nothing totally. `cos_o`
+    (n,) and `alpha`, () or (n,), in [0, 1].
     """
     return _read(_between(_layer_table, eta, tables), cos_o, alpha, tables)
 
 
 def glass_albedo_cycles(cos_o: np.ndarray, alpha: np.ndarray, eta: float, tables: Tables) -> np.ndarray:
-    """What a white interface of index `eta` reflects and refracts together after one scattering, (n,)."""
+    """The albedo, (n,), of a white interface of index `eta` after one scattering.
+
+    It counts what the interface reflects and refracts together.
+    """
     return _read(_between(_inside_table if eta < 1.0 else _outside_table, eta, tables), cos_o, alpha, tables)
 
 
 def average_glass_albedo_cycles(alpha: np.ndarray, eta: float, tables: Tables) -> np.ndarray:
-    """Integral of 2 mu times the exact albedo over mu, linear between the nodes, shaped as `alpha`."""
+    """Integral of 2 mu times the exact albedo over mu, shaped as `alpha`.
+
+    It is linear between the nodes.
+    """
     average = _between(_inside_average if eta < 1.0 else _outside_average, eta, tables)
     return np.interp(np.sqrt(alpha), np.linspace(0.0, 1.0, tables.nodes), average)
 
@@ -150,7 +160,10 @@ def _inside_average(tables: Tables, node: int) -> np.ndarray:
 
 
 def _average(tables: Tables, eta: float) -> np.ndarray:
-    """The average over the cosine at each node of roughness; quadrature in the root of the cosine, as the albedo goes at grazing."""
+    """The average over the cosine at each node of roughness.
+
+    The quadrature is in the root of the cosine, as the albedo goes at grazing angles.
+    """
     x, weight = roots_legendre(24)
     root = 0.5 + 0.5 * x
     mu, alpha = np.tile(root**2, tables.nodes), np.repeat(tables.roughness**2, root.size)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities of a sampled microfacet normal, and the change of variable that makes them densities of wi."""
+"""Densities of a sampled microfacet normal, and their change of variable.
+
+The change of variable makes them densities of wi.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +30,9 @@ def pdf_visible(m: np.ndarray, wo: np.ndarray, d: np.ndarray, lambda_o: np.ndarr
 
 
 def reflection_jacobian(wo: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """Solid angle of m per solid angle of wi, 1 / (4 |o.m|), (n,) (Walter et al. 2007, eq. 14).
+    """Solid angle of m per solid angle of wi, 1 / (4 |o.m|), (n,).
 
+    Walter et al. 2007, eq. 14.
     `wo`, `m` (3, n) unit. The documents sample m but estimate over wi: this is the factor that they leave out.
     """
     return 0.25 / np.maximum(np.abs(dot(wo, m)), FLOOR)

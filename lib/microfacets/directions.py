@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all microfacet kernels ask of directions: tangents, the sine on a stretched surface."""
+"""Quantities of directions that all microfacet kernels use.
+
+Tangents, and the sine on a stretched surface.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ FLOOR = 1e-70
 
 
 def normal_from_tangents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Normal whose tangents m.x / m.z and m.y / m.z (the surface's slopes, negated) are `x` and `y`, (n,): (3, n)."""
+    """The normal (3, n) whose tangents m.x / m.z and m.y / m.z are `x` and `y`, (n,).
+
+    The tangents are the surface's slopes, negated.
+    """
     m = np.empty((3, x.shape[0]))
     m[2] = 1.0 / np.sqrt(x * x + y * y + 1.0)
     np.multiply(x, m[2], out=m[0])
@@ -19,12 +25,18 @@ def normal_from_tangents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def stretched_sine_squared(w: np.ndarray, alpha_x: float | np.ndarray, alpha_y: float | np.ndarray) -> np.ndarray:
-    """(alpha_x w.x)^2 + (alpha_y w.y)^2, (n,): sin^2 of a direction seen by the surface stretched to roughness 1."""
+    """(alpha_x w.x)^2 + (alpha_y w.y)^2, (n,).
+
+    It is sin^2 of a direction as seen by the surface stretched to roughness 1.
+    """
     return np.square(w[0] * alpha_x) + np.square(w[1] * alpha_y)
 
 
 def above_horizon(w: np.ndarray, value: np.ndarray, below: float) -> np.ndarray:
-    """`value` (n,), but `below` where w.z <= 0; writes into `value`, which is nearly always right as it stands."""
+    """`value` (n,), but `below` where w.z <= 0.
+
+    It writes into `value`, which is nearly always right already.
+    """
     hidden = w[2] <= 0.0
     if hidden.any():
         value[hidden] = below

@@ -17,7 +17,10 @@ Alpha: TypeAlias = float | np.ndarray
 
 
 class Distribution(ABC):
-    """Distribution of normals that stretches with alpha: its shape at roughness 1 says all of it (Heitz 2014, section 5.3)."""
+    """Distribution of normals that stretches with alpha.
+
+    Its shape at roughness 1 determines it for all roughnesses (Heitz 2014, section 5.3).
+    """
 
     @abstractmethod
     def density(self, m: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
@@ -52,7 +55,10 @@ class BoundedDistribution(Distribution):
 
     @abstractmethod
     def bound(self, wo: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """Return k, (n,), by which the density of the reflected direction is D(m) / (2 wo.z (k + 1 + 2 Lambda(o)))."""
+        """Return k, (n,), which is in the density of the reflected direction.
+
+        The density is D(m) / (2 wo.z (k + 1 + 2 Lambda(o))).
+        """
 
     @abstractmethod
     def sample_bounded(

@@ -17,7 +17,10 @@ DISTRIBUTIONS: dict[str, Distribution] = {
 
 
 def distribution_by_name(name: str) -> Distribution:
-    """Return the distribution that closures call `name`; raise EtalonError where there is none."""
+    """Return the distribution that closures call `name`.
+
+    Raises EtalonError where there is none.
+    """
     if name not in DISTRIBUTIONS:
         raise EtalonError(f"unknown microfacet distribution {name!r}; choose one of {', '.join(DISTRIBUTIONS)}")
     return DISTRIBUTIONS[name]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Unpolarised reflectance of an interface: the exact forms, and the two approximations that the documents name.
+"""Unpolarised reflectance of an interface: exact forms, and two approximations.
 
+The approximations are those that the documents name.
 cos_i in [0, 1] is the cosine between the light and the (micro)normal. All arguments broadcast against each other.
 """
 
@@ -47,13 +48,13 @@ def _refracted_squared(c: np.ndarray, sine2: np.ndarray, eta2: np.ndarray, contr
 
 
 def rise_to_grazing(cos_i: np.ndarray, eta: float | np.ndarray) -> np.ndarray:
-    """How far a dielectric's reflectance has risen from normal incidence to 1, (F - F0) / (1 - F0), at most 1.
+    """How far a dielectric's reflectance has risen from normal incidence to 1, at most 1.
 
-    `eta` > 0; a little below 0 where eta > 2 + sqrt(3), whose reflectance falls before it rises. The difference F - F0 keeps no
-    digits near the normal, where it is of the order of sin^4. With g as for `dielectric`, d = g - eta c = contrast sin^2 /
-    (eta c + g) and b = 4 eta^2 + 2 eta (eta^2 + 1) - (eta^2 + 1)^2, the sum of both polarisations has d^2 as a factor:
-    d^2 (2 eta (g^2 + eta^2 c^2) + b c g) / (2 eta ((c + g) (eta^2 c + g))^2). Above one half it is one less the share of 1 - F0 =
-    4 eta / (1 + eta)^2 that passes.
+    (F - F0) / (1 - F0), for `eta` > 0; a little below 0 where eta > 2 + sqrt(3), whose reflectance falls before it
+    rises. The difference F - F0 keeps no digits near the normal, where it is of the order of sin^4. With g as for
+    `dielectric`, d = g - eta c = contrast sin^2 / (eta c + g) and b = 4 eta^2 + 2 eta (eta^2 + 1) - (eta^2 + 1)^2, the
+    sum of both polarisations has d^2 as a factor: d^2 (2 eta (g^2 + eta^2 c^2) + b c g) / (2 eta ((c + g)
+    (eta^2 c + g))^2). Above one half it is one less the share of 1 - F0 = 4 eta / (1 + eta)^2 that passes.
     """
     eta = np.asarray(eta, np.float64)
     eta2, contrast = eta * eta, (eta - 1.0) * (eta + 1.0)
@@ -69,8 +70,9 @@ def rise_to_grazing(cos_i: np.ndarray, eta: float | np.ndarray) -> np.ndarray:
 
 
 def conductor(cos_i: np.ndarray, eta: float | np.ndarray, k: float | np.ndarray) -> np.ndarray:
-    """Exact Fresnel reflectance of a metal of index eta + i k (over that of the light's side), eta > 0, k >= 0, in [0, 1].
+    """Exact Fresnel reflectance of a metal of index eta + i k, in [0, 1].
 
+    The index is relative to that of the light's side; eta > 0, k >= 0.
     Born and Wolf, sec. 14.2, with a + i b = sqrt((eta + i k)^2 - sin^2):
     R_s = ((a - c)^2 + b^2) / ((a + c)^2 + b^2), R_p = R_s ((a c - s^2)^2 + b^2 c^2) / ((a c + s^2)^2 + b^2 c^2).
     """
@@ -102,8 +104,9 @@ def schlick(cos_i: np.ndarray, f0: float | np.ndarray) -> np.ndarray:
 
 
 def cook_torrance(cos_i: np.ndarray, f0: float | np.ndarray) -> np.ndarray:
-    """The exact dielectric whose index gives `f0` at normal incidence, (1 + sqrt(F0)) / (1 - sqrt(F0)), `f0` in [0, 1].
+    """The exact dielectric whose index gives `f0` in [0, 1] at normal incidence.
 
+    The index is (1 + sqrt(F0)) / (1 - sqrt(F0)).
     Cook and Torrance 1982 use it for metals too, colour by colour: an approximation that leaves k out.
     """
     root = np.sqrt(np.asarray(f0, np.float64))

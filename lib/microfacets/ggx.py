@@ -22,27 +22,31 @@ class GGX(BoundedDistribution):
     """GGX (Trowbridge-Reitz): D falls as the fourth power of the tangent."""
 
     def density(self, m: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """D(m) = 1 / (pi alpha_x alpha_y (m.x^2/alpha_x^2 + m.y^2/alpha_y^2 + m.z^2)^2), sr^-1, (n,).
+        """The density D(m) of GGX, sr^-1, (n,).
 
-        Walter et al. 2007, eq. 33; Heitz 2014, eq. 85. `m` (3, n) unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
-        The sine comes from x and y: from the cosine alone it cancels where alpha is small.
+        D = 1 / (pi alpha_x alpha_y (m.x^2/alpha_x^2 + m.y^2/alpha_y^2 + m.z^2)^2).
+        Walter et al. 2007, eq. 33; Heitz 2014, eq. 85. `m` (3, n) unit, or of any length l, which gives D / l^4; zero
+        where m.z <= 0. The sine comes from x and y: from the cosine alone it cancels where alpha is small.
         """
         stretched = np.square(m[0] / alpha_x) + np.square(m[1] / alpha_y) + np.square(m[2])
         d = 1.0 / (np.square(stretched) * (np.pi * (alpha_x * alpha_y)))
         return above_horizon(m, d, 0.0)
 
     def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """Smith's Lambda(w) = (sqrt(1 + s) - 1) / 2, s = (alpha_x^2 w.x^2 + alpha_y^2 w.y^2) / w.z^2, (n,).
+        """Smith's Lambda(w) = (sqrt(1 + s) - 1) / 2, (n,).
 
-        Heitz 2014, eq. 72 and 86, as s / (2 (1 + sqrt(1 + s))), which does not cancel. `w` (3, n) unit; HIDDEN where w.z <= 0.
+        s = (alpha_x^2 w.x^2 + alpha_y^2 w.y^2) / w.z^2.
+        Heitz 2014, eq. 72 and 86, as s / (2 (1 + sqrt(1 + s))), which does not cancel. `w` (3, n) unit; HIDDEN where
+        w.z <= 0.
         """
         sine2 = stretched_sine_squared(w, alpha_x, alpha_y)
         z = np.clip(w[2], FLOOR, 1.0)
         return above_horizon(w, 0.5 * sine2 / (z * (z + np.sqrt(z * z + sine2))), HIDDEN)
 
     def sample_d_cos(self, alpha_x: Alpha, alpha_y: Alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-        """Microfacet normal with density D(m) (m.n), (3, n): phi = 2 pi u1, theta = atan(alpha sqrt(u2 / (1 - u2))).
+        """Sample a microfacet normal, (3, n), with density D(m) (m.n).
 
+        phi = 2 pi u1, theta = atan(alpha sqrt(u2 / (1 - u2))).
         Walter et al. 2007, eq. 35 and 36; the anisotropic lobe is the isotropic one stretched along x and y.
         """
         x, y = circle(u1)
@@ -68,10 +72,11 @@ class GGX(BoundedDistribution):
         return self._sample_cap(wo, alpha_x, alpha_y, u1, u2, lambda_o, None)
 
     def bound(self, wo: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """By which factor k the cap's lower end can rise without losing a reflection that stays above the horizon, (n,).
+        """The factor k, (n,), by which the lower end of the cap can rise.
 
-        k = (1 - a^2) s^2 / (s^2 + a^2 wo.z^2), a = min(alpha_x, alpha_y), s = 1 + |(wo.x, wo.y)| (Eto and Tokuyoshi 2023,
-        "Bounded VNDF sampling for Smith-GGX reflections", eq. 5 and 6).
+        No reflection that stays above the horizon is lost by it.
+        k = (1 - a^2) s^2 / (s^2 + a^2 wo.z^2), a = min(alpha_x, alpha_y), s = 1 + |(wo.x, wo.y)| (Eto and Tokuyoshi
+        2023, "Bounded VNDF sampling for Smith-GGX reflections", eq. 5 and 6).
         """
         a = np.minimum(alpha_x, alpha_y)
         a2 = np.minimum(a * a, 1.0)
@@ -87,9 +92,11 @@ class GGX(BoundedDistribution):
         u2: np.ndarray,
         lambda_o: np.ndarray | None = None,
     ) -> np.ndarray:
-        """As `sample_visible`, from the smaller cap z > -k wo.z, k = `bound`: fewer reflections below the horizon.
+        """As `sample_visible`, from the smaller cap z > -k wo.z, k = `bound`.
 
-        Density of the reflected direction, per steradian: D(m) / (2 wo.z (k + 1 + 2 Lambda(o))) (Eto and Tokuyoshi 2023, eq. 7).
+        Fewer reflections lie below the horizon.
+        Density of the reflected direction, per steradian: D(m) / (2 wo.z (k + 1 + 2 Lambda(o))) (Eto and Tokuyoshi
+        2023, eq. 7).
         """
         return self._sample_cap(wo, alpha_x, alpha_y, u1, u2, lambda_o, self.bound(wo, alpha_x, alpha_y))
 
@@ -103,7 +110,10 @@ class GGX(BoundedDistribution):
         lambda_o: np.ndarray | None,
         k: np.ndarray | None,
     ) -> np.ndarray:
-        """Stretch wo, add a point of the cap z > -k wo.z (`k` None: 1) to it, stretch the sum back."""
+        """Sample a visible normal from the cap z > -k wo.z (`k` None: 1).
+
+        Stretch wo, add a point of the cap to it, stretch the sum back.
+        """
         if lambda_o is None:
             lambda_o = self.smith_lambda(wo, alpha_x, alpha_y)
         # The stretched wo, whose length is wo.z (1 + 2 Lambda), made a unit vector.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of what has no closed inverse: where each begins, so that one step on the exact distribution ends it.
+"""Tables of starting points for inverses that have no closed form.
 
+One step on the exact distribution then completes the inversion.
 The level of a uniform u is l / sqrt(2 + |l|) with l = log(u / (1 - u)): it goes to both ends as Gaussian slopes do.
 """
 
@@ -27,7 +28,10 @@ def level(u: np.ndarray) -> np.ndarray:
 
 
 class ViewTable:
-    """A quantity that grows with s = 1 / (1 + a) and with u, between 129 x 257 nodes that lie evenly in s and in the level of u."""
+    """A quantity that grows with s = 1 / (1 + a) and with u.
+
+    It has 129 x 257 nodes, spaced evenly in s and in the level of u.
+    """
 
     def __init__(self, invert: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
         """`invert(s, above)` gives the quantity at `s` (k, 1) and 1 - u = `above` (m,), (k, m)."""
@@ -63,7 +67,10 @@ class ViewTable:
 
 
 class Spline:
-    """A function on [0, 1] by cubic pieces between evenly spaced nodes, smooth where they meet."""
+    """A function on [0, 1] by cubic pieces between evenly spaced nodes.
+
+    The pieces join smoothly.
+    """
 
     def __init__(self, values: np.ndarray) -> None:
         """`values` (k + 1,) at the nodes."""
@@ -87,8 +94,9 @@ class Spline:
 
 
 class MaskingTable:
-    """Smith's Lambda at even steps of 1 - (b / (b + a))^(1/4), a = cot(theta) / alpha, in which the heaviest tail still ends smoothly.
+    """Smith's Lambda at even steps of 1 - (b / (b + a))^(1/4), a = cot(theta) / alpha.
 
+    In this variable even the heaviest tail ends smoothly.
     It holds Lambda a / (a + b), which is bounded at both ends. `b` is about where Lambda changes most.
     """
 
@@ -112,7 +120,10 @@ class MaskingTable:
         return np.subtract(1.0, part, out=part), end
 
     def __call__(self, sine: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-        """Smith's Lambda, (n,), where `sine` >= 0 and `cosine` > 0, (n,), are the view's to the stretched surface, up to a factor."""
+        """Smith's Lambda, (n,).
+
+        `sine` >= 0 and `cosine` > 0, (n,), are those of the view to the stretched surface, up to a common factor.
+        """
         kappa, end = self.coordinate(sine, cosine)
         value = self._values(kappa)
         value *= end

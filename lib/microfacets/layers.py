@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much light a rough dielectric leaves: what a glossy layer reflects, and what a glass interface reflects and refracts.
+"""Albedos of rough dielectrics: glossy layers and glass interfaces.
 
+A glossy layer reflects; a glass interface reflects and refracts.
 Directional albedos of GGX with height-correlated masking, by quadrature, tabulated for one index at a time.
 """
 
@@ -27,8 +28,9 @@ _BATCH = 1 << 16  # points worked on at a time
 
 
 def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
-    """The integrals of D G / (4 mu) over wi with weights 1 - s and s, s = (F - F0) / (1 - F0), (n,) each.
+    """The integrals of D G / (4 mu) over wi with weights 1 - s and s, (n,) each.
 
+    s = (F - F0) / (1 - F0).
     A layer whose reflectance runs from f0 to 1 along the dielectric's curve has the albedo f0 times the first plus the
     second. `cos_o` (n,) and `alpha`, () or (n,), in [0, 1]; `eta` > 0.
     """
@@ -37,8 +39,9 @@ def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.n
 
 
 def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
-    """Integral of 2 mu F(mu) over mu, shaped as `eta` > 0: what an interface reflects of diffuse light.
+    """Integral of 2 mu F(mu) over mu, shaped as `eta` > 0.
 
+    It is the share of diffuse light that an interface reflects.
     Below the critical angle mu^2 = mu_c^2 + x^2, so that the integrand is smooth in x.
     """
     eta = np.asarray(eta, np.float64)
@@ -51,7 +54,10 @@ def average_reflectance(eta: float | np.ndarray) -> np.ndarray:
 
 
 def glass_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> np.ndarray:
-    """What a white interface of index `eta` reflects and refracts together after one scattering, (n,)."""
+    """The albedo, (n,), of a white interface of index `eta` after one scattering.
+
+    It counts what the interface reflects and refracts together.
+    """
     return read_albedo(_glass_table(float(eta))[0], cos_o, alpha)
 
 
@@ -66,7 +72,10 @@ def tabulate_albedo(reflectance: Callable[[np.ndarray], np.ndarray]) -> np.ndarr
 
 
 def read_albedo(table: np.ndarray, cos_o: np.ndarray, alpha: float | np.ndarray) -> np.ndarray:
-    """A table over roughness sqrt(alpha) and the root of the cosine, bilinear, (n,); `cos_o` (n,), `alpha` () or (n,), in [0, 1]."""
+    """A table over roughness sqrt(alpha) and the root of the cosine, bilinear, (n,).
+
+    `cos_o` (n,), `alpha` () or (n,), in [0, 1].
+    """
     column = np.sqrt(np.clip(cos_o, 0.0, 1.0)) * _CELLS
     row = np.broadcast_to(np.sqrt(alpha), column.shape) * _CELLS
     i = np.minimum(row.astype(np.intp), _CELLS - 1)
@@ -81,7 +90,10 @@ def read_albedo(table: np.ndarray, cos_o: np.ndarray, alpha: float | np.ndarray)
 
 
 def _tabulated(integral: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
-    """`integral` of cosine and alpha at coarse nodes, and a cubic spline through them on the fine grid."""
+    """`integral` of cosine and alpha at coarse nodes.
+
+    A cubic spline through them gives the values on the fine grid.
+    """
     roughness, root = (np.linspace(0.0, 1.0, count) for count in _NODES)
     mu, alpha = np.maximum(root * root, _LEAST), np.maximum(roughness * roughness, _LEAST)
     values = np.stack([integral(mu, np.full_like(mu, a)) for a in alpha])
@@ -104,7 +116,10 @@ def _layer_tables(eta: float) -> tuple[np.ndarray, np.ndarray]:
 
 @functools.lru_cache(maxsize=64)
 def _glass_table(eta: float) -> tuple[np.ndarray, np.ndarray]:
-    """`glass_albedo` on the grid, and its average over the cosine at each roughness of the grid."""
+    """`glass_albedo` on the grid, and its average over the cosine.
+
+    The average is at each roughness of the grid.
+    """
     table = _tabulated(lambda mu, alpha: integrate_glass(mu, alpha, eta))
     x, weight = roots_legendre(64)
     root = 0.5 + 0.5 * x
@@ -116,10 +131,11 @@ def _glass_table(eta: float) -> tuple[np.ndarray, np.ndarray]:
 def integrate_glass(
     cos_o: np.ndarray, alpha: np.ndarray, eta: float, lattice: tuple[int, int] | None = None
 ) -> np.ndarray:
-    """The albedo of a white interface by quadrature over visible normals, (n,), to 1e-4; `cos_o` and `alpha` (n,) in (0, 1].
+    """The albedo of a white interface by quadrature over visible normals, (n,), to 1e-4.
 
-    Under the density of visible normals each facet counts G2 / G1(o), split by Fresnel, where its ray leaves to the right side. `lattice`: the
-    number of points and the generator, two Fibonacci numbers.
+    `cos_o` and `alpha` (n,) in (0, 1].
+    Under the density of visible normals each facet counts G2 / G1(o), split by Fresnel, where its ray leaves to the
+    right side. `lattice`: the number of points and the generator, two Fibonacci numbers.
     """
     if lattice is None:
         lattice = _INSIDE if eta < 1.0 else _OUTSIDE
@@ -145,10 +161,12 @@ def _integrate_glass(cos_o: np.ndarray, alpha: np.ndarray, eta: float, lattice: 
 def _visible_normals(
     cos_o: np.ndarray, alpha: np.ndarray, lattice: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes of a quadrature over GGX's visible normals, for one pair of cosine and alpha after the other.
+    """Nodes of a quadrature over GGX's visible normals.
 
-    m (3, n k), their weights (k,), and wo (3, n k) and alpha (n k,) repeated to match. The integrand is periodic in the first uniform; the
-    second is bent, u = 3 v^2 - 2 v^3, so that it seems so: the lattice then errs by less than its kinks at total reflection.
+    They are for one pair of cosine and alpha after the other.
+    m (3, n k), their weights (k,), and wo (3, n k) and alpha (n k,) repeated to match. The integrand is periodic in the
+    first uniform; the second is bent, u = 3 v^2 - 2 v^3, so that it seems so: the lattice then errs by less than its
+    kinks at total reflection.
     """
     many, generator = lattice
     k = np.arange(many)

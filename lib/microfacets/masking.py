@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The share of a microfacet that both directions see: Torrance-Sparrow's cavities, and two forms of Smith's.
+"""The share of a microfacet that both directions see.
 
+Torrance-Sparrow's cavities, and two forms of Smith's.
 Smith's forms take Lambda of each direction from the distribution, so that it is computed once for masking and density.
 """
 
@@ -16,8 +17,9 @@ HIDDEN = 1e100
 
 
 def torrance_sparrow(wi: np.ndarray, wo: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """G = min{1, 2 (n.m)(n.o) / (o.m), 2 (n.m)(n.i) / (i.m)}, (n,) (documents; Cook and Torrance 1982).
+    """G = min{1, 2 (n.m)(n.o) / (o.m), 2 (n.m)(n.i) / (i.m)}, (n,).
 
+    From the documents; Cook and Torrance 1982.
     `wi`, `wo`, `m` (3, n) unit. Zero where wi or wo lies below the horizon or sees the facet from behind.
     """
     cos_im, cos_om = dot(wi, m), dot(wo, m)
@@ -27,10 +29,16 @@ def torrance_sparrow(wi: np.ndarray, wo: np.ndarray, m: np.ndarray) -> np.ndarra
 
 
 def separable(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
-    """G = G1(i) G1(o) = 1 / ((1 + Lambda(i)) (1 + Lambda(o))), (n,) (documents; Ashikhmin, Premoze and Shirley 2000)."""
+    """G = G1(i) G1(o) = 1 / ((1 + Lambda(i)) (1 + Lambda(o))), (n,).
+
+    From the documents; Ashikhmin, Premoze and Shirley 2000.
+    """
     return 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o))
 
 
 def height_correlated(lambda_i: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
-    """G = 1 / (1 + Lambda(i) + Lambda(o)), (n,): masking and shadowing agree on the facet's height (Heitz 2014, eq. 99)."""
+    """G = 1 / (1 + Lambda(i) + Lambda(o)), (n,).
+
+    Masking and shadowing agree on the facet's height (Heitz 2014, eq. 99).
+    """
     return 1.0 / (1.0 + (lambda_i + lambda_o))

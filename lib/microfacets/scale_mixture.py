@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distributions of slopes that are mixtures of Beckmann's: shifted gamma distributions, and exponential powers.
+"""Distributions of slopes that are mixtures of Beckmann's.
 
-By Bernstein's theorem every completely monotone function of r^2 is a mixture of Gaussians exp(-s r^2), each of which is a Beckmann
-distribution with 1 / sqrt(s) times the roughness. Smith's Lambda is then the mixture of their Lambdas, and a visible normal chooses a
-scale by its share of what is visible, then a normal of that Beckmann distribution. D itself is the closed form.
+Shifted gamma distributions, and exponential powers.
+By Bernstein's theorem every completely monotone function of r^2 is a mixture of Gaussians exp(-s r^2), each of which is
+a Beckmann distribution with 1 / sqrt(s) times the roughness. Smith's Lambda is then the mixture of their Lambdas, and a
+visible normal chooses a scale by its share of what is visible, then a normal of that Beckmann distribution. D itself is
+the closed form.
 
 The integral over s is a sum over even steps of log s, which errs by about exp(-pi^2 / step), 1e-12.
 """
@@ -32,7 +34,10 @@ _SCALE = 0.02
 
 
 class Components:
-    """The Beckmann distributions of a mixture: factors on alpha, `scales` (k,), and their `shares` of all slopes, (k,)."""
+    """The Beckmann distributions of a mixture.
+
+    Factors on alpha, `scales` (k,), and their `shares` of all slopes, (k,).
+    """
 
     def __init__(self, scales: np.ndarray, shares: np.ndarray) -> None:
         self.scales, self.shares = scales, shares
@@ -59,7 +64,10 @@ class Components:
         return self.scales[index], np.clip(rest, 0.0, LARGEST_UNIFORM)
 
     def choose_visible(self, sine: np.ndarray, cosine: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The scale of a slope that is seen from a view, (n,), and what is left of `u`; arguments as for `MaskingTable`."""
+        """The scale of a slope that is seen from a view, (n,), and what is left of `u`.
+
+        Arguments as for `MaskingTable`.
+        """
         kappa, end = self.masking.coordinate(sine, cosine)
         at = kappa * _CELLS
         row = np.minimum(at.astype(np.intp), _CELLS - 1)
@@ -86,7 +94,10 @@ class Components:
 
 
 class ScaleMixture(Distribution):
-    """A distribution with D = P(s) / (alpha_x alpha_y m.z^4), s = (m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2, and P a mixture."""
+    """A distribution with D = P(s) / (alpha_x alpha_y m.z^4), where P is a mixture.
+
+    s = (m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2.
+    """
 
     @abstractmethod
     def slopes(self, s: np.ndarray) -> np.ndarray:
@@ -98,19 +109,28 @@ class ScaleMixture(Distribution):
         """The mixture that it is, made once for each value of its parameters."""
 
     def density(self, m: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """D(m), sr^-1, (n,). `m` (3, n) unit, or of any length l, which gives D / l^4; zero where m.z <= 0."""
+        """D(m), sr^-1, (n,); zero where m.z <= 0.
+
+        `m` (3, n) unit, or of any length l, which gives D / l^4.
+        """
         z2 = np.square(np.maximum(m[2], FLOOR))
         d = self.slopes((np.square(m[0] / alpha_x) + np.square(m[1] / alpha_y)) / z2)
         d /= np.square(z2) * (alpha_x * alpha_y)
         return above_horizon(m, d, 0.0)
 
     def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """Smith's Lambda(w), the mixture of Beckmann's, (n,), to 1e-10 of 1 + Lambda. `w` (3, n) unit; HIDDEN where w.z <= 0."""
+        """Smith's Lambda(w), the mixture of Beckmann's, (n,), to 1e-10 of 1 + Lambda.
+
+        `w` (3, n) unit; HIDDEN where w.z <= 0.
+        """
         sine = np.sqrt(stretched_sine_squared(w, alpha_x, alpha_y))
         return above_horizon(w, self.components.masking(sine, np.clip(w[2], FLOOR, 1.0)), HIDDEN)
 
     def sample_d_cos(self, alpha_x: Alpha, alpha_y: Alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-        """Microfacet normal with density D(m) (m.n), (3, n): a scale by its share, then Beckmann's."""
+        """Sample a microfacet normal, (3, n), with density D(m) (m.n).
+
+        It chooses a scale by its share, then a normal of that Beckmann distribution.
+        """
         scale, rest = self.components.choose(u2)
         return Beckmann().sample_d_cos(alpha_x * scale, alpha_y * scale, u1, rest)
 
@@ -123,9 +143,10 @@ class ScaleMixture(Distribution):
         u2: np.ndarray,
         lambda_o: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Microfacet normal visible from `wo`, (3, n), z > 0: a scale by its share of what is visible, then Beckmann's.
+        """Sample a microfacet normal visible from `wo`, (3, n), z > 0.
 
-        `wo` (3, n) unit with wo.z > 0 (others give some valid normal); `lambda_o` is not asked for.
+        It chooses a scale by its share of what is visible, then a visible normal of that Beckmann distribution.
+        `wo` (3, n) unit with wo.z > 0 (others give some valid normal); `lambda_o` is not used.
         """
         sine = np.sqrt(stretched_sine_squared(wo, alpha_x, alpha_y))
         scale, rest = self.components.choose_visible(sine, np.clip(wo[2], FLOOR, 1.0), u1)
@@ -134,11 +155,12 @@ class ScaleMixture(Distribution):
 
 @dataclass(frozen=True)
 class ShiftedGamma(ScaleMixture):
-    """P22 = exp(-q) q^-p / (pi Gamma(1 - p, shift)), q = shift + r^2 / alpha^2: Bagher, Soler and Holzschuch 2012.
+    """Shifted gamma distribution of slopes: Bagher, Soler and Holzschuch 2012.
 
-    Their SGD of roughness a is `shift` = a with alpha = sqrt(a): q = a + tan^2 / a. `p` in [0, 2], 0 being Beckmann's, `shift` in [1e-4, 10].
-    Gamma is the upper incomplete gamma function. A mixture since q^-p = 1 / Gamma(p) times the integral of t^(p - 1) exp(-t q) over t.
-    Raises EtalonError for a parameter out of range.
+    P22 = exp(-q) q^-p / (pi Gamma(1 - p, shift)), q = shift + r^2 / alpha^2.
+    Their SGD of roughness a is `shift` = a with alpha = sqrt(a): q = a + tan^2 / a. `p` in [0, 2], 0 being Beckmann's,
+    `shift` in [1e-4, 10]. Gamma is the upper incomplete gamma function. A mixture since q^-p = 1 / Gamma(p) times the
+    integral of t^(p - 1) exp(-t q) over t. Raises EtalonError for a parameter out of range.
     """
 
     p: float
@@ -160,9 +182,11 @@ class ShiftedGamma(ScaleMixture):
 
 @dataclass(frozen=True)
 class ExponentialPower(ScaleMixture):
-    """P22 = exp(-(r / alpha)^(2 b)) / (pi alpha_x alpha_y Gamma(1 + 1 / b)), `b` in [0.3, 0.8]; b = 1 would be Beckmann's.
+    """Exponential power of the slopes; `b` in [0.3, 0.8], b = 1 would be Beckmann's.
 
-    A mixture by the positive stable law of exponent b, whose Laplace transform is exp(-x^b). Raises EtalonError for a b out of range.
+    P22 = exp(-(r / alpha)^(2 b)) / (pi alpha_x alpha_y Gamma(1 + 1 / b)).
+    A mixture by the positive stable law of exponent b, whose Laplace transform is exp(-x^b). Raises EtalonError for a b
+    out of range.
     """
 
     b: float
@@ -187,7 +211,10 @@ def _require(name: str, value: float, low: float, high: float) -> None:
 
 @functools.lru_cache(maxsize=64)
 def _gamma_factor(p: float, shift: float) -> float:
-    """exp(-shift) shift^-p / (pi Gamma(1 - p, shift)); with 50 digits, since SciPy has no such function for p > 1."""
+    """exp(-shift) shift^-p / (pi Gamma(1 - p, shift)).
+
+    With 50 digits, since SciPy has no such function for p > 1.
+    """
     from mpmath import mp
 
     with mp.workdps(50):
@@ -197,7 +224,10 @@ def _gamma_factor(p: float, shift: float) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _gamma_components(p: float, shift: float) -> Components:
-    """Shares t^(p - 1) exp(-t shift) / (1 + t) of the scales 1 / sqrt(1 + t); with p = 0 there is t = 0 alone."""
+    """Shares t^(p - 1) exp(-t shift) / (1 + t) of the scales 1 / sqrt(1 + t).
+
+    With p = 0 there is t = 0 alone.
+    """
     if p == 0.0:
         return Components(np.ones(1), np.ones(1))
     log_t = np.arange(_LOWEST, math.log(45.0 / shift), _STEP)
@@ -229,7 +259,10 @@ def _stable_components(b: float) -> Components:
 
 
 def _least_stable(b: float) -> float:
-    """The x below which the stable law has nothing: A x^-c is more than 60 for the least A, at phi = 0."""
+    """The x below which the stable law has nothing.
+
+    A x^-c is more than 60 there for the least A, at phi = 0.
+    """
     c = b / (1.0 - b)
     least = b ** (1.0 / (1.0 - b)) * (1.0 - b) / b
     return (least / 60.0) ** (1.0 / c)

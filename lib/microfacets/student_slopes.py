@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Student-t slopes at roughness 1: their tail, Smith's Lambda, and the inversion of the visible ones.
+"""Student-t slopes at roughness 1: tail, Smith's Lambda, and sampling of visible slopes.
 
-The slope x along any direction has the density p(x) = C (1 + x^2 / (g - 1))^-(g - 1/2), C = Gamma(g - 1/2) / (Gamma(g - 1) sqrt(pi (g - 1))):
-x sqrt(2) is Student's t with 2 g - 2 degrees of freedom. Above x lie T(x) of the slopes, an incomplete beta function, and K(x), the integral
-of t p(t), is (g - 1 + x^2) p(x) / (2 g - 3). Then Smith's Lambda at a = cot(theta) is K(a) / a - T(a), and of the slopes visible under a
-the mass a T(x) + K(x) lies above x (Ribardiere et al. 2017, eq. 13 and 14; the incomplete beta function takes
-the place of their fit, eq. 22 and 23).
+Visible slopes are sampled by inversion.
+The slope x along any direction has the density
+p(x) = C (1 + x^2 / (g - 1))^-(g - 1/2), C = Gamma(g - 1/2) / (Gamma(g - 1) sqrt(pi (g - 1))):
+x sqrt(2) is Student's t with 2 g - 2 degrees of freedom. Above x lie T(x) of the slopes, an incomplete beta function,
+and K(x), the integral of t p(t), is (g - 1 + x^2) p(x) / (2 g - 3). Then Smith's Lambda at a = cot(theta) is K(a) / a -
+T(a), and of the slopes visible under a the mass a T(x) + K(x) lies above x (Ribardiere et al. 2017, eq. 13 and 14; the
+incomplete beta function takes the place of their fit, eq. 22 and 23).
 
-An incomplete beta function takes a microsecond, so each g has tables: of T and Lambda to 1e-11, and of where an inversion starts.
-They lie evenly in kappa(x) = 1 - (b / (b + x))^(1/4), x >= 0, in which the heaviest tail still ends smoothly.
+An incomplete beta function takes a microsecond, so each g has tables: of T and Lambda to 1e-11, and of where an
+inversion starts. They are spaced evenly in kappa(x) = 1 - (b / (b + x))^(1/4), x >= 0, in which the heaviest tail still
+ends smoothly.
 """
 
 from __future__ import annotations
@@ -46,7 +49,10 @@ def _slope(kappa: np.ndarray) -> np.ndarray:
 
 
 def tail_by_beta(x: np.ndarray, g: float) -> np.ndarray:
-    """The share T(x) of slopes above `x`, (n,) of either sign, by the incomplete beta function."""
+    """The share T(x) of slopes above `x`, by the incomplete beta function.
+
+    `x` (n,) of either sign.
+    """
     from scipy.special import betainc
 
     beyond = 0.5 * betainc(g - 1.0, 0.5, (g - 1.0) / (g - 1.0 + x * x))
@@ -54,8 +60,9 @@ def tail_by_beta(x: np.ndarray, g: float) -> np.ndarray:
 
 
 def lambda_by_beta(a: np.ndarray, g: float) -> np.ndarray:
-    """Smith's Lambda at `a` = cot(theta) / alpha > 0, (n,), by the incomplete beta function: what the table is made from.
+    """Smith's Lambda at `a` = cot(theta) / alpha > 0, (n,), by the incomplete beta function.
 
+    The table is made from it.
     C (g - 1) / ((2 g - 3) a) (1 + a^2 / (g - 1))^-(g - 3/2) - T(a), g > 3/2.
     """
     return np.maximum(_first_moment(a, g) / a - tail_by_beta(a, g), 0.0)
@@ -76,7 +83,10 @@ def _first_moment(x: np.ndarray, g: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class SlopeTables:
-    """The tables of one g: `tail` is T, `masking` is Lambda to 1e-11 of 1 + Lambda, `start` and `across` give the kappa of a slope."""
+    """The tables of one g.
+
+    `tail` is T, `masking` is Lambda to 1e-11 of 1 + Lambda, `start` and `across` give the kappa of a slope.
+    """
 
     g: float
     tail: Spline
@@ -85,10 +95,11 @@ class SlopeTables:
     across: Spline
 
     def visible_tangent(self, sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
-        """The x above which lies 1 - u of the visible normals, (n,); `u` in [0, 1], `lambda_o` Lambda of the view.
+        """The x above which lies 1 - u of the visible normals, (n,).
 
-        `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor. One step by the parabola
-        through value, slope and curvature, as for Beckmann.
+        `u` in [0, 1]; `lambda_o` is Lambda of the view.
+        `sine` > 0 and `cosine` > 0, (n,), of the viewing angle to the stretched surface, up to a common factor. One
+        step by the parabola through value, slope and curvature, as for Beckmann.
         """
         g = self.g
         u = np.clip(u, LEAST_UNIFORM, LARGEST_UNIFORM)
@@ -131,7 +142,10 @@ class SlopeTables:
         return np.minimum(x, high, out=x)
 
     def tangent_across(self, along: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """The slope across the view, (n,), where the one `along` it is known: Student's t with 2 g - 1 degrees of freedom, scaled."""
+        """The slope across the view, (n,), where the one `along` it is known.
+
+        It is Student's t with 2 g - 1 degrees of freedom, scaled.
+        """
         t = level(np.clip(u, LEAST_UNIFORM, LARGEST_UNIFORM))
         t = np.copysign(_slope(self.across(np.abs(t) / LARGEST_LEVEL)), t)
         return t * np.sqrt((self.g - 1.0 + along * along) / (2.0 * self.g - 1.0))
@@ -155,7 +169,10 @@ def slope_tables(g: float) -> SlopeTables:
 
 
 def _invert(s: np.ndarray, above: np.ndarray, g: float, tail: Spline) -> np.ndarray:
-    """The kappa of the slope above which lies the share `above` (m,) of those visible at `s` (k, 1), (k, m), by bisection."""
+    """The kappa of the slope above which lies the share `above` (m,), (k, m), by bisection.
+
+    The share is of the slopes visible at `s` (k, 1).
+    """
 
     def mass(x: np.ndarray) -> np.ndarray:
         size = np.abs(x)

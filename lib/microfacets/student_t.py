@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Student-t distributions of slopes: the family between Phong, GGX and Beckmann (Ribardiere et al. 2017).
+"""Student-t distributions of slopes: the family between Phong, GGX and Beckmann.
 
+Ribardiere et al. 2017.
 alpha_x, alpha_y in (0, 1], () or (n,): the documents' sigma, Blender's roughness squared. Uniforms in [0, 1].
 """
 
@@ -24,10 +25,12 @@ LARGEST_SHAPE = 1e4
 
 @dataclass(frozen=True)
 class StudentT(Distribution):
-    """Student-t slopes, P22(r^2) = 1 / (pi alpha_x alpha_y (1 + r^2 / (g - 1))^g), 3/2 < `g` <= 1e4.
+    """Student-t slopes, 3/2 < `g` <= 1e4.
 
-    g = 2 is GGX, and the limit of large g is Beckmann's. Phong's D = (n + 2) / (2 pi) cos^n is g = n/2 + 2 with alpha^2 = 2 / (n + 2).
-    At g = 3/2 the mean slope becomes infinite, and no surface masks by it. Raises EtalonError for a g out of range.
+    P22(r^2) = 1 / (pi alpha_x alpha_y (1 + r^2 / (g - 1))^g).
+    g = 2 is GGX, and the limit of large g is Beckmann's. Phong's D = (n + 2) / (2 pi) cos^n is g = n/2 + 2 with alpha^2
+    = 2 / (n + 2). At g = 3/2 the mean slope becomes infinite, and no surface masks by it. Raises EtalonError for a g
+    out of range.
     """
 
     g: float
@@ -38,8 +41,9 @@ class StudentT(Distribution):
             raise EtalonError(f"Student-t distribution: g = {self.g:g} is out of range; {remedy}")
 
     def density(self, m: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """D(m) = (1 + s / (g - 1))^-g / (pi alpha_x alpha_y m.z^4), s = (m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2, sr^-1, (n,).
+        """The density D(m), sr^-1, (n,).
 
+        D = (1 + s / (g - 1))^-g / (pi alpha_x alpha_y m.z^4), s = (m.x^2/alpha_x^2 + m.y^2/alpha_y^2) / m.z^2.
         Ribardiere et al. 2017 (STD). `m` (3, n) unit, or of any length l, which gives D / l^4; zero where m.z <= 0.
         """
         z2 = np.square(np.maximum(m[2], FLOOR))
@@ -60,15 +64,19 @@ class StudentT(Distribution):
         return above_horizon(m, d, 0.0)
 
     def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """Smith's Lambda(w) from the table of this g, (n,), to 1e-11 of 1 + Lambda. `w` (3, n) unit; HIDDEN where w.z <= 0.
+        """Smith's Lambda(w) from the table of this g, (n,), to 1e-11 of 1 + Lambda.
 
-        `smith_lambda_by_beta` is what the table is made from.
+        `w` (3, n) unit; HIDDEN where w.z <= 0.
+        The table is made from `smith_lambda_by_beta`.
         """
         sine = np.sqrt(stretched_sine_squared(w, alpha_x, alpha_y))
         return above_horizon(w, slope_tables(self.g).masking(sine, np.clip(w[2], FLOOR, 1.0)), HIDDEN)
 
     def smith_lambda_by_beta(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
-        """Smith's exact Lambda(w) by the incomplete beta function, (n,), a hundred times as slow. Arguments as for `smith_lambda`."""
+        """Smith's exact Lambda(w) by the incomplete beta function, (n,).
+
+        It is a hundred times slower than `smith_lambda`, with the same arguments.
+        """
         sine = np.sqrt(np.maximum(stretched_sine_squared(w, alpha_x, alpha_y), FLOOR))
         return above_horizon(w, lambda_by_beta(np.clip(w[2], FLOOR, 1.0) / sine, self.g), HIDDEN)
 

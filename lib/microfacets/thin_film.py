@@ -38,8 +38,9 @@ _CYCLES_NODES, _CYCLES_END = 512, 60.0
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Fourier transform of the three colours over the path difference: `table` (3, k) complex at every `step` nm.
+    """Fourier transform of the three colours over the path difference.
 
+    `table` (3, k) is complex, with one entry every `step` nm.
     Beyond the table it is its last entry. `orders`: where the series ends; None when it has converged.
     """
 
@@ -48,7 +49,10 @@ class Sensitivity:
     orders: int | None = None
 
     def __call__(self, difference: np.ndarray) -> np.ndarray:
-        """The integral of colour times e^(2 pi i D / l), (3, n), linear between the entries; `difference` (n,) at least 0."""
+        """The integral of colour times e^(2 pi i D / l), (3, n), linear between the entries.
+
+        `difference` (n,) is at least 0.
+        """
         last = self.table.shape[1] - 1
         at = np.minimum(difference / self.step, last)
         first = np.minimum(at.astype(np.intp), last - 1)
@@ -58,7 +62,10 @@ class Sensitivity:
 
 @functools.cache
 def exact_sensitivity() -> Sensitivity:
-    """The transform every nanometre, to 3e-5 between entries, of the observer's splines over the wavenumber."""
+    """The transform every nanometre, to 3e-5 between entries.
+
+    It is that of the observer's splines over the wavenumber.
+    """
     observer = _observer()
     wavenumber = np.arange(_FFT // 256) / _FFT  # per nm, at most 1 / 256 nm
     inside = (wavenumber > 1.0 / observer[-1, 0]) & (wavenumber < 1.0 / observer[0, 0])
@@ -74,7 +81,10 @@ def exact_sensitivity() -> Sensitivity:
 
 @functools.cache
 def cycles_sensitivity() -> Sensitivity:
-    """What Cycles reads from 5.0 on, to the third order: 512 entries every 18.7 nm (doc/precompute/thin_film_table.py)."""
+    """The transform that Cycles reads from 5.0 on, to the third order.
+
+    512 entries every 18.7 nm (doc/precompute/thin_film_table.py).
+    """
     observer = _observer()
     frequency = np.linspace(0.0, np.pi * (2 * _CYCLES_NODES - 3) / _CYCLES_END, 2 * _CYCLES_NODES - 2)
     frequency[0] = 1e-40
@@ -87,7 +97,10 @@ def cycles_sensitivity() -> Sensitivity:
 
 
 def film_index(index: np.ndarray, thickness: np.ndarray) -> np.ndarray:
-    """The film's index over that outside; below 1 nm it fades to 1, as in Blender, where no film is so thin."""
+    """The film's index relative to the medium outside.
+
+    Below 1 nm it fades to 1, as in Blender, where no film is so thin.
+    """
     t = np.clip(thickness, 0.0, 1.0)
     return 1.0 + (index - 1.0) * t * t * (3.0 - 2.0 * t)
 
@@ -99,8 +112,9 @@ def cosine_in_film(cos: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def amplitudes(near: np.ndarray, far: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Reflected amplitudes r_s and r_p for cosines on either side of an interface; `index` beyond over before, may be complex.
+    """Reflected amplitudes r_s and r_p for cosines on either side of an interface.
 
+    `index` is that beyond over that before, and may be complex.
     Born and Wolf, sec. 1.5.2, eq. 21a; r_p has the sign with which both are equal at grazing.
     """
     near = np.maximum(near, _GRAZING)

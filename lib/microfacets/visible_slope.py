@@ -42,10 +42,11 @@ def visible_tangent(sine: np.ndarray, cosine: np.ndarray, u: np.ndarray, lambda_
 
 
 def step_by_definition(x: np.ndarray, s: np.ndarray, c: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """What is to be added to x, (n,), so that the mass above it is the one that is wanted; see the module's docstring.
+    """The step to add to x, (n,), so that the mass above it is the one that is wanted.
 
-    s = 1 / (1 + a) and c = a s; `wanted` = c (1 + Lambda) (1 - u), so that sqrt(pi) `wanted` is s times the mass that shall lie
-    above x. This is the definition of `_step`, which works in place: a third of the time of a sample.
+    See the module's docstring.
+    s = 1 / (1 + a) and c = a s; `wanted` = c (1 + Lambda) (1 - u), so that sqrt(pi) `wanted` is s times the mass that
+    shall lie above x. This is the definition of `_step`, which works in place: a third of the time of a sample.
     """
     gauss = np.exp(-x * x)
     # Of 2 s times the mass above x what is too much, and s times the density, s (a + x) exp(-x^2).
@@ -63,7 +64,10 @@ def step_by_definition(x: np.ndarray, s: np.ndarray, c: np.ndarray, wanted: np.n
 
 
 def _step(x: np.ndarray, s: np.ndarray, c: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """`step_by_definition` in place; writes into `wanted`. Each array is named after what it holds last."""
+    """`step_by_definition` in place; writes into `wanted`.
+
+    Each array is named after what it holds last.
+    """
     gauss = x * x
     np.negative(gauss, out=gauss)
     np.exp(gauss, out=gauss)
@@ -104,7 +108,10 @@ def _step(x: np.ndarray, s: np.ndarray, c: np.ndarray, wanted: np.ndarray) -> np
 
 
 def _bracket(s: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The table's bilinear value, and the corner values below and above it, for s = 1 / (1 + a)."""
+    """The table's bilinear value, and the corner values below and above it.
+
+    They are for s = 1 / (1 + a).
+    """
     return _table().bracket(s, u)
 
 
@@ -115,7 +122,10 @@ def _table() -> ViewTable:
 
 
 def _invert(s: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """The x above which lies the share `above` (m,) of the slopes visible at `s` (k, 1), (k, m)."""
+    """The x above which lies the share `above` (m,) of the visible slopes, (k, m).
+
+    The slopes are those visible at `s` (k, 1).
+    """
     c = 1.0 - s
     cot = c / np.maximum(s, 1e-100)
     target = above * (c * _SQRT_PI * erfc(-cot) + s * np.exp(-cot * cot))
