@@ -58,6 +58,8 @@ BSDF, LIGHT, CHOICES, FATE = 0, 1, 2, 3
 DIMENSIONS_PER_STEP = 4
 # The wavelength of a path where an index depends on it: beyond every step.
 WAVELENGTH = 1 << 30
+# When the shutter is open: the moments of a replicate, and a seed for each.
+SHUTTER = (1 << 30) + 1
 
 # Dimensions of a path from a light, apart from those of camera paths, which a replicate of light tracing traces too: the emitter, the
 # place and the direction in which the ray leaves it, then for each step a lobe and roulette, the direction, the lens, and the chance to pass.

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motion blur against closed forms: how long a point of the image sees what moves."""
+
+import numpy as np
+from etalon.lib.scene.motion import Motion
+from etalon.lib.wavefront.motion import MotionRenderer, count_moments
+from etalon.tests.replicates import assert_mean, replicates
+from etalon.tests.scenes import emission, orthographic, perspective, quad, scene
+
+
+def moved(*places):
+    """Keys of an object that does not turn."""
+    return np.array([np.column_stack([np.eye(3), place]) for place in places], float)
+
+
+def blurred(one, motion, seed, count=16, samples=64):
+    """Replicates of a scene with motion."""
+    return replicates(one, count, samples, make=lambda s, options: MotionRenderer(s, motion, options), seed=seed)
+
+
+def overlap(left, right, start, stop):
+    """The part of [left, right] in [start, stop]."""
+    return np.maximum(np.minimum(right, stop) - np.maximum(left, start), 0.0)
+
+
+def columns(place, times, weights, width=1.0):
+    """(8,) light of the pixels from -4 to 4 from a strip of `width` whose left edge is at `place`(time), by quadrature over time."""
+    pixels = np.arange(-4.0, 4.0)[:, None]
+    left = place(times)
+    return (overlap(pixels, pixels + 1.0, left, left + width) * weights).sum(axis=1) / weights.sum()
+
+
+def test_a_strip_that_moves_by_a_piecewise_linear_path(seed):
+    """A strip a pixel wide: three keys, fast then slow, seen by a shutter that opens and closes linearly."""
+    one = scene(quad((-3, -9, 0), (1, 0, 0), (0, 18, 0)), emission(1.0), orthographic(8, 2, 8.0, (0, 0, 5)))
+    motion = {0: moved((0, 0, 0), (4, 0, 0), (5, 0, 0))}
+    times = (np.arange(40_000) + 0.5) / 40_000
+
+    def place(time):
+        return -3.0 + np.interp(time, (0.0, 0.5, 1.0), (0.0, 4.0, 5.0))
+
+    exact = columns(place, times, 1.0 - np.abs(2.0 * times - 1.0))
+    found = blurred(one, Motion(objects=motion, shutter=np.array([0.0, 1.0, 0.0])), seed)
+    assert_mean(found, exact[None, :, None], precision=0.1, rounding=1e-6)
+
+
+def test_a_turning_half_plane_covers_a_point_for_its_share_of_the_turn(seed):
+    """A half-plane that turns by a right angle about the image's middle: a point at the angle phi is covered for its share of the turn."""
+    one = scene(quad((-90, 0, 0), (180, 0, 0), (0, 90, 0)), emission(1.0), orthographic(8, 8, 2.0, (0, 0, 5)))
+    quarter = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+    fine = (np.arange(8 * 64) + 0.5) / (4 * 64) - 1.0
+    x, y = np.meshgrid(fine, -fine)
+    # Covered at the turn a where phi - a is in (0, pi); a runs from 0 to pi / 2.
+    phi = np.arctan2(y, x) % (2.0 * np.pi)
+    covered = np.maximum(np.minimum(phi, np.pi / 2.0) - np.maximum(phi - np.pi, 0.0), 0.0) / (np.pi / 2.0)
+    exact = covered.reshape(8, 64, 8, 64).mean(axis=(1, 3))
+    found = blurred(one, Motion(objects={0: np.array([np.eye(4)[:3], quarter])}), seed)
+    assert_mean(found, exact[:, :, None], precision=0.1, rounding=1e-4)
+
+
+def test_a_camera_that_dollies_sees_a_strip_grow(seed):
+    """From depth 4 to 2 a strip of half-width 1 reaches to 1 / depth on the plane at depth 1."""
+    one = scene(quad((-1, -9, 0), (2, 0, 0), (0, 18, 0)), emission(1.0), perspective(8, 2, 1.0, (0, 0, 4)))
+    keys = np.array([one.camera.world_from_camera] * 2)
+    keys[:, 2, 3] = 4.0, 2.0
+    times = (np.arange(40_000) + 0.5) / 40_000
+    reach = 1.0 / (4.0 - 2.0 * times)
+    pixels = np.arange(-4.0, 4.0)[:, None] / 4.0
+    exact = 4.0 * overlap(pixels, pixels + 0.25, -reach, reach).mean(axis=1)
+    assert_mean(blurred(one, Motion(camera=keys), seed), exact[None, :, None], precision=0.1, rounding=1e-6)
+
+
+def test_moments_share_the_samples_evenly():
+    assert [count_moments(samples) for samples in (1, 7, 16, 34, 128)] == [1, 7, 16, 2, 16]
