@@ -44,6 +44,7 @@ from etalon.lib.scene.materials import (
     Velvet,
     WeightedClosure,
 )
+from etalon.lib.scene.motion import Motion
 from etalon.lib.scene.scene import Transport
 from etalon.lib.scene.volumes import Phase, Volume
 from etalon.lib.scene.world import World
@@ -64,6 +65,9 @@ from etalon.tests.scenes import (
 )
 
 CAMERA = orthographic(4, 4, 3.0, (0.1, 0.1, 5.0))
+LEFT_TO_RIGHT = np.repeat(CAMERA.world_from_camera[None], 2, axis=0)
+LEFT_TO_RIGHT[:, 0, 3] += -0.5, 0.5
+RISING = np.array([np.column_stack([np.eye(3), (0.0, 0.0, z)]) for z in (-0.2, 0.2)])
 LENS = Aperture(0.1, 0, 0.0, 1.0, 5.0)
 HALF = Constant(0.5)
 POINT = PointLight("point", (0.0, 0.0, 3.0), (1.0, 1.0, 1.0))
@@ -142,6 +146,13 @@ CASES = {
     "depth of field": (
         [replace(PLAIN, camera=replace(CAMERA, aperture=LENS))],
         [PLAIN],
+    ),
+    "motion blur": (
+        [
+            replace(PLAIN, motion=Motion(camera=LEFT_TO_RIGHT)),
+            replace(CROWDED, motion=Motion(objects={0: RISING}, shutter=np.array([0.0, 1.0, 0.5]))),
+        ],
+        [PLAIN, CROWDED],
     ),
     "hidden objects": ([HIDING, hiding(replace(CROWDED, lights=(POINT,)), rays.SHADOW)], [PLAIN, CROWDED]),
     "ray kinds": (

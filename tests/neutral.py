@@ -140,6 +140,7 @@ TOGETHER: dict[str, tuple[str, ...]] = {
 
 NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "depth of field": _lens,
+    "motion blur": _as_it_is,
     "hidden objects": _as_it_is,
     "ray kinds": _as_it_is,
     "ray flags": _as_it_is,

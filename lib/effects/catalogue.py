@@ -44,6 +44,7 @@ class Entry:
 EFFECTS: tuple[Entry, ...] = (
     # The camera.
     Entry(Effect.DEPTH_OF_FIELD, Stage.CAMERA, transport.lens),
+    Entry(Effect.MOTION_BLUR, Stage.CAMERA, transport.motion),
     Entry(Effect.HIDDEN_OBJECTS, Stage.INTERSECT, masks.hidden_objects),
     Entry(Effect.RAY_KINDS, Stage.INTERSECT, masks.ray_kinds),
     Entry(Effect.RAY_FLAGS, Stage.SURFACE, masks.ray_flags),

@@ -10,6 +10,7 @@ class Effect(StrEnum):
     """Something that a scene may need simulated; catalogue.py says when."""
 
     DEPTH_OF_FIELD = "depth of field"
+    MOTION_BLUR = "motion blur"
     HIDDEN_OBJECTS = "hidden objects"
     RAY_KINDS = "ray kinds"
     RAY_FLAGS = "ray flags"

@@ -36,6 +36,16 @@ def lens(facts: Facts) -> Answer:
     return True, f"the camera's lens has a radius of {aperture.radius:.4g} m"
 
 
+def motion(facts: Facts) -> Answer:
+    """Whether anything moves while the shutter is open."""
+    keys = facts.scene.motion
+    if keys is None:
+        return False, "nothing moves while the shutter is open"
+    moving = sorted({*keys.objects, *keys.positions})
+    names = [facts.scene.mesh.objects[k].name for k in moving] + ["the camera"] * (keys.camera is not None)
+    return named(names, "while the shutter is open, these move:", "nothing moves while the shutter is open")
+
+
 def transparency(facts: Facts) -> Answer:
     """Whether light passes faces."""
     return named(facts.transparent, "material", "no material that is seen has such a lobe")

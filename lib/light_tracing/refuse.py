@@ -27,6 +27,8 @@ def refuse_unsupported(kernel: Kernel) -> None:
     refusals = [Refusal(f"material '{m.name}'", what, _REMEDY) for m in scene.materials for what in _of_material(m)]
     if scene.camera.kind in PANORAMAS:
         refusals.append(Refusal("the camera", "light tracing to a panoramic camera", _REMEDY))
+    if scene.motion is not None:
+        refusals.append(Refusal("the scene", "motion blur by light tracing", _REMEDY))
     if kernel.plan.needs(Effect.DISPERSION):
         refusals.append(Refusal("the scene", "dispersion by light tracing", _REMEDY))
     refusals += [Refusal("the scene", what, _REMEDY) for what in masks_not_traced(kernel)]

@@ -55,7 +55,7 @@ class MetropolisRenderer:
 
     Each group of chains first traces independent samples. Their mean brightness is the normalisation b, and the chains start at some of
     them, picked by brightness. So the image is unbiased, however short the chains are (Veach 1997, section 11.3.1). Replicates
-    share nothing. Raises Refused for unsupported materials, EtalonError for a sampler: the chains have random numbers of their own.
+    share nothing. Raises Refused for unsupported materials and motion, EtalonError for a sampler: the chains have random numbers of their own.
     """
 
     name = "Metropolis"
@@ -65,6 +65,9 @@ class MetropolisRenderer:
             raise EtalonError(f"sampler '{options.sampler}': Metropolis has a sampler of its own; leave --sampler out")
         self.scene, self.options = scene, options
         self._kernel = ReferenceRenderer(scene, options, plan).kernel
+        if scene.motion is not None:
+            refusal = Refusal("the scene", "motion blur by Metropolis light transport", "render with another strategy")
+            raise Refused([refusal])
         unknown = [(material.name, material.unknown) for material in scene.materials if material.unknown]
         if unknown:
             remedy = "replace it, or render with another strategy"

@@ -29,6 +29,7 @@ from . import (
     links,
     materials,
     mesh,
+    motion,
     procedural,
     scene,
     sky,
@@ -38,7 +39,7 @@ from . import (
 from .checks import validate
 from .scene import Scene
 
-_VERSION = 3
+_VERSION = 4
 _SMALL = 64
 _CLASSES = {
     kind.__name__: kind
@@ -52,6 +53,7 @@ _CLASSES = {
         links,
         materials,
         mesh,
+        motion,
         procedural,
         scene,
         sky,
@@ -143,6 +145,8 @@ class _Encoder:
             return {"array": len(self.arrays) - 1}
         if isinstance(value, tuple):
             return {"tuple": [self.encode(one) for one in value]}
+        if isinstance(value, dict) and any(isinstance(key, int) for key in value):
+            return {"numbered": [[key, self.encode(one)] for key, one in value.items()]}
         if isinstance(value, dict):
             return {"dict": {name: self.encode(one) for name, one in value.items()}}
         return value.item() if isinstance(value, np.generic) else value
@@ -172,4 +176,6 @@ class _Decoder:
             return np.array(value["values"], np.dtype(value["dtype"])).reshape(value["shape"])
         if "tuple" in value:
             return tuple(self.decode(one) for one in value["tuple"])
+        if "numbered" in value:
+            return {int(key): self.decode(one) for key, one in value["numbered"]}
         return {name: self.decode(one) for name, one in value["dict"].items()}

@@ -21,6 +21,7 @@ from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .materials import Emission, WeightedClosure
 from .mesh import FARTHEST, Mesh, near
+from .motion import Motion
 from .rays import EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
@@ -42,6 +43,8 @@ def validate(scene: Scene) -> None:
         _check_light(light)
         _check_rays(f"light '{light.name}'", light.rays)
     _check_rays("world", scene.world.rays)
+    if scene.motion is not None:
+        _check_motion(scene.motion, scene.mesh)
     for image in scene.images:
         _check_image(image)
     for material in scene.materials:
@@ -174,6 +177,20 @@ def _check_cone(owner: str, cone: Cone) -> None:
 
 def _check_unit(owner: str, direction: tuple[float, float, float]) -> None:
     _demand(abs(math.hypot(*direction) - 1.0) < _UNIT, owner, "its direction is not of unit length")
+
+
+def _check_motion(motion: Motion, mesh: Mesh) -> None:
+    """Demand keys of objects that are there, and of all vertices that the faces of those that deform use."""
+    for what, keys in (("transform", motion.objects), ("vertex positions", motion.positions)):
+        for index, values in keys.items():
+            _demand(0 <= index < len(mesh.objects), "motion", f"it moves object {index}, which is not there")
+            count = 4 if what == "transform" else np.unique(mesh.triangles[:, mesh.object_index == index]).size
+            owner = mesh.objects[index].name
+            _demand(len(values) >= 2, owner, f"its {what} has fewer than two keys")
+            _check_array(owner, f"its {what} over time", values, (len(values), 3, count), "f")
+    if motion.camera is not None:
+        _demand(len(motion.camera) >= 2, "camera", "its motion has fewer than two keys")
+        _check_array("camera", "its motion", motion.camera, (len(motion.camera), 3, 4), "f")
 
 
 def _check_image(image: Image) -> None:

@@ -12,6 +12,7 @@ from .images import Image
 from .lights import Light
 from .materials import Material
 from .mesh import Mesh
+from .motion import Motion
 from .world import World
 
 
@@ -36,6 +37,7 @@ class Scene:
     It is written by the exporter, checked by `checks.validate`, and never changed.
     `blender` is the release that exported it, by which departures are chosen; None for a scene that no Blender made.
     `findings` are what only the exporter could see; scene_check has the others.
+    `motion` is what moves while the shutter is open; None where all stands still. The rest is the scene in the middle of that time.
     """
 
     name: str
@@ -48,3 +50,4 @@ class Scene:
     images: tuple[Image, ...] = ()
     blender: Release | None = None
     findings: tuple[Finding, ...] = ()
+    motion: Motion | None = None

@@ -11,6 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
+from ..effects.names import Effect
 from ..effects.plan import Plan, make_plan
 from ..film.light_passes import LightPass
 from ..film.parts import BounceLimit, EmitterLight, Part
@@ -23,6 +24,7 @@ from ..scene.scene import Scene
 from ..settings.reference import Options
 from ..surfaces.models import with_other_model
 from .kernel import Kernel
+from .moments import render_moments
 from .part_sums import BounceSums, EmitterSums
 from .pass_sums import PassSums
 from .sums import PixelSums, StageClock
@@ -117,6 +119,17 @@ class ReferenceRenderer:
 
         With `windows`, only their pixels are rendered. Raises Cancelled when asked to stop.
         """
+        if not self.plan.needs(Effect.MOTION_BLUR) or self.scene.motion is None:
+            return self._render_still(replicate, samples, progress, windows)
+
+        def render(scene: Scene, seed: int, count: int, part: Progress) -> Rendering:
+            still = ReferenceRenderer(scene, replace(self.options, seed=seed), passes=self.passes)
+            return still.render(replicate, count, part, windows)
+
+        return render_moments(self.scene, self.options.seed, replicate, samples, progress, render)
+
+    def _render_still(self, replicate: int, samples: int, progress: Progress, windows: Windows | None) -> Rendering:
+        """A replicate of a scene in which nothing moves."""
         begin = perf_counter()
         camera = self.scene.camera
         shape = (camera.height, camera.width)

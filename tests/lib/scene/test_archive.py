@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene import expressions as ex
-from etalon.lib.scene.archive import load, save
+from etalon.lib.scene.archive import fingerprint, load, save
 from etalon.lib.scene.materials import Diffuse, Material, WeightedClosure
+from etalon.lib.scene.motion import Motion
 
 
 def same(a, b):
@@ -38,6 +39,20 @@ def test_a_round_trip_changes_nothing(scene, path):
     save(scene, path)
     assert same(load(path), scene)
     assert [p.name for p in path.parent.iterdir()] == ["scene.npz"]
+
+
+def test_motion_comes_back(scene, path):
+    """Keys of objects by number, beside the shutter's curve."""
+    keys = np.array([scene.mesh.objects[0].world_from_object] * 2, float)
+    keys[1, 0, 3] += 1.0
+    moving = replace(scene, motion=Motion(objects={0: keys}, shutter=np.array([0.0, 1.0])))
+    save(moving, path)
+    assert same(load(path), moving)
+    assert fingerprint(moving) != fingerprint(scene)
+    damaged = replace(moving, motion=Motion(objects={9: keys}))
+    save(damaged, path)
+    with pytest.raises(EtalonError, match="moves object 9, which is not there"):
+        load(path)
 
 
 def test_what_is_shared_stays_shared(scene, path):
@@ -110,7 +125,7 @@ def test_another_version_says_so(scene, path):
     text, arrays = document(path)
     text["version"] = 99
     rewrite(path, text, arrays)
-    with pytest.raises(EtalonError, match="is of version 99, not 3; export the scene again"):
+    with pytest.raises(EtalonError, match="is of version 99, not 4; export the scene again"):
         load(path)
 
 

@@ -8,22 +8,21 @@ samples of one replicate are correlated; replicates have moments of their own, s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from time import perf_counter
 
 import numpy as np
 
-from ..film.parts import Part
 from ..film.rendering import Rendering
-from ..film.windows import Windows
-from ..progress import NO_PROGRESS, Progress
+from ..progress import Progress
 from ..sampling.sobol import stream_key
 from ..sampling.streams import SHUTTER
-from ..scene.motion import Motion, scene_at, shutter_times
+from ..scene.interpolation import shutter_times
+from ..scene.moment import scene_at
 from ..scene.scene import Scene
-from ..settings.reference import Options
-from .render import ReferenceRenderer
+
+Render = Callable[[Scene, int, int, Progress], Rendering]
+"""Renders a scene that stands still: scene, seed, samples per pixel, progress."""
 
 MOMENTS = 16
 """Moments of a replicate, at most: each builds what rays are traced against anew."""
@@ -34,43 +33,27 @@ def count_moments(samples: int) -> int:
     return max(count for count in range(1, MOMENTS + 1) if samples % count == 0)
 
 
-def draw_moments(motion: Motion, seed: int, replicate: int, count: int) -> np.ndarray:
+def draw_moments(shutter: np.ndarray | None, seed: int, replicate: int, count: int) -> np.ndarray:
     """(count,) shutter times of a replicate, one in each of `count` strata of equal weight."""
     jitter = np.random.default_rng(int(stream_key(seed, replicate, SHUTTER))).random(count)
-    return shutter_times(motion.shutter, (np.arange(count) + jitter) / count)
+    return shutter_times(shutter, (np.arange(count) + jitter) / count)
 
 
-class MotionRenderer:
-    """The scene with `motion` while the shutter is open."""
+def render_moments(
+    scene: Scene, seed: int, replicate: int, samples: int, progress: Progress, render: Render
+) -> Rendering:
+    """The mean of what `render` gives at the moments of a replicate; `samples` per pixel in all.
 
-    name = "reference"
-
-    def __init__(
-        self,
-        scene: Scene,
-        motion: Motion,
-        options: Options = Options(),  # noqa: B008
-        passes: Sequence[Part] = (),
-    ) -> None:
-        self.scene, self.motion, self.options, self.passes = scene, motion, options, tuple(passes)
-
-    def render(
-        self,
-        replicate: int,
-        samples: int,
-        progress: Progress = NO_PROGRESS,
-        windows: Windows | None = None,
-    ) -> Rendering:
-        """One independent replicate of `samples` samples per pixel; raises Cancelled when asked to stop."""
-        begin, count = perf_counter(), count_moments(samples)
-        done = []
-        for k, time in enumerate(draw_moments(self.motion, self.options.seed, replicate, count)):
-            # A seed for each moment: the same points at all moments would not average out.
-            options = replace(self.options, seed=int(stream_key(self.options.seed, replicate, SHUTTER, k)))
-            renderer = ReferenceRenderer(scene_at(self.scene, self.motion, time), options, passes=self.passes)
-            part = progress.within(k / count, (k + 1) / count)
-            done.append(renderer.render(replicate, samples // count, part, windows))
-        return _average(done, perf_counter() - begin)
+    Each moment has a seed of its own: the same points at all of them would not average out.
+    """
+    begin, count = perf_counter(), count_moments(samples)
+    shutter = None if scene.motion is None else scene.motion.shutter
+    done = []
+    for k, time in enumerate(draw_moments(shutter, seed, replicate, count)):
+        own = int(stream_key(seed, replicate, SHUTTER, k))
+        part = progress.within(k / count, (k + 1) / count)
+        done.append(render(scene_at(scene, time), own, samples // count, part))
+    return _average(done, perf_counter() - begin)
 
 
 def _average(done: Sequence[Rendering], seconds: float) -> Rendering:

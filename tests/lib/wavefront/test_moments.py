@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Motion blur against closed forms: how long a point of the image sees what moves."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
+from etalon.lib.errors import Refused
+from etalon.lib.rendering.replicates import make_renderer
 from etalon.lib.scene.motion import Motion
-from etalon.lib.wavefront.motion import MotionRenderer, count_moments
+from etalon.lib.settings.reference import OTHER_ESTIMATORS, RenderOptions
+from etalon.lib.wavefront.moments import count_moments
 from etalon.tests.replicates import assert_mean, replicates
-from etalon.tests.scenes import emission, orthographic, perspective, quad, scene
+from etalon.tests.scenes import diffuse, emission, orthographic, perspective, quad, scene
 
 
 def moved(*places):
@@ -15,7 +21,7 @@ def moved(*places):
 
 def blurred(one, motion, seed, count=16, samples=64):
     """Replicates of a scene with motion."""
-    return replicates(one, count, samples, make=lambda s, options: MotionRenderer(s, motion, options), seed=seed)
+    return replicates(replace(one, motion=motion), count, samples, seed=seed)
 
 
 def overlap(left, right, start, stop):
@@ -72,3 +78,27 @@ def test_a_camera_that_dollies_sees_a_strip_grow(seed):
 
 def test_moments_share_the_samples_evenly():
     assert [count_moments(samples) for samples in (1, 7, 16, 34, 128)] == [1, 7, 16, 2, 16]
+
+
+def test_a_moving_camera_sees_what_a_world_that_moves_the_other_way_shows(seed):
+    """A camera that turns and walks in front of a strip, and the strip moved by the inverse: the same moments, the same image."""
+    one = scene(quad((-1, -9, 0), (2, 0, 0), (0, 18, 0)), emission(1.0), perspective(8, 2, 1.0, (0, 0, 4)))
+    start = one.camera.world_from_camera
+    angle = 0.3
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    # About the view axis, so that turn and walk commute: the inverse of what lies between keys lies between inverses.
+    stop = np.column_stack([turn @ start[:, :3], start[:, 3] + (0.0, 0.0, 1.0)])
+    inverse = np.column_stack([turn.T, (0.0, 0.0, -1.0)])
+    camera = blurred(one, Motion(camera=np.array([start, stop])), seed, count=2)
+    world = blurred(one, Motion(objects={0: np.array([np.eye(4)[:3], inverse])}), seed, count=2)
+    np.testing.assert_allclose(camera, world, atol=1e-4)
+    assert camera.std(axis=2).max() > 0.1
+
+
+@pytest.mark.parametrize("strategy", OTHER_ESTIMATORS)
+def test_other_estimators_refuse_it_by_name(strategy):
+    one = scene(quad((-1, -9, 0), (2, 0, 0), (0, 18, 0)), diffuse(0.5), orthographic(8, 2, 8.0, (0, 0, 5)))
+    with pytest.raises(Refused, match="motion blur by"):
+        make_renderer(
+            replace(one, motion=Motion(objects={0: moved((0, 0, 0), (1, 0, 0))})), RenderOptions(strategy=strategy)
+        )

@@ -4,17 +4,9 @@
 import numpy as np
 import pytest
 from etalon.lib.errors import EtalonError
-from etalon.lib.scene.motion import Motion, decompose, interpolate_transforms, scene_at, shutter_times
-from etalon.tests.scenes import emission, orthographic, quad, scene
+from etalon.lib.scene.interpolation import decompose, interpolate_transforms, shutter_times
+from etalon.tests.turns import turned
 from scipy import stats
-from scipy.linalg import expm
-
-
-def turned(angle, scale=(1.0, 1.0, 1.0), at=(0.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0)):
-    """A rotation about an axis by the exponential of its generator, of a scaled object at a place."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    rotation = expm(angle * np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]))
-    return np.column_stack([rotation * scale, at])
 
 
 def test_parts_of_a_motion_are_interpolated_apart():
@@ -59,20 +51,3 @@ def test_times_follow_the_shutter_curve(rng):
     np.testing.assert_array_equal(shutter_times(None, uniforms), uniforms)
     with pytest.raises(EtalonError, match="nowhere open"):
         shutter_times(np.zeros(4), uniforms)
-
-
-def test_what_deforms_and_moves_is_placed_by_both():
-    """Vertices between their keys, in object space, then the object's map; what stands still keeps its arrays."""
-    still, moving = quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), quad((2, 0, 0), (1, 0, 0), (0, 1, 0))
-    one = scene((still, moving), emission(1.0), orthographic(4, 4, 2.0, (0, 0, 1)))
-    local = np.array([moving.vertices, 3.0 * moving.vertices])
-    motion = Motion(objects={1: np.array([turned(0.0), turned(np.pi / 2.0, at=(0, 0, 4))])}, positions={1: local})
-    found = scene_at(one, motion, 0.5)
-    expected = turned(np.pi / 4.0, at=(0, 0, 2))
-    np.testing.assert_allclose(
-        found.mesh.vertices[:, 4:], expected[:, :3] @ (2.0 * moving.vertices) + expected[:, 3:], atol=1e-12
-    )
-    np.testing.assert_array_equal(found.mesh.vertices[:, :4], still.vertices)
-    np.testing.assert_allclose(found.mesh.objects[1].world_from_object, expected, atol=1e-12)
-    assert found.camera is one.camera
-    assert scene_at(one, Motion(), 0.3).mesh is one.mesh

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lies between the keys of a motion, as Cycles defines it (transform_motion_decompose and camera.cpp in its tree)."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..errors import EtalonError
+
+
+def split_interval(keys: int, time: float) -> tuple[int, float]:
+    """The key before `time`, 0 to 1, and how far (0 to 1) it lies on the way to the next of `keys` keys."""
+    first = min(int(time * (keys - 1)), keys - 2)
+    return first, time * (keys - 1) - first
+
+
+def interpolate_linearly(keys: np.ndarray, time: float) -> np.ndarray:
+    """Values at `time`, 0 to 1, between keys (k, ...)."""
+    first, share = split_interval(len(keys), time)
+    return (1.0 - share) * keys[first] + share * keys[first + 1]
+
+
+def decompose(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A rotation (3, 3) and an upper triangular stretch (3, 3) whose product is the linear part of a (3, 4) map.
+
+    The stretch has the scales on its diagonal, all negative where the map mirrors, and shears above it.
+    """
+    rotation, stretch = np.linalg.qr(matrix[:, :3])
+    signs = np.where(np.diag(stretch) < 0.0, -1.0, 1.0)
+    rotation, stretch = rotation * signs, stretch * signs[:, None]
+    if np.linalg.det(rotation) < 0.0:
+        return -rotation, -stretch
+    return rotation, stretch
+
+
+def interpolate_transforms(keys: np.ndarray, time: float) -> np.ndarray:
+    """The (3, 4) affine map at `time`, 0 to 1, between keys (k, 3, 4).
+
+    Translation, scale and shear are linear in time. The rotation turns at constant speed about one axis, by the smaller angle.
+    """
+    first, share = split_interval(len(keys), time)
+    (start, stretch), (stop, last_stretch) = (decompose(keys[first + k]) for k in (0, 1))
+    turn = Rotation.from_matrix(start.T @ stop).as_rotvec()
+    rotation = start @ Rotation.from_rotvec(share * turn).as_matrix()
+    linear = rotation @ ((1.0 - share) * stretch + share * last_stretch)
+    return np.column_stack([linear, interpolate_linearly(keys[:, :, 3], time)])
+
+
+def shutter_times(shutter: np.ndarray | None, uniforms: np.ndarray) -> np.ndarray:
+    """Times (n,) from 0 to 1, by the inverse of the shutter's distribution, for `uniforms` (n,).
+
+    The density of a time is proportional to how far the shutter is open then. Raises EtalonError for a shutter that never opens.
+    """
+    if shutter is None:
+        return uniforms
+    areas = 0.5 * (shutter[1:] + shutter[:-1])
+    reached = np.concatenate([[0.0], np.cumsum(areas)])
+    if not reached[-1] > 0.0 or (shutter < 0.0).any():
+        raise EtalonError("The shutter curve is nowhere open, or below 0; raise its points")
+    target = uniforms * reached[-1]
+    piece = np.clip(np.searchsorted(reached, target, side="right") - 1, 0, areas.size - 1)
+    start, slope = shutter[piece], shutter[piece + 1] - shutter[piece]
+    rest = target - reached[piece]
+    # start s + slope s^2 / 2 = rest, in the form that does not cancel for small slopes.
+    root = start + np.sqrt(np.maximum(start**2 + 2.0 * slope * rest, 0.0))
+    share = np.divide(2.0 * rest, root, out=np.zeros_like(rest), where=root > 0.0)
+    return (piece + np.clip(share, 0.0, 1.0)) / areas.size
