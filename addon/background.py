@@ -1,9 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A thread for work beside a window that stays alive, and the wish that it ends."""
+"""Work beside a window that stays alive: a copy of the open file, a thread, and the wish that it ends."""
 
 from __future__ import annotations
 
 import threading
+from pathlib import Path
+
+import bpy
+
+
+def save_copy(path: Path) -> None:
+    """Save a copy of the open file as `path`, without a preview picture.
+
+    Drawing the preview can take longer than writing the file.
+    """
+    preferences = bpy.context.preferences
+    is_dirty, kind = preferences.is_dirty, preferences.filepaths.file_preview_type
+    preferences.filepaths.file_preview_type = "NONE"
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, check_existing=False)
+    finally:
+        preferences.filepaths.file_preview_type = kind
+        preferences.is_dirty = is_dirty
 
 
 class Background:

@@ -23,7 +23,7 @@ from ..lib.errors import EtalonError, Refusal
 from ..lib.files.ownership import temporary_folder
 from ..lib.settings.declaration import Declared
 from ..lib.settings.words import write_changes
-from .background import Background
+from .background import Background, save_copy
 
 _SHARE = re.compile(r"(.*?)\s*(\d+)%")
 
@@ -54,7 +54,7 @@ class BackgroundCommand(Background):
         self._temporary = ExitStack()
         folder = self._temporary.enter_context(temporary_folder())
         copy = folder / (bpy.path.basename(bpy.data.filepath) or "scene.blend")
-        bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
+        save_copy(copy)
         words = [program, str(copy), "--background", "--disable-autoexec", "--command", "etalon", command, "--json"]
         self._process = start(
             [*words, *write_changes(*settings)],

@@ -42,7 +42,7 @@ from ..lib.settings.words import repeating_command
 from ..lib.wavefront.coverage import coverage
 from ..lib.wavefront.reach import reached
 from ..lib.wavefront.render import ReferenceRenderer
-from .background import Background
+from .background import Background, save_copy
 from .cycles.renderer import CyclesRenderer, neutral
 from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
@@ -264,7 +264,7 @@ class BackgroundJob(Background):
         self._temporary = ExitStack()
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
         copy = self._temporary.enter_context(temporary_folder()) / "scene.blend"
-        bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
+        save_copy(copy)
         self._blender = SecondBlender(copy, scene.name, settings, program)
         self._thread = threading.Thread(target=self._run, name="etalon", daemon=True)
         self._thread.start()

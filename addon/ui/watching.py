@@ -14,8 +14,9 @@ from .regions import fill_tables
 from .session import Running, session
 from .text import translate
 
-TICK = 0.1  # seconds between two looks at the job
-AREAS = {"PROPERTIES", "VIEW_3D", "IMAGE_EDITOR"}
+TICK = 0.05  # seconds between two looks at the job
+# The region of each editor that shows the panels. The others are left alone: a 3D view takes long to draw.
+REGIONS = {"PROPERTIES": "WINDOW", "VIEW_3D": "UI", "IMAGE_EDITOR": "UI"}
 
 # What the job calls its stages; the test of translations reads them here.
 STAGES = (
@@ -77,8 +78,9 @@ def redraw() -> None:
     for window_manager in bpy.data.window_managers:
         for window in window_manager.windows:
             for area in window.screen.areas:
-                if area.type in AREAS:
-                    area.tag_redraw()
+                for region in area.regions:
+                    if region.type == REGIONS.get(area.type):
+                        region.tag_redraw()
 
 
 def set_status(text: str | None) -> None:

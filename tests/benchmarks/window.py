@@ -1,35 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times in a window of the real program.
-
-They are redraws, first progress, cancelling, drawing the panel, and the bound that a minute gives.
+"""Times in a window of the real program: redraws, first progress, cancelling, drawing the panel, and the bound that a minute gives.
 
     python -m pytest -p etalon.tests.blender.conftest -m blender -n 0 -s tests/benchmarks/window.py
 
-It prints what was measured beside what issue 18 asks for, and asserts no time. Other work on the machine makes all of
-it slower.
+It prints what was measured beside what issue 18 asks for, and asserts no time. Other work on the machine makes all of it slower.
 """
 
 import itertools
+import os
 
 import pytest
 from etalon.tests.blender.hand import RUN, START, STOP, wait_until
 
 pytestmark = pytest.mark.blender
 
-# What Blender opens with, made here: the window opens another file.
 WATCH = """
 import time
 import bl_ext.user_default.etalon.addon.ui.panels as panels
 
-log = bpy.app.driver_namespace["log"] = {"draws": [], "took": [], "seen": []}
+log = bpy.app.driver_namespace["log"] = {}
 plain = panels._Main.draw
 
 
 def draw(self, context):
     begin = time.perf_counter()
     plain(self, context)
-    log["draws"].append(time.monotonic())
-    log["took"].append(time.perf_counter() - begin)
+    if context.area.type == "VIEW_3D" and "draws" in log:
+        log["draws"].append(time.monotonic())
+        log["took"].append(time.perf_counter() - begin)
 
 
 def look():
@@ -39,13 +37,19 @@ def look():
         log["seen"].append((time.monotonic(), running.job.stage, running.job.fraction, bound, running.job.is_cancelled))
         if running.result is not None:
             log.setdefault("shown", time.monotonic())
-    elif log["seen"] and "ended" not in log:
+    elif log.get("seen") and "ended" not in log:
         log["ended"] = time.monotonic()
     return 0.02
 
 
 panels._Main.draw = draw
 bpy.app.timers.register(look)
+"""
+PRESS = """
+import time
+log = bpy.app.driver_namespace["log"]
+log.clear()
+log.update(draws=[], took=[], seen=[])
 scene = bpy.context.scene
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = SIZE
 scene.etalon.time = TIME
@@ -54,6 +58,7 @@ bpy.ops.etalon.compare("INVOKE_DEFAULT")
 log["returned"] = time.monotonic()
 """
 LOG = "bpy.app.driver_namespace['log']"
+# What Blender opens with, made here: the window opens another file.
 DEFAULT = """
 for thing in list(bpy.data.objects):
     bpy.data.objects.remove(thing)
@@ -69,49 +74,86 @@ world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.05, 0.05,
 """
 
 
-def measure(window, size, seconds, cancel=False):
-    """Run one comparison and return its log.
+# As many regions as there can be, listed at once.
+MANY = """
+import time
+from bl_ext.user_default.etalon.addon.ui.regions import fill_tables
+result = session.results[bpy.context.scene.session_uid]
+result.regions = (result.regions * (1 + 10000 // len(result.regions)))[:10000]
+log = bpy.app.driver_namespace["log"]
+log["took"], log["draws"] = [], []
+begin = time.perf_counter()
+fill_tables(bpy.context.window_manager)
+filled = time.perf_counter() - begin
+begin = time.perf_counter()
+bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
+[len(result.regions), filled, time.perf_counter() - begin, max(log["took"])]
+"""
 
-    It is cancelled in the middle of a call of the renderers where asked.
-    """
-    window.ask(WATCH.replace("SIZE", repr(size)).replace("TIME", repr(seconds)) + "\nNone", seconds=STOP)
+
+def load():
+    """What else the machine is doing, beside each figure."""
+    return f"[load {os.getloadavg()[0]:.1f}]"
+
+
+def measure(window, size, seconds, cancel=""):
+    """Run one comparison, and cancel it once the condition `cancel` holds, where there is one; the report of its end, and its log."""
+    window.ask(PRESS.replace("SIZE", repr(size)).replace("TIME", repr(seconds)), seconds=STOP)
     if cancel:
-        wait_until(window, "session.running is not None and session.running.job.fraction > 0.1", questions=600)
+        wait_until(window, f"session.running is not None and {cancel}", questions=1200)
         window.ask(f"import time\n{LOG}['cancelled'] = time.monotonic()\nsession.running.job.cancel()")
     ended = window.wait_for("ended", seconds=RUN)
     wait_until(window, f"'ended' in {LOG}")
     return ended, window.ask(LOG)
 
 
+def describe_redraws(log):
+    """How often the panel was drawn while the job ran, in all and in each stage, and the longest time without."""
+    lines, stages = [], {}
+    for after, stage, *_ in log["seen"]:
+        stages.setdefault(stage, after)
+    ends = [*list(stages.values())[1:], log["ended"]]
+    for name, begin, end in [("all", log["pressed"], log["ended"]), *zip(stages, stages.values(), ends, strict=True)]:
+        during = [begin, *(one for one in log["draws"] if begin < one < end), end]
+        gap = max(b - a for a, b in itertools.pairwise(during))
+        lines.append(f"{name} {(len(during) - 2) / max(end - begin, 1e-3):.1f} (gap {gap:.2f} s)")
+    return ", ".join(lines)
+
+
+def describe_times(log):
+    """When each stage began, and the bound at each look, in seconds after the button was pressed."""
+    begin, stages = log["pressed"], {}
+    for after, stage, *_ in log["seen"]:
+        stages.setdefault(stage, round(after - begin, 2))
+    bounds = {s[3]: round(s[0] - begin, 1) for s in log["seen"] if s[3] is not None}
+    within = next((f"{s[0] - begin:.1f} s" for s in log["seen"] if s[3] is not None and s[3] <= 0.05), "never")
+    return f"within 5 % after {within} (asked: 30 s); stages {stages}; bounds {bounds}"
+
+
 def test_times_of_the_panel(window):
     window.wait_for("ready", seconds=START)
     window.ask(DEFAULT)
+    window.ask(WATCH)
     ended, log = measure(window, (1920, 1080, 100), 30.0)
-    begin = log["pressed"]
-    during = [one for one in log["draws"] if begin < one < log["ended"]]
-    gaps = sorted(b - a for a, b in itertools.pairwise(during))
     took = sorted(log["took"])
-    bounds = [(seen[0] - begin, seen[3]) for seen in log["seen"] if seen[3] is not None]
-    within = [f"{after:.1f} s" for after, bound in bounds if bound <= 0.05][:1] or ["never"]
-    stages = {}
-    for after, stage, *_ in log["seen"]:
-        stages.setdefault(stage, round(after - begin, 2))
-    lines = [
-        f"default scene, 1920 x 1080, 30 s: {ended['outcome']}, {ended['errors'] or 'no error'}; stages {stages}",
-        f"button held for {log['returned'] - begin:.2f} s; first progress after "
-        f"{next(s[0] for s in log['seen'] if s[1] != 'reading the scene') - begin:.2f} s (asked: 2 s)",
-        f"redraws {len(during) / (log['ended'] - begin):.1f} per second (asked: 10), longest gap {gaps[-1]:.2f} s",
-        f"panel draw: median {1e3 * took[len(took) // 2]:.2f} ms, longest {1e3 * took[-1]:.2f} ms (asked: 2 ms)",
-        f"within 5 % after {within[0]} (asked: 30 s); bounds {[(round(t, 1), b) for t, b in bounds[:: len(bounds) // 5 or 1]]}",
-    ]
-    ended, log = measure(window, (3840, 2160, 100), 60.0, cancel=True)
-    shown, after = (log.get(name, log["ended"]) - log["cancelled"] for name in ("shown", "ended"))
-    lines.append(
-        f"3840 x 2160: result shown {shown:.2f} s after Cancel (asked: 1 s), report written after {after:.2f} s; "
-        f"errors {ended['errors']}"
-    )
-    last = [(round(t - log["cancelled"], 2), stage) for t, stage, *_ in log["seen"] if t > log["cancelled"]]
-    lines.append(
-        f"stages after Cancel: {sorted({stage: t for t, stage in reversed(last)}.items(), key=lambda one: one[1])}"
-    )
-    print("\n" + "\n".join(lines))
+    first = next(s[0] for s in log["seen"] if s[1] != "reading the scene") - log["pressed"]
+    say(f"default scene, 1920 x 1080, 30 s: {ended['outcome']}, {ended['errors'] or 'no error'}")
+    say(f"button held for {log['returned'] - log['pressed']:.2f} s; scene read after {first:.2f} s (asked: 2 s)")
+    say(f"redraws per second (asked: 10): {describe_redraws(log)}")
+    say(f"panel draw: median {1e3 * took[len(took) // 2]:.2f} ms, longest {1e3 * took[-1]:.2f} ms (asked: 2 ms)")
+    say(describe_times(log))
+    count, filled, drawn, longest = window.ask(MANY)
+    say(f"{count} regions: {filled:.3f} s to fill, {drawn:.3f} s until drawn, panel draw {1e3 * longest:.2f} ms")
+    for name, condition in (
+        ("in the first look", "session.running.job.stage == 'first look' and session.running.job.fraction > 0.02"),
+        ("while rendering", "session.running.job.bounds and session.running.job.stage.startswith('rendering')"),
+    ):
+        ended, log = measure(window, (3840, 2160, 100), 60.0, cancel=condition)
+        shown, after = (log.get(name, log["ended"]) - log["cancelled"] for name in ("shown", "ended"))
+        say(f"3840 x 2160, cancelled {name}: {ended['outcome']}, result shown {shown:.2f} s after (asked: 1 s)")
+        last = {stage: round(t - log["cancelled"], 2) for t, stage, *_ in reversed(log["seen"]) if t > log["cancelled"]}
+        say(f"report written {after:.2f} s after; stages since {last}; errors {ended['errors']}")
+
+
+def say(line):
+    print(f"\n{line} {load()}", end="", flush=True)
