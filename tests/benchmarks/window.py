@@ -23,11 +23,11 @@ plain = panels._Main.draw
 
 
 def draw(self, context):
-    begin = time.perf_counter()
+    begin = time.thread_time()
     plain(self, context)
     if context.area.type == "VIEW_3D" and "draws" in log:
         log["draws"].append(time.monotonic())
-        log["took"].append(time.perf_counter() - begin)
+        log["took"].append(time.thread_time() - begin)
 
 
 def look():
@@ -140,7 +140,7 @@ def test_times_of_the_panel(window):
     say(f"default scene, 1920 x 1080, 30 s: {ended['outcome']}, {ended['errors'] or 'no error'}")
     say(f"button held for {log['returned'] - log['pressed']:.2f} s; scene read after {first:.2f} s (asked: 2 s)")
     say(f"redraws per second (asked: 10): {describe_redraws(log)}")
-    say(f"panel draw: median {1e3 * took[len(took) // 2]:.2f} ms, longest {1e3 * took[-1]:.2f} ms (asked: 2 ms)")
+    say(f"panel draw: median {1e3 * took[len(took) // 2]:.2f} ms, longest {1e3 * took[-1]:.2f} ms of processor time (asked: 2 ms)")
     say(describe_times(log))
     count, filled, drawn, longest = window.ask(MANY)
     say(f"{count} regions: {filled:.3f} s to fill, {drawn:.3f} s until drawn, panel draw {1e3 * longest:.2f} ms")
