@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times in a window of the real program: redraws, first progress, cancelling, drawing the panel, and the bound that a minute gives.
+"""Times in a window of the real program.
+
+They are redraws, first progress, cancelling, drawing the panel, a long list, and the bound that half a minute gives.
 
     python -m pytest -p etalon.tests.blender.conftest -m blender -n 0 -s tests/benchmarks/window.py
 
-It prints what was measured beside what issue 18 asks for, and asserts no time. Other work on the machine makes all of it slower.
+It prints what was measured beside what issue 18 asks for, and the load of the machine. It asserts no time. Other work
+makes all of it slower.
 """
 
 import itertools
@@ -97,7 +100,7 @@ def load():
 
 
 def measure(window, size, seconds, cancel=""):
-    """Run one comparison, and cancel it once the condition `cancel` holds, where there is one; the report of its end, and its log."""
+    """Run one comparison, and cancel it where `cancel` holds; the report of its end, and its log."""
     window.ask(PRESS.replace("SIZE", repr(size)).replace("TIME", repr(seconds)), seconds=STOP)
     if cancel:
         wait_until(window, f"session.running is not None and {cancel}", questions=1200)
@@ -140,7 +143,9 @@ def test_times_of_the_panel(window):
     say(f"default scene, 1920 x 1080, 30 s: {ended['outcome']}, {ended['errors'] or 'no error'}")
     say(f"button held for {log['returned'] - log['pressed']:.2f} s; scene read after {first:.2f} s (asked: 2 s)")
     say(f"redraws per second (asked: 10): {describe_redraws(log)}")
-    say(f"panel draw: median {1e3 * took[len(took) // 2]:.2f} ms, longest {1e3 * took[-1]:.2f} ms of processor time (asked: 2 ms)")
+    say(
+        f"panel draw: median {1e3 * took[len(took) // 2]:.2f} ms, longest {1e3 * took[-1]:.2f} ms of processor time (asked: 2 ms)"
+    )
     say(describe_times(log))
     count, filled, drawn, longest = window.ask(MANY)
     say(f"{count} regions: {filled:.3f} s to fill, {drawn:.3f} s until drawn, panel draw {1e3 * longest:.2f} ms")
