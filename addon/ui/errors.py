@@ -8,35 +8,20 @@ from __future__ import annotations
 
 import re
 
+from .french_errors import ERRORS
+from .french_refusals import REMEDIES, WHATS
 from .text import translate
 
-TEMPLATES = (
-    "{path}: cannot be written ({reason}); make room or name another folder",
-    "{place} cannot be written ({reason}); make room or name another folder",
-    "{folder} cannot be written ({reason}); name another folder",
-    "{folder} is a file, not a folder; name another folder",
-    "{title} ended early ({words}); compare from the command line to see more",
-    "etalon {command}: the second Blender ended early",
-    "{name}: cancelled before both sides had an image; there is nothing to compare",
-    "{name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces",
-    "{name}: light passes cannot be compared beside unsupported materials; leave out --passes",
-    "{name}: was saved by Blender {needed}, and this is {here}, which loses what is new in it; open it with Blender {newer} or newer",
-    "this machine has {size} GB; {remedy}",
-    "{kind}: {error}; please report it with the console's text",
-    "{owner}: {what} is not simulated; {remedy}",
-)
-# Values of the templates that are words of Étalon's own, and the kinds of things that own something.
-VALUES = (
-    "the second Blender",
-    "lower the resolution, or give a time and let a smaller image be compared",
-    "switch it off",
-    "do not render it",
-    "set Render As of its particles to Object, or do not render it",
-    "unlink it",
-    "include it again",
-)
-KINDS = ("material", "object", "light", "world", "scene", "collection")
+REFUSAL = "{owner}: {what} is not simulated; {remedy}"
+NODE = "node '{name}' ({label})"
+IN_GROUP = "group '{group}', {node}"
+OWNER = "{kind} '{name}'"
+TEMPLATES = (REFUSAL, NODE, IN_GROUP, OWNER)
+# What owns something that is not simulated, with a name or without one, and what else is a value of a template.
+KINDS = ("material", "object", "light", "world", "scene", "collection", "mesh", "view layer")
+VALUES = ("the scene", "the file", "the camera", "the second Blender")
 _OWNER = re.compile(f"({'|'.join(KINDS)}) '(.*)'", re.DOTALL)
+_NODE = re.compile(r"(?:group '(?P<group>.*?)', )?node '(?P<name>.*?)' \((?P<label>[^()]*)\)(?P<rest>.*)", re.DOTALL)
 
 
 def pattern_of(template: str) -> re.Pattern[str]:
@@ -45,7 +30,14 @@ def pattern_of(template: str) -> re.Pattern[str]:
     return re.compile("".join(f"(?P<{p}>.+)" if n % 2 else re.escape(p) for n, p in enumerate(parts)), re.DOTALL)
 
 
-_PATTERNS = {template: pattern_of(template) for template in TEMPLATES}
+def _patterns_of(texts: dict[str, str]) -> dict[str, re.Pattern[str]]:
+    """The patterns of templates, those with most words of their own first."""
+    longest = sorted(texts, key=lambda one: -len(re.sub(r"\{\w+\}", "", one)))
+    return {template: pattern_of(template) for template in longest}
+
+
+_REFUSAL = pattern_of(REFUSAL)
+_ERRORS, _WHATS, _REMEDIES = (_patterns_of(texts) for texts in (ERRORS, WHATS, REMEDIES))
 
 
 def translate_error(text: str) -> str:
@@ -53,15 +45,43 @@ def translate_error(text: str) -> str:
 
     It is returned as it is where no template fits.
     """
-    for template, pattern in _PATTERNS.items():
+    refusal = _REFUSAL.fullmatch(text)
+    if refusal:
+        values = {
+            "owner": _translate_value("owner", refusal["owner"]),
+            "what": _translate_what(refusal["what"]),
+            "remedy": _fit(refusal["remedy"], _REMEDIES),
+        }
+        return translate(REFUSAL, **values)
+    return _fit(text, _ERRORS)
+
+
+def _fit(text: str, patterns: dict[str, re.Pattern[str]]) -> str:
+    """`text` by the first template that fits it; as it is where none does."""
+    for template, pattern in patterns.items():
         found = pattern.fullmatch(text)
         if found:
-            return translate(template, **{name: _translate_value(value) for name, value in found.groupdict().items()})
+            return translate(
+                template, **{name: _translate_value(name, value) for name, value in found.groupdict().items()}
+            )
     return text
 
 
-def _translate_value(value: str) -> str:
+def _translate_what(text: str) -> str:
+    """What is not simulated: a node with what of it, or a thing by itself."""
+    found = _NODE.fullmatch(text)
+    if found is None:
+        return _fit(text, _WHATS)
+    node = translate(NODE, name=found["name"], label=found["label"]) + _fit(found["rest"], _WHATS)
+    return node if found["group"] is None else translate(IN_GROUP, group=found["group"], node=node)
+
+
+def _translate_value(name: str, value: str) -> str:
+    """The value called `name` of a template, where that consists of words of Étalon's own."""
     owner = _OWNER.fullmatch(value)
     if owner:
-        return translate("{kind} '{name}'", kind=translate(owner[1]), name=owner[2])
-    return translate(value) if value in VALUES else value
+        return translate(OWNER, kind=translate(owner[1]), name=owner[2])
+    if value in VALUES or value in KINDS:
+        return translate(value)
+    patterns = {"what": _WHATS, "fault": _WHATS, "remedy": _REMEDIES}.get(name)
+    return value if patterns is None else _fit(value, patterns)

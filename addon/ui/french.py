@@ -82,59 +82,24 @@ FRENCH: dict[str, str] = {
     "Another engine is chosen; Cycles' render is compared": "Un autre moteur est choisi ; c'est le rendu de Cycles qui est comparé",
     "Cycles is set to GPU; it is compared on the CPU": "Cycles est réglé sur GPU ; il est comparé sur CPU",
     "The file is not saved; results go to {folder}": "Le fichier n'est pas enregistré ; les résultats iront dans {folder}",
-    "'{name}': {what} is not simulated": "« {name} » : {what} n'est pas simulé",
+    "'{name}': {what} is not simulated": "« {name} » : Étalon ne simule pas {what}",
     "and {count} more": "et {count} autres",
     "{width} × {height} pixels, at most {time}": "{width} × {height} pixels, {time} au plus",
-    "hair curves": "courbes de cheveux",
-    "a point cloud": "un nuage de points",
-    "a volume": "un volume",
-    "grease pencil": "crayon gras",
-    # Errors.
-    "{path}: cannot be written ({reason}); make room or name another folder": (
-        "{path} : écriture impossible ({reason}) ; faites de la place ou choisissez un autre dossier"
-    ),
-    "{place} cannot be written ({reason}); make room or name another folder": (
-        "Impossible d'écrire {place} ({reason}) ; faites de la place ou choisissez un autre dossier"
-    ),
-    "{folder} cannot be written ({reason}); name another folder": (
-        "Impossible d'écrire dans {folder} ({reason}) ; choisissez un autre dossier"
-    ),
-    "{folder} is a file, not a folder; name another folder": "{folder} est un fichier, pas un dossier ; choisissez un autre dossier",
-    "{title} ended early ({words}); compare from the command line to see more": (
-        "{title} s'est arrêté trop tôt ({words}) ; comparez en ligne de commande pour en savoir plus"
-    ),
-    "the second Blender": "le second Blender",
-    "etalon {command}: the second Blender ended early": "etalon {command} : le second Blender s'est arrêté trop tôt",
-    "{name}: cancelled before both sides had an image; there is nothing to compare": (
-        "{name} : annulé avant que les deux côtés aient une image ; il n'y a rien à comparer"
-    ),
-    "{name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces": (
-        "{name} : la lumière de matériaux non simulés atteint chaque pixel ; simplifiez-les ou réduisez les rebonds"
-    ),
-    "{name}: light passes cannot be compared beside unsupported materials; leave out --passes": (
-        "{name} : pas de passes de lumière à côté de matériaux non pris en charge ; choisissez Passes : Aucune"
-    ),
-    "{name}: was saved by Blender {needed}, and this is {here}, which loses what is new in it; open it with Blender {newer} or newer": (
-        "{name} : enregistré par Blender {needed}, dont {here} perd les nouveautés ; ouvrez-le avec Blender {newer} ou plus récent"
-    ),
-    "this machine has {size} GB; {remedy}": "cette machine a {size} Go ; {remedy}",
-    "lower the resolution, or give a time and let a smaller image be compared": (
-        "réduisez la résolution, ou donnez une durée et laissez comparer une image plus petite"
-    ),
-    "{kind}: {error}; please report it with the console's text": "{kind} : {error} ; merci de le signaler avec le texte de la console",
-    "{owner}: {what} is not simulated; {remedy}": "{owner} : {what} n'est pas simulé ; {remedy}",
-    "switch it off": "désactivez-le",
-    "do not render it": "excluez-le du rendu",
-    "set Render As of its particles to Object, or do not render it": (
-        "réglez le rendu de ses particules sur Objet, ou excluez-le du rendu"
-    ),
-    "unlink it": "retirez ce lien",
-    "include it again": "incluez-le à nouveau",
+    # Errors; most of their texts are in french_errors.py and french_refusals.py.
+    "{owner}: {what} is not simulated; {remedy}": "{owner} : Étalon ne simule pas {what} ; {remedy}",
     "{kind} '{name}'": "{kind} « {name} »",
+    "node '{name}' ({label})": "le nœud « {name} » ({label})",
+    "group '{group}', {node}": "{node} du groupe « {group} »",
     "light": "lumière",
     "world": "monde",
     "scene": "scène",
     "collection": "collection",
+    "mesh": "maillage",
+    "view layer": "calque de vue",
+    "the scene": "la scène",
+    "the file": "le fichier",
+    "the camera": "la caméra",
+    "the second Blender": "le second Blender",
     # Buttons.
     "Compare with Cycles": "Comparer à Cycles",
     "Render this scene with the reference and Cycles, and say where they agree. Esc cancels": (

@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 
 from .french import FRENCH
+from .french_errors import ERRORS
+from .french_refusals import REMEDIES, WHATS
 
 # What Blender calls the language before and since it dropped the country.
 _LOCALES = ("fr_FR", "fr")
@@ -20,7 +22,7 @@ def contexts(texts: dict[str, str]) -> dict[str, dict[tuple[str, str], str]]:
 
 def add_translations() -> None:
     """Have Blender know them."""
-    bpy.app.translations.register(__name__, contexts(FRENCH))
+    bpy.app.translations.register(__name__, contexts(FRENCH | ERRORS | WHATS | REMEDIES))
 
 
 def remove_translations() -> None:

@@ -2,20 +2,16 @@
 """Every text that the panels show has a French translation, with the same values in it."""
 
 import ast
-import re
 import string
 from pathlib import Path
 
 import bpy
-import etalon
 import pytest
 from etalon.addon import ui
-from etalon.addon.export.refusals import UNSUPPORTED_TYPES
 from etalon.addon.ui import errors, image_writing, images, regions, registration, watching
 from etalon.addon.ui.french import FRENCH
 from etalon.addon.ui.translations import contexts
 from etalon.lib.audit.document import WORDS
-from etalon.lib.errors import Refusal
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.report.headline import TEMPLATES
 from etalon.lib.report.summary import describe_box
@@ -70,7 +66,6 @@ def of_tables():
     yield from WORDS.values()
     yield from (*errors.TEMPLATES, *errors.VALUES, *errors.KINDS)
     yield from PRESETS
-    yield from UNSUPPORTED_TYPES.values()
     yield from (str(light).capitalize() for light in LightPass)
     yield from (describe_box((x, y, x, y), (3, 3)) for x in range(3) for y in range(3))
 
@@ -91,35 +86,6 @@ def test_it_is_translated_with_the_same_values(text):
 
 def test_no_translation_is_for_a_text_that_is_not_shown():
     assert set(FRENCH) - set(shown()) == set()
-
-
-def literals():
-    """Every text of the sources of errors, a value in an f-string as {}."""
-    root = Path(etalon.__file__).parent
-    for path in (*root.glob("lib/**/*.py"), *root.glob("addon/**/*.py")):
-        source = path.read_text(encoding="utf-8")
-        if path.parent != Path(ui.__file__).parent and re.search(r"Error\(|Refusal|errors = ", source):
-            for node in ast.walk(ast.parse(source)):
-                if isinstance(node, ast.JoinedStr):
-                    yield "".join(part.value if isinstance(part, ast.Constant) else "{}" for part in node.values)
-                elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-                    yield node.value
-
-
-def test_every_error_that_is_recognised_exists_in_the_sources():
-    known = {text.strip() for text in literals()}
-    assert {re.sub(r"\{\w+\}", "{}", template) for template in errors.TEMPLATES} - known == set()
-    assert set(errors.VALUES) - known == set()
-
-
-def test_an_error_keeps_its_values_in_french(monkeypatch):
-    monkeypatch.setattr(errors, "translate", lambda text, **values: FRENCH[text].format(**values))
-    refusal = Refusal("material 'A (b); c'", "node 'Hair BSDF'", "switch it off")
-    said = "matériau « A (b); c » : node 'Hair BSDF' n'est pas simulé ; désactivez-le"
-    assert errors.translate_error(str(refusal)) == said
-    full = "/a {b} cannot be written (No space left on device); make room or name another folder"
-    assert errors.translate_error(full).startswith("Impossible d'écrire /a {b} (No space left on device) ;")
-    assert errors.translate_error("something else") == "something else"
 
 
 def test_both_contexts_of_blender_find_a_text():

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refusals in French: the templates by which their parts are recognised, and how each reads.
+
+Names of nodes, sockets and options stay as Blender's English interface has them, which is what a message quotes.
+"""
+
+from __future__ import annotations
+
+# What of a node, an object or the scene is not simulated. Those that begin with a comma or a space follow the node's name.
+WHATS: dict[str, str] = {
+    "hair curves": "les courbes de cheveux",
+    "a point cloud": "un nuage de points",
+    "a volume": "un volume",
+    "grease pencil": "le crayon gras",
+    "smoke": "la fumée",
+    "particle hair": "les cheveux de particules",
+    "a holdout": "un cache (holdout)",
+    "a shadow catcher": "un capteur d'ombres",
+    "adaptive subdivision": "la subdivision adaptative",
+    "shadow caustics": "les caustiques d'ombre",
+    "Simplify": "Simplify",
+    "stereoscopy": "la stéréoscopie",
+    "Freestyle": "Freestyle",
+    "leaving out its surfaces": "l'omission de ses surfaces",
+    "a scale of 0 along an axis": "une échelle de 0 selon un axe",
+    "a sheared matrix": "une matrice cisaillée",
+    "a spread of 0": "une ouverture (spread) de 0",
+    "negative power": "une puissance négative",
+    "the lens type {name}": "le type d'objectif {name}",
+    "light linking with more than {most} collections or sets of objects": (
+        "la liaison de lumière avec plus de {most} collections ou ensembles d'objets"
+    ),
+    "shadow linking beside a volume": "la liaison d'ombres à côté d'un volume",
+    "shadow linking of its faces beside the smooth material '{name}'": (
+        "la liaison d'ombres de ses faces à côté du matériau lisse « {name} »"
+    ),
+    "ray visibility beside the volume of '{name}', which scatters,": (
+        "la visibilité aux rayons à côté du volume de « {name} », qui diffuse"
+    ),
+    "light linking beside the volume of '{name}', which scatters,": (
+        "la liaison de lumière à côté du volume de « {name} », qui diffuse"
+    ),
+    "ray visibility Volume Scatter off, beside a volume that scatters,": (
+        "la visibilité Volume Scatter désactivée, à côté d'un volume qui diffuse"
+    ),
+    "a volume that emits light and absorbs none": "un volume qui émet de la lumière sans en absorber",
+    "the volume of material '{name}' in an object that some rays do not meet": (
+        "le volume du matériau « {name} » dans un objet que certains rayons ne voient pas"
+    ),
+    "the volume of material '{name}', because {defect},": "le volume du matériau « {name} » ({defect})",
+    "subsurface scattering by several closures with different normals": (
+        "la diffusion sous la surface par plusieurs fermetures de normales différentes"
+    ),
+    "subsurface scattering where the object may reach into the volume of '{name}'": (
+        "la diffusion sous la surface là où l'objet peut entrer dans le volume de « {name} »"
+    ),
+    "attribute '{name}', by which a heterogeneous volume varies,": (
+        "l'attribut « {name} », selon lequel varie un volume hétérogène"
+    ),
+    "attribute '{name}', which Cycles makes itself": "l'attribut « {name} », que Cycles crée lui-même",
+    "attribute '{name}' of type {kind} on domain {domain}": "l'attribut « {name} » de type {kind} du domaine {domain}",
+    "tile {number} of an image, which faces reach over without a corner in it (Cycles does not load it),": (
+        "la tuile {number} d'une image, que des faces couvrent sans y avoir de coin (Cycles ne la charge pas)"
+    ),
+    "displacement (node '{name}', socket 'Displacement')": "le déplacement (nœud « {name} », entrée Displacement)",
+    "{what} beside a displacement": "{what} à côté d'un déplacement",
+    "'Is {kind} Ray' of a Light Path node in {place}": "« Is {kind} Ray » d'un nœud Light Path dans {place}",
+    "{kind} '{name}' of the library '{path}', which is not there,": (
+        "{kind} « {name} » de la bibliothèque « {path} », qui n'est pas là"
+    ),
+    "property '{label}' ({name})": "la propriété « {label} » ({name})",
+    "Cycles' setting '{label}' ({name})": "le réglage de Cycles « {label} » ({name})",
+    "{label} {value} (property {name})": "{label} {value} (propriété {name})",
+    # What follows a node's name.
+    " in a world": " dans un monde",
+    " in {place}": " dans {place}",
+    " without a name": " sans nom",
+    ", Sun Disc cut by the horizon,": ", Sun Disc coupé par l'horizon",
+    ", Sun Disc outside of a world,": ", Sun Disc hors d'un monde",
+    ", Sun Size below {least} degrees,": ", Sun Size au-dessous de {least} degrés",
+    ", base Original,": ", base Original",
+    ", behind a chain of {count} nodes,": ", derrière une chaîne de {count} nœuds",
+    ", built-in texture mapping ({name}),": ", le placage de texture intégré ({name})",
+    ", data type {name},": ", le type de données {name}",
+    ", distribution {name},": ", la distribution {name}",
+    ", image '{name}' (texels that are not finite),": ", l'image « {name} » (des texels non finis)",
+    ", image '{name}' (tiled, {fault}),": ", l'image « {name} » (en tuiles, {fault})",
+    ", image '{name}' (colour space {space}, {fault}),": (
+        ", l'image « {name} » (espace colorimétrique {space}, {fault})"
+    ),
+    ", image '{name}' ({fault}),": ", l'image « {name} » ({fault})",
+    ", image '{name}', {what},": ", l'image « {name} », {what}",
+    ", method Christensen-Burley,": ", la méthode Christensen-Burley",
+    ", name '{name}', which Cycles keeps for itself,": ", le nom « {name} », que Cycles se réserve",
+    ", object '{name}',": ", l'objet « {name} »",
+    ", option 'Invert' of Euler angles,": ", l'option Invert des angles d'Euler",
+    ", option '{name}',": ", l'option « {name} »",
+    ", property '{name}',": ", la propriété « {name} »",
+    ", output 'Alpha', whose links lead nowhere,": ", la sortie Alpha, dont les liens ne mènent nulle part",
+    ", output '{name}', to which the group leads nothing,": ", la sortie « {name} », que le groupe n'alimente pas",
+    ", output '{name}', which is off in this operation,": ", la sortie « {name} », inactive dans cette opération",
+    ", output '{name}', with its smoothness,": ", la sortie « {name} », avec son lissage",
+    ", output '{name}',": ", la sortie « {name} »",
+    ", phase function {name},": ", la fonction de phase {name}",
+    ", projection Box in a world,": ", la projection Box dans un monde",
+    ", projection {name} of a tiled image,": ", la projection {name} d'une image en tuiles",
+    ", socket 'Strength', below 0 in a volume,": ", l'entrée Strength, au-dessous de 0 dans un volume",
+    ", socket 'Thin Film Thickness' in Blender before {first},": (
+        ", l'entrée Thin Film Thickness dans Blender avant {first}"
+    ),
+    ", socket 'Vector' (unlinked) in a world,": ", l'entrée Vector (non liée) dans un monde",
+    ", socket '{name}' (a heterogeneous volume),": ", l'entrée « {name} » (un volume hétérogène)",
+    ", socket '{name}' (linked),": ", l'entrée « {name} » (liée)",
+    ", socket '{name}' (textured),": ", l'entrée « {name} » (texturée)",
+    ", socket '{name}' of type {kind},": ", l'entrée « {name} » de type {kind}",
+    ", socket '{name}', a colour {bounds},": ", l'entrée « {name} », une couleur {bounds}",
+    ", socket '{name}', which is not the same everywhere,": ", l'entrée « {name} », qui n'est pas la même partout",
+    ", socket '{name}', whose {have} feeds a {want},": ", l'entrée « {name} », où {have} alimente {want}",
+    ", socket '{name}',": ", l'entrée « {name} »",
+    ", sockets 'Thin Film' (textured) above a diffuse base,": (
+        ", les entrées Thin Film (texturées) sur une base diffuse"
+    ),
+    ", sockets 'Transmission Dispersion' (textured),": ", les entrées Transmission Dispersion (texturées)",
+    ", through which a heterogeneous volume is mixed,": ", par lequel un volume hétérogène est mélangé",
+    ", which passes nothing on,": ", qui ne transmet rien",
+    ", in a world,": ", dans un monde",
+    ", type {name},": ", le type {name}",
+    # What is wrong with an image.
+    "alpha {mode}": "alpha {mode}",
+    "alpha {mode} in the colour space {space}": "alpha {mode} dans l'espace colorimétrique {space}",
+    "alpha {mode} of an image that Blender keeps, whose texels follow the mode already when Cycles applies it": (
+        "alpha {mode} d'une image que garde Blender, dont les texels suivent déjà le mode quand Cycles l'applique"
+    ),
+    "alpha {mode}, which Cycles before 5.1 takes for {natural}": "alpha {mode}, que Cycles avant 5.1 prend pour {natural}",
+    "changes that are not saved": "des changements non enregistrés",
+    "colours beyond its range": "des couleurs hors de ses limites",
+    "no texels": "sans texels",
+    "not saved": "non enregistrée",
+    "of floats": "à virgule flottante",
+    "packed": "empaquetée",
+    "path '{path}'": "chemin « {path} »",
+    "tinted greys": "des gris teintés",
+}
+
+REMEDIES: dict[str, str] = {
+    "lower the resolution, or give a time and let a smaller image be compared": (
+        "réduisez la résolution, ou donnez une durée et laissez comparer une image plus petite"
+    ),
+    "apply the scale of its parents": "appliquez l'échelle de ses parents",
+    "choose Displaced": "choisissez Displaced",
+    "choose Henyey-Greenstein": "choisissez Henyey-Greenstein",
+    "choose Random Walk": "choisissez Random Walk",
+    "choose another": "choisissez-en une autre",
+    "choose another projection": "choisissez une autre projection",
+    "choose another {label}, or use Blender {release}": "choisissez un autre {label}, ou utilisez Blender {release}",
+    "choose another {label}": "choisissez un autre {label}",
+    "choose the projection Flat": "choisissez la projection Flat",
+    "choose the type Geometry on a surface": "choisissez le type Geometry sur une surface",
+    "clear its Object field": "videz son champ Object",
+    "close the mesh, with all faces of this material and turned outwards": (
+        "fermez le maillage, toutes les faces de ce matériau et tournées vers l'extérieur"
+    ),
+    "convert it to a float, vector or colour of points, corners or faces": (
+        "convertissez-le en nombre, vecteur ou couleur de points, de coins ou de faces"
+    ),
+    "convert it to {space}": "convertissez-la en {space}",
+    "cut the faces at the tiles' borders": "coupez les faces aux bords des tuiles",
+    "delete it": "supprimez-le",
+    "do not render it": "excluez-le du rendu",
+    "do without it": "passez-vous-en",
+    "give it a scale above 0": "donnez-lui une échelle supérieure à 0",
+    "give more than 1.5 and at most {most}; Beckmann's is the limit of large g": (
+        "donnez plus de 1.5 et au plus {most} ; Beckmann est la limite des grands g"
+    ),
+    "give them faces (geometry nodes: Curve to Mesh with a Curve Circle as its profile), or do not render them": (
+        "donnez-leur des faces (nœuds de géométrie : Curve to Mesh avec un Curve Circle pour profil), ou excluez-les du "
+        "rendu"
+    ),
+    "have it absorb, or emit nothing": "faites-le absorber, ou n'émettre rien",
+    "include it again": "incluez-le à nouveau",
+    "link Texture Coordinate, Generated to it": "liez-y Texture Coordinate, Generated",
+    "link a Tangent node to it, or nothing": "liez-y un nœud Tangent, ou rien",
+    "link fewer": "liez-en moins",
+    "link the same Normal to all of them": "liez la même Normal à toutes",
+    "make it perspective, orthographic or panoramic": "rendez-la perspective, orthographique ou panoramique",
+    "make the power positive": "rendez la puissance positive",
+    "mix values, vectors or colours": "mélangez des valeurs, des vecteurs ou des couleurs",
+    "move them apart": "écartez-les",
+    "name an attribute of the mesh": "nommez un attribut du maillage",
+    "put spheres in its place (geometry nodes: Instance on Points with an Ico Sphere), or do not render it": (
+        "mettez des sphères à sa place (nœuds de géométrie : Instance on Points avec une Ico Sphere), ou excluez-le du "
+        "rendu"
+    ),
+    "remove one of the two": "retirez l'un des deux",
+    "remove the blockers, or the volume": "retirez les bloqueurs, ou le volume",
+    "rename it": "renommez-le",
+    "rename the attribute": "renommez l'attribut",
+    "repair the image": "réparez l'image",
+    "replace it by a supported node or bake it to an image": (
+        "remplacez-le par un nœud pris en charge ou précalculez-le dans une image"
+    ),
+    "replace it by a supported shader": "remplacez-le par un shader pris en charge",
+    "reset it and use a Mapping node": "réinitialisez-le et utilisez un nœud Mapping",
+    "restore its file, or choose another image": "rétablissez son fichier, ou choisissez une autre image",
+    "restore or relink the library, or do not render it": (
+        "rétablissez ou reliez la bibliothèque, ou excluez l'objet du rendu"
+    ),
+    "save it: Cycles reads the files": "enregistrez-la : Cycles lit les fichiers",
+    "save or pack the image: Cycles reads the file": "enregistrez ou empaquetez l'image : Cycles lit le fichier",
+    "set Render As of its particles to Object, or do not render it": (
+        "réglez Render As de ses particules sur Object, ou excluez-le du rendu"
+    ),
+    "set it back to its default": "remettez sa valeur par défaut",
+    "set it back to {value}": "remettez {value}",
+    "set it to 0, or use a newer Blender": "mettez 0, ou utilisez un Blender plus récent",
+    "set it to {value}": "mettez {value}",
+    "set its Alpha to {value}, Channel Packed or None": "réglez son Alpha sur {value}, Channel Packed ou None",
+    "set its Alpha to None": "réglez son Alpha sur None",
+    "shorten the chain, or bake it to an image": "raccourcissez la chaîne, ou précalculez-la dans une image",
+    "switch Sun Disc off and add a sun lamp": "désactivez Sun Disc et ajoutez une lampe soleil",
+    "switch Sun Disc off": "désactivez Sun Disc",
+    "switch its ray visibility on": "activez sa visibilité aux rayons",
+    "switch it off": "désactivez-le",
+    "switch it on": "activez-la",
+    "this Blender ({version}) lacks its type; use the version that made it, or delete it": (
+        "son type manque à ce Blender ({version}) ; utilisez la version qui l'a créé, ou supprimez-le"
+    ),
+    "turn by an axis and an angle": "tournez par un axe et un angle",
+    "unlink Displacement, or choose Bump Only and a Displacement node": (
+        "retirez le lien de Displacement, ou choisissez Bump Only et un nœud Displacement"
+    ),
+    "unlink Displacement, or use a Bump node": "retirez le lien de Displacement, ou utilisez un nœud Bump",
+    "unlink IOR, or choose GGX": "retirez le lien de IOR, ou choisissez GGX",
+    "unlink it: only volumes that are the same everywhere are simulated": (
+        "retirez ce lien : seuls les volumes partout les mêmes sont simulés"
+    ),
+    "unlink it": "retirez ce lien",
+    "unlink them, or choose GGX": "retirez leurs liens, ou choisissez GGX",
+    "unlink them, or make it all metal or transmission": "retirez leurs liens, ou mettez-le tout en métal ou en transmission",
+    "unlink {name}": "retirez le lien de {name}",
+    "unpack it": "dépaquetez-la",
+    "use Is Camera Ray or ray visibility": "utilisez Is Camera Ray ou la visibilité aux rayons",
+    "use Quadratic, and a Smooth of 0": "utilisez Quadratic, et un Smooth de 0",
+    "use Texture Coordinate, Generated": "utilisez Texture Coordinate, Generated",
+    "use a Tangent node": "utilisez un nœud Tangent",
+    "use a light, or remove its blockers": "utilisez une lampe, ou retirez ses bloqueurs",
+    "use a still image or a sequence of image files": "utilisez une image fixe ou une suite de fichiers d'images",
+    "use another output, or none": "utilisez une autre sortie, ou aucune",
+    "use constant colours and factors": "utilisez des couleurs et des facteurs constants",
+    "use one plain Emission node": "utilisez un seul nœud Emission simple",
+    "use the node that gives it": "utilisez le nœud qui le donne",
+    "use {names} of a surface": "utilisez {names} d'une surface",
+    "use {names}": "utilisez {names}",
+    "widen the spread, or use a sun": "élargissez l'ouverture, ou utilisez un soleil",
+    "write <UDIM> or <UVTILE> where its number stands": "écrivez <UDIM> ou <UVTILE> à la place de son numéro",
+}
