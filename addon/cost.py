@@ -12,6 +12,7 @@ import bpy
 
 from ..lib.comparison.run import Stop
 from ..lib.cost.document import BASELINE, TARGETS, Extras, document
+from ..lib.cost.estimators import estimator_ways
 from ..lib.cost.measure import PAIRS, TRUTH_SHARE, Measurement, measure
 from ..lib.cost.models import measure_forms
 from ..lib.cost.result import Cost
@@ -68,6 +69,7 @@ def measure_cost(
         exporting = opened + time.perf_counter() - begin
         ways = reference_ways(exported, options.seed, options.threads, exporting)
         ways += cycles_ways(scene, users, options.seed, options.threads, opened)
+        ways += estimator_ways(exported, options.seed, options.threads, exporting)
         measurement, verification = _measure(name, choose_ways(ways, options.ways), options, phases)
         extras = Extras(
             tuple(measure_forms()),

@@ -33,7 +33,8 @@ class Bias(Enum):
 class Way:
     """One way to render the scene.
 
-    `key` is its short name, `label` what people read, `group` 'sampling', 'model' or 'Cycles'; `make` builds its renderer. `rate` is the
+    `key` is its short name, `label` what people read, `group` 'sampling', 'model', 'estimators' or 'Cycles'; `make` builds its
+    renderer. `rate` is the
     power of 1/N by which its variance falls if theory gives it (1 for independent samples), else None. `opening` are the seconds
     that were spent before `make` could be called: reading the file, exporting the scene.
     """

@@ -37,7 +37,8 @@ SIDE, TOLERANCE, LONG = 96, 0.01, 1 << 21
 OFF = {"caustics_reflective": False, "caustics_refractive": False}
 
 
-def _glass(name: str) -> bpy.types.Material:
+def glass(name: str) -> bpy.types.Material:
+    """Clear glass of index 1.5 or so, Blender's default."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     tree = made.node_tree
@@ -53,7 +54,7 @@ def _mirror_ball() -> None:
 
 
 def _glass_ball() -> None:
-    building.sphere("Ball", _glass("Glass"), (0.0, 0.45, 0.3), 0.25, 128, 64)
+    building.sphere("Ball", glass("Glass"), (0.0, 0.45, 0.3), 0.25, 128, 64)
 
 
 def _standing_mirror() -> None:

@@ -1,70 +1,112 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The product's own verdict on photon mapping and Metropolis.
+"""Light tracing, photon mapping and Metropolis beside path tracing: the product's own verdict, and error against time.
 
-They stand in the candidate's place against path tracing.
+    python tests/benchmarks/estimators.py [--time 60]               # verdicts on reference scenes
+    python tests/benchmarks/estimators.py --cost FOLDER [--time 60] # a scene on which each wins, and one on which it loses
 
-    python tests/benchmarks/estimators.py [--time 60]
-
-Small reference scenes, one thread for each side.
+Small images, one thread for each side. `--cost` writes a cost page with its plot for each scene into FOLDER.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import bpy
+import mathutils
 from etalon.addon.host.quiet import quiet
 from etalon.addon.job import export
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.film.parts import Part
-from etalon.lib.film.rendering import Rendering
-from etalon.lib.film.windows import Windows
-from etalon.lib.metropolis.render import MetropolisRenderer
-from etalon.lib.photon_mapping.render import PhotonMappingRenderer
-from etalon.lib.progress import NO_PROGRESS, Progress
+from etalon.lib.cost.document import Extras
+from etalon.lib.cost.estimators import Estimator, estimator_ways
+from etalon.lib.cost.measure import measure
+from etalon.lib.cost.ways import BEST, reference_ways
+from etalon.lib.cost.write import write_cost
+from etalon.lib.errors import EtalonError
 from etalon.lib.scene.camera import smaller_camera
 from etalon.lib.scene.scene import Scene
-from etalon.lib.settings.reference import Options
+from etalon.lib.settings.reference import LIGHT_TRACING, METROPOLIS, PHOTON_MAPPING, Options, RenderOptions
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
-from etalon.reference_scenes import SCENES
+from etalon.reference_scenes import SCENES, building
+from etalon.tests.benchmarks.caustics import glass
 
-ESTIMATORS = {
-    "photon mapping": PhotonMappingRenderer,
-    "metropolis": MetropolisRenderer,
-}
 REFERENCE_SCENES = ("lambert_analytic", "cornell_glossy", "glossy_spheres")
-WIDE = 64
+WIDE, SIDE = 64, 32
+WITHOUT = "without-pane"
 
 
-class Candidate:
-    """An estimator in the candidate's place.
+def _caustic(pane: bool) -> None:
+    """A small spot lamp that shines on a mirror, which lights the floor; the camera sees the floor alone."""
+    building.start("caustic", SIDE, SIDE, 3)
+    floor = building.diffuse("Floor", (0.5, 0.5, 0.5))
+    building.rectangle("Floor", floor, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    mirror = building.glossy("Mirror", "GGX", 0.0, (0.95,) * 3)
+    building.rectangle("Mirror", mirror, (0.0, 1.0, 0.8), (1.2, 0.0, 0.0), (0.0, 0.0, 1.2))
+    data = bpy.data.lights.new("Lamp", "SPOT")
+    data.energy, data.spot_size, data.shadow_soft_size = 100.0, 0.5, 0.01
+    lamp = bpy.data.objects.new("Lamp", data)
+    lamp.location = (0.0, 0.0, 2.0)
+    lamp.rotation_euler = mathutils.Vector((0.0, 1.0, -1.2)).to_track_quat("-Z", "Y").to_euler()
+    bpy.context.scene.collection.objects.link(lamp)
+    building.camera((0.9, -0.2, 2.2), (0.0, 0.25, 0.0), lens=80.0)
 
-    It renders the whole image where windows are asked for.
+
+def _under_glass(pane: bool) -> None:
+    """A floor under a pane, which both camera and lamp look through.
+
+    Its index is 1, so that the scene without the `pane` has the same image, and no estimator knows that.
     """
-
-    def __init__(self, name: str, scene: Scene, options: Options) -> None:
-        self.name, self.settings = name, {}
-        self._scene, self._options = scene, options
-        self.renderer = ESTIMATORS[name](scene, options)
-
-    def render(
-        self, replicate: int, samples: int, progress: Progress = NO_PROGRESS, windows: Windows | None = None
-    ) -> Rendering:
-        return replace(self.renderer.render(replicate, samples, progress), windows=windows)
-
-    def at_size(self, width: int, height: int) -> Candidate:
-        return Candidate(self.name, _at_size(self._scene, width, height), self._options)
-
-    def with_passes(self, passes: Sequence[Part]) -> Candidate:
-        return self
+    building.start("under glass", SIDE, SIDE, 6)
+    floor = building.diffuse("Floor", (0.6, 0.6, 0.6))
+    building.rectangle("Floor", floor, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    if pane:
+        clear = glass("Glass")
+        clear.node_tree.nodes["Glass BSDF"].inputs["IOR"].default_value = 1.0
+        building.box("Pane", clear, (0.0, 0.0, 0.6), (4.0, 4.0, 0.1))
+    building.sphere_light("Lamp", (0.3, 0.3, 1.2), 0.01, (10_000.0,) * 3)
+    building.camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), lens=50.0)
 
 
-def _at_size(scene: Scene, width: int, height: int) -> Scene:
-    return replace(scene, camera=smaller_camera(scene.camera, width, height))
+def _next_room(pane: bool) -> None:
+    """A room that is lit through a slit from the next one, where the lamp faces away from the slit."""
+    building.start("next room", SIDE // 2, SIDE // 2, 4)
+    white = building.diffuse("White", (0.7, 0.7, 0.7))
+    walls = {
+        "Floor": ((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 2.0, 0.0)),
+        "Ceiling": ((0.0, 0.0, 2.0), (0.0, 2.0, 0.0), (4.0, 0.0, 0.0)),
+        "Left": ((-2.0, 0.0, 1.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0)),
+        "Right": ((2.0, 0.0, 1.0), (0.0, 0.0, 2.0), (0.0, 2.0, 0.0)),
+        "Back": ((0.0, 1.0, 1.0), (4.0, 0.0, 0.0), (0.0, 0.0, 2.0)),
+        "Front": ((0.0, -1.0, 1.0), (0.0, 0.0, 2.0), (4.0, 0.0, 0.0)),
+        "Between": ((0.0, -0.06, 1.0), (0.0, 1.88, 0.0), (0.0, 0.0, 2.0)),
+    }
+    for name, (center, u, v) in walls.items():
+        building.rectangle(name, white, center, u, v)
+    building.area_light("Lamp", (1.6, 0.0, 1.0), (2.0, 0.0, 1.0), (0.3, 0.3), (300.0,) * 3)
+    building.camera((-0.2, -0.6, 1.0), (-2.0, 0.6, 0.8), lens=24.0)
+
+
+def _plain(pane: bool) -> None:
+    SCENES["lambert_analytic"].build()
+
+
+WINNERS = {
+    "caustic": (_caustic, LIGHT_TRACING, LIGHT_TRACING),
+    "under glass": (_under_glass, PHOTON_MAPPING, WITHOUT),
+    "next room": (_next_room, METROPOLIS, LIGHT_TRACING),
+    "lambert_analytic": (_plain, BEST, BEST),
+}
+"""Scenes, the way that is expected to win, and the way that the truth comes from: WITHOUT is path tracing without the pane."""
+
+
+def _at_size(scene: Scene, side: int) -> Scene:
+    camera = scene.camera
+    divisor = max(camera.width // side, 1)
+    return replace(scene, camera=smaller_camera(camera, camera.width // divisor, camera.height // divisor))
 
 
 def verdicts(seconds: float) -> None:
@@ -72,12 +114,10 @@ def verdicts(seconds: float) -> None:
     for scene_name in REFERENCE_SCENES:
         with quiet():
             SCENES[scene_name].build()
-            scene = export(bpy.context.scene)
-        divisor = max(scene.camera.width // WIDE, 1)
-        scene = _at_size(scene, scene.camera.width // divisor, scene.camera.height // divisor)
-        for name in ESTIMATORS:
+            scene = _at_size(export(bpy.context.scene), WIDE)
+        for name in (PHOTON_MAPPING, METROPOLIS):
             reference = ReferenceRenderer(scene, Options(seed=1, threads=1))
-            candidate = Candidate(name, scene, Options(seed=2, threads=1))
+            candidate = Estimator(scene, RenderOptions(seed=2, threads=1, strategy=name))
             options = CompareOptions(time=seconds, tolerance=0.01)
             verdict = compare(scene, reference, candidate, coverage(reference.kernel), options).verdict
             bias = getattr(candidate.renderer, "bias", "")
@@ -89,10 +129,59 @@ def verdicts(seconds: float) -> None:
             )
 
 
+def _exported(build: Callable[[bool], None], pane: bool) -> Scene:
+    with quiet():
+        build(pane)
+        return _at_size(export(bpy.context.scene), SIDE)
+
+
+def costs(seconds: float, folder: Path, only: str | None) -> None:
+    """A page and a few lines for each scene: the error of each way at its last level, and what it took."""
+    for name, (build, expected, truth) in WINNERS.items():
+        if only not in (None, name):
+            continue
+        scene, other = (_exported(build, pane) for pane in (True, False))
+        ways = [way for way in reference_ways(scene, 1, 1, 0.0) if way.key == BEST]
+        ways += estimator_ways(scene, 2, 1, 0.0)
+        if truth == WITHOUT:
+            ways += [
+                replace(way, key=WITHOUT, label="path tracing without the pane")
+                for way in reference_ways(other, 3, 1, 0.0)
+                if way.key == BEST
+            ]
+        measurement = measure(name, ways, truth, seconds, truth_share=0.4)
+        place = folder / name.replace(" ", "_")
+        place.mkdir(parents=True, exist_ok=True)
+        figures = write_cost(
+            measurement, Extras(command=f"python tests/benchmarks/estimators.py --cost {folder}"), place
+        )
+        print(
+            f"{name}: truth by {truth}, {measurement.truth.samples} x {measurement.truth.replicates} samples; expected {expected}"
+        )
+        for way in figures["ways"]:
+            if not way["points"]:
+                print(f"  {way['label']}: {way['missing']}")
+                continue
+            points = [(p["samples"], p["seconds"]["value"], p["error"]["value"]) for p in way["points"]]
+            shown = ", ".join(f"{n}: {s:.2g} s {e:.2%}" for n, s, e in points)
+            print(
+                f"  {way['label']:28} error x sqrt(s) {points[-1][2] * points[-1][1] ** 0.5:.4f}   {shown}", flush=True
+            )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--time", type=float, default=60.0)
-    verdicts(parser.parse_args().time)
+    parser.add_argument("--cost", type=Path, metavar="FOLDER")
+    parser.add_argument("--only", choices=sorted(WINNERS), help="one scene of --cost")
+    arguments = parser.parse_args()
+    try:
+        if arguments.cost is None:
+            verdicts(arguments.time)
+        else:
+            costs(arguments.time, arguments.cost, arguments.only)
+    except EtalonError as error:
+        raise SystemExit(str(error)) from None
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from etalon.lib.cost.document import Extras, document
 from etalon.lib.cost.estimates import Estimate
+from etalon.lib.cost.estimators import estimator_ways
 from etalon.lib.cost.measure import measure
 from etalon.lib.cost.models import Form, measure_forms
 from etalon.lib.cost.spans import took
@@ -17,8 +18,12 @@ from etalon.lib.cost.summary import summarize
 from etalon.lib.cost.verify import cheapest, verify
 from etalon.lib.cost.ways import Bias, Way, reference_ways
 from etalon.lib.cost.write import digits, interval, table, write_cost
+from etalon.lib.errors import EtalonError
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.sampling.streams import VERIFICATION
 from etalon.lib.scene.lights import SphereLight
+from etalon.lib.settings.reference import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.lib.cost.synthetic import RELATIVE, Synthetic, way
 from etalon.tests.scenes import floor, glossy, orthographic, scene
 from markupsafe import escape
@@ -179,3 +184,21 @@ def test_reference_ways_are_the_integrator_s_strategies():
             error = np.hypot(means[w.key].std(), means["mis"].std()) / np.sqrt(7)
             assert abs(means[w.key].mean() - means["mis"].mean()) < 7.0 * error, w.key
     assert means["torrance-sparrow"].mean() > 1.02 * means["mis"].mean()
+
+
+def test_other_estimators_are_ways_with_the_image_of_path_tracing():
+    ways = {w.key: w for w in estimator_ways(SCENE, 0, 1, 5.0)}
+    assert set(ways) == {"light-tracing", "photon-mapping", "metropolis"}
+    assert {w.group for w in ways.values()} == {"estimators"}
+    mean = ReferenceRenderer(SCENE, Options(seed=1, threads=1)).render(0, 256).radiance.mean()
+    for w in ways.values():
+        renderer = w.make()
+        found = np.array([renderer.render(k, 4).radiance.mean() for k in range(8)])
+        room = 0.02 * mean if w.bias is Bias.UNKNOWN else 0.0  # photon mapping has a bias
+        assert abs(found.mean() - mean) < 7.0 * found.std() / np.sqrt(7) + room, w.key
+
+
+def test_other_estimators_refuse_light_passes_in_one_line():
+    way = estimator_ways(SCENE, 0, 1, 0.0)[0]
+    with pytest.raises(EtalonError, match="light-tracing has no light passes"):
+        way.make().with_passes((LightPass.EMISSION,))
