@@ -178,9 +178,9 @@ COMMANDS = (
         "illustrate",
         (IllustrateOptions, PageTerminal),
         "make one page, in English and French, of what the lecture's slides show",
-        "Distributions, facets, four strategies, inversions, the five slips, spheres by both renderers, and masking: each figure with\n"
-        "its numbers, the command that remakes it and the test that holds it. One file that loads nothing. Without Blender the page\n"
-        "says what is missing for the spheres. In Blender, the file that is open is replaced.",
+        "Distributions, facets, four strategies, inversions, the five slips, spheres by both renderers, radiosity and caches, and masking:\n"
+        "each figure with its numbers, the command that remakes it and the test that holds it. One file that loads nothing. Without\n"
+        "Blender the page says what is missing for the spheres. In Blender, the file that is open is replaced.",
     ),
     Command(
         "doctor",

@@ -28,6 +28,16 @@ DIFFERENCE = Words("Relative difference, colour up to ± 20 %", "Différence rel
 BY_FLIP = Words("FLIP: white is 1", "FLIP : le blanc vaut 1")
 BOTH_MODELS = Words("reference alone", "référence seule")
 MISSING = Words("Not rendered.", "Pas de rendu.")
+TRACED = Words("Path tracing", "Tracé de chemins")
+GATHERED = Words("Gathering at each point", "Rassemblement en chaque point")
+CACHE_HEADS = (
+    Words("method", "méthode"),
+    Words("time", "temps"),
+    Words("mean against path tracing", "moyenne contre tracé de chemins"),
+    Words("a pixel (RMS)", "un pixel (RMS)"),
+    Words("records", "points"),
+    Words("bias of caching: mean, pixel", "biais du cache : moyenne, pixel"),
+)
 ROW_HEADS = (
     Words("sphere", "sphère"),
     Words("verdict", "verdict"),
@@ -122,6 +132,26 @@ CAPTIONS = {
             "rangée du haut, par la référence : ce que le choix de D change pour la lumière et pour l'œil.",
         ),
         "tests/lib/lecture/test_illustrations.py",
+    ),
+    "caches": Caption(
+        "Conclusion: Et autres familles de méthodes (tracé de photons, caches, radiativité, etc.)",
+        Words(
+            "Radiosity and irradiance caching in a diffuse box",
+            "Radiosité et cache d'éclairement dans une boîte diffuse",
+        ),
+        Words(
+            "A closed box of diffuse walls with a lamp in the ceiling. Path tracing has noise and no bias. Radiosity solves for the light of "
+            "each patch at once: no noise, but each patch has one colour, and the error falls with their size. A last gathering at each "
+            "point, of the light of 384 patches, mends most of it. Irradiance caching gathers at a few records and interpolates indirect "
+            "light between them; the last column states its bias, against gathering at each point. Pixels on edges and on the lamp do not "
+            "count.",
+            "Une boîte fermée aux parois diffuses, avec une lampe au plafond. Le tracé de chemins a du bruit et aucun biais. La radiosité "
+            "résout d'un coup la lumière de chaque facette : aucun bruit, mais une seule couleur par facette, et l'erreur diminue avec leur "
+            "taille. Un dernier rassemblement en chaque point, de la lumière de 384 facettes, en corrige l'essentiel. Le cache d'éclairement "
+            "rassemble en quelques points et interpole entre eux la lumière indirecte ; la dernière colonne donne son biais, par rapport au "
+            "rassemblement en chaque point. Les pixels des arêtes et de la lampe ne comptent pas.",
+        ),
+        "tests/lib/lecture/test_caches.py",
     ),
     "masking": Caption(
         "Choix de F, D et G",

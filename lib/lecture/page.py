@@ -14,6 +14,7 @@ from ..files.plain_data import make_plain
 from ..pages import render_page
 from ..progress import NO_PROGRESS, Progress
 from . import captions
+from .caches import illustrate_caches
 from .densities import illustrate_densities
 from .facets import illustrate_facets
 from .figure import Figure
@@ -34,6 +35,7 @@ FIGURES: Makers = {
     "inversions": illustrate_inversions,
     "slips": illustrate_slips,
     "illustrations": lambda seed: illustrate_missing("Blender"),
+    "caches": illustrate_caches,
     "masking": illustrate_masking,
 }
 """All figures, without Blender: whoever has it replaces `illustrations`."""

@@ -15,7 +15,7 @@ from .common import LOCAL, Seeded
 from .declaration import Declared, option, required
 from .units import Alpha, Choice, FilePath, Flag, Pair, Unit, Whole
 
-FIGURES = ("densities", "facets", "uniform", "inversions", "slips", "illustrations", "masking")
+FIGURES = ("densities", "facets", "uniform", "inversions", "slips", "illustrations", "caches", "masking")
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
 
 

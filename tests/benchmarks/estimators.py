@@ -71,23 +71,31 @@ def _under_glass(pane: bool) -> None:
     building.camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), lens=50.0)
 
 
-def _next_room(pane: bool) -> None:
-    """A room that is lit through a slit from the next one, where the lamp faces away from the slit."""
-    building.start("next room", SIDE // 2, SIDE // 2, 4)
-    white = building.diffuse("White", (0.7, 0.7, 0.7))
+def _window(pane: bool) -> None:
+    """A room that the sun lights through a small window; the camera does not see where. Around it lies a wide ground."""
+    building.start("window", SIDE, SIDE, 4)
+    white, ground = building.diffuse("White", (0.7, 0.7, 0.7)), building.diffuse("Ground", (0.1, 0.1, 0.1))
     walls = {
-        "Floor": ((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 2.0, 0.0)),
-        "Ceiling": ((0.0, 0.0, 2.0), (0.0, 2.0, 0.0), (4.0, 0.0, 0.0)),
-        "Left": ((-2.0, 0.0, 1.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0)),
-        "Right": ((2.0, 0.0, 1.0), (0.0, 0.0, 2.0), (0.0, 2.0, 0.0)),
-        "Back": ((0.0, 1.0, 1.0), (4.0, 0.0, 0.0), (0.0, 0.0, 2.0)),
-        "Front": ((0.0, -1.0, 1.0), (0.0, 0.0, 2.0), (4.0, 0.0, 0.0)),
-        "Between": ((0.0, -0.06, 1.0), (0.0, 1.88, 0.0), (0.0, 0.0, 2.0)),
+        "Floor": ((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)),
+        "Ceiling": ((0.0, 0.0, 2.0), (0.0, 2.0, 0.0), (2.0, 0.0, 0.0)),
+        "Left": ((-1.0, 0.0, 1.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0)),
+        "Back": ((0.0, 1.0, 1.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0)),
+        "Front": ((0.0, -1.0, 1.0), (0.0, 0.0, 2.0), (2.0, 0.0, 0.0)),
+        # About a window of 0.2 m in the right wall, 1 m above the floor.
+        "Below": ((1.0, 0.0, 0.45), (0.0, 0.0, 0.9), (0.0, 2.0, 0.0)),
+        "Above": ((1.0, 0.0, 1.55), (0.0, 0.0, 0.9), (0.0, 2.0, 0.0)),
+        "Before": ((1.0, -0.55, 1.0), (0.0, 0.0, 0.2), (0.0, 0.9, 0.0)),
+        "Behind": ((1.0, 0.55, 1.0), (0.0, 0.0, 0.2), (0.0, 0.9, 0.0)),
     }
     for name, (center, u, v) in walls.items():
         building.rectangle(name, white, center, u, v)
-    building.area_light("Lamp", (1.6, 0.0, 1.0), (2.0, 0.0, 1.0), (0.3, 0.3), (300.0,) * 3)
-    building.camera((-0.2, -0.6, 1.0), (-2.0, 0.6, 0.8), lens=24.0)
+    building.rectangle("Ground", ground, (0.0, 0.0, -0.5), (40.0, 0.0, 0.0), (0.0, 40.0, 0.0))
+    sun = bpy.data.lights.new("Sun", "SUN")
+    sun.energy, sun.angle = 100.0, 0.01
+    lamp = bpy.data.objects.new("Sun", sun)
+    lamp.rotation_euler = mathutils.Vector((-0.6, 0.2, -1.0)).to_track_quat("-Z", "Y").to_euler()
+    bpy.context.scene.collection.objects.link(lamp)
+    building.camera((0.9, -0.9, 1.6), (-1.0, -0.2, 1.5), lens=35.0)
 
 
 def _plain(pane: bool) -> None:
@@ -97,7 +105,7 @@ def _plain(pane: bool) -> None:
 WINNERS = {
     "caustic": (_caustic, LIGHT_TRACING, LIGHT_TRACING),
     "under glass": (_under_glass, PHOTON_MAPPING, WITHOUT),
-    "next room": (_next_room, METROPOLIS, LIGHT_TRACING),
+    "window": (_window, METROPOLIS, BEST),
     "lambert_analytic": (_plain, BEST, BEST),
 }
 """Scenes, the way that is expected to win, and the way that the truth comes from: WITHOUT is path tracing without the pane."""
