@@ -38,7 +38,10 @@ def clock(monkeypatch):
 
 
 class Painter:
-    """Paints 1 with noise from the replicate's own random numbers, the same for all painters; `change` is what a setting does to it."""
+    """Paints 1 with noise from the replicate's own random numbers, the same for all painters.
+
+    `change` is what a setting does to it.
+    """
 
     name = "Painter"
 
@@ -158,7 +161,10 @@ def test_seconds_are_what_the_clock_said(clock, seed):
 
 
 def test_no_side_has_a_place_of_its_own_in_a_round(clock, seed):
-    """The first call of every round takes three times as long; nobody is charged for it more than the others."""
+    """The first call of every round takes three times as long.
+
+    Nobody is charged for it more than the others.
+    """
 
     seen = set()
 

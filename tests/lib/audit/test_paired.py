@@ -48,7 +48,10 @@ def test_common_noise_makes_narrow_intervals(rng):
 
 @pytest.mark.parametrize(("ratio", "claim"), [(0.99, 0), (1.01, 0), (0.99, 1), (1.01, 1)])
 def test_neither_claim_is_made_too_often_at_the_edge_of_the_tolerance(rng, ratio, claim):
-    """Exactly at the tolerance both claims are false, each at most at its level; three channels on the same side make the first one rarer."""
+    """Exactly at the tolerance both claims are false, each at most at its level.
+
+    Three channels on the same side make the first one rarer.
+    """
     p = p_values(*pairs(rng, ratio, noise=0.01), 0.01, 1e-3)[claim]
     assert (p <= 0.05).sum() <= binom.ppf(1 - 1e-5, TRIALS, 0.05)
 
@@ -61,7 +64,10 @@ def test_a_bias_is_claimed_and_its_absence_too(rng):
 
 
 def test_without_noise():
-    """Equal to the last bit: no bias, also where all is black; a sure difference is a sure bias; a single replicate says nothing."""
+    """Exactly equal sides show no bias, also where all is black.
+
+    A sure difference is a sure bias; a single replicate says nothing.
+    """
     same = np.ones((4, 1, 3))
     for level in (0.0, 1.0):
         floor = 1e-3 * level

@@ -65,7 +65,10 @@ def test_translucency_is_lambert_on_the_far_side(rng):
 
 @pytest.mark.parametrize("normal", TILTS)
 def test_tilted_lobes_follow_their_density(normal, rng):
-    """What a tilted lobe sends below the face is lost; all else has the density that it states."""
+    """What a tilted lobe sends below the face is lost.
+
+    All else has the density that it states.
+    """
     n = np.array(normal) / np.linalg.norm(normal)
     t, s = (axis[:, 0] for axis in orthonormal_basis(n[:, None]))
     rows = np.stack([t, s, n])

@@ -83,7 +83,10 @@ def test_density_parts_and_arguments(rng):
 
 
 def test_the_series_of_bounces_grows_with_a_colour_above_one_until_it_has_no_sum():
-    """Fss (1 - Eavg) is the ratio of the series of bounces between facets; at 1 and above it has no limit."""
+    """Fss (1 - Eavg) is the ratio of the series of bounces between facets.
+
+    At 1 and above it has no limit.
+    """
     alpha = 0.49
     mean, directional = float(albedo.average_albedo(alpha)), float(albedo.directional_albedo(np.array([1.0]), alpha)[0])
     limit = 1.0 / (1.0 - mean)

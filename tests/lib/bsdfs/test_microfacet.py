@@ -52,8 +52,11 @@ def test_chi_square_rough(distribution, alphas, degrees, strategy, rng):
 @pytest.mark.parametrize("alphas", NARROW)
 @pytest.mark.parametrize("strategy", ["visible", "d_cos"])
 def test_chi_square_narrow(distribution, alphas, strategy, rng):
-    """In the half vector's chart, which follows a lobe of any width; the densities from the documents, so that the horizon, an edge in this
-    chart, needs no care: samples below it follow the same density (and reflect nothing)."""
+    """In the half vector's chart, which follows a lobe of any width.
+
+    The densities are from the documents, so that the horizon, an edge in this chart, needs no care: samples below it
+    follow the same density (and reflect nothing).
+    """
     wo = direction(50.0)
     wi, weight, _ = lobe_for(wo, COUNT, distribution, alphas, strategy).sample(*rng.random((2, COUNT)))
     assert not weight[:, wi[2] < 0.0].any()
@@ -148,7 +151,10 @@ def test_no_weight_above_one(distribution, masking, alphas, rng):
 
 @pytest.mark.parametrize("alphas", [(0.5, 0.5), (1.0, 1.0), (1.0, 0.3)])
 def test_the_bound_saves_reflections(alphas, rng):
-    """Bounded normals never lose more reflections to the horizon than visible ones; seen from above, far fewer."""
+    """Bounded normals never lose more reflections to the horizon than visible ones.
+
+    Seen from above, far fewer.
+    """
     lost = {}
     for degrees in (0.0, 50.0, 85.0):
         for strategy in ("visible", "bounded"):
@@ -199,7 +205,10 @@ def test_frozen_arguments_and_parts(distribution, strategy, rng):
 @BOTH
 @pytest.mark.parametrize("alpha", [0.2, 0.7])
 def test_densities_of_the_plain_strategies(distribution, alpha, rng):
-    """uniform: 1 / (2 pi). cosine: cos / pi. D cos: D(m) m_z / (4 wo.m), D from the papers, for all lit directions."""
+    """uniform: 1 / (2 pi). cosine: cos / pi.
+
+    D cos: D(m) m_z / (4 wo.m), D from the papers, for all lit directions.
+    """
     wi, wo = rng.normal(size=(2, 3, 200))
     wi, wo = (v / np.sqrt((v * v).sum(axis=0)) for v in (wi, wo))
     wi[2], wo[2] = np.abs(wi[2]), np.abs(wo[2])

@@ -47,7 +47,10 @@ def walk(cos_o, roughness, count, rng):
 
 @pytest.mark.parametrize(("row", "column"), NODES)
 def test_the_table_holds_what_random_walks_among_fibers_reflect(row, column, rng):
-    """The albedo to five standard errors of the walks. The fit of a cosine leaves up to 0.028 of their mean direction."""
+    """The albedo to five standard errors of the walks.
+
+    The fit of a cosine leaves up to 0.028 of their mean direction.
+    """
     roughness, cosine = row / 31.0, column / 31.0
     found = walk(cosine, roughness, WALKS, rng)
     albedo = found.shape[1] / WALKS

@@ -30,7 +30,10 @@ def reflectance(degrees, eta):
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 60.0, 80.0])
 @pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5, 2.4])
 def test_glass_splits_as_fresnel_says(degrees, eta, rng):
-    """The share reflected is binomial with Fresnel's reflectance; every weight is 1, so that nothing is lost or won."""
+    """The share reflected is binomial with Fresnel's reflectance.
+
+    Every weight is 1, so that nothing is lost or won.
+    """
     count = 100_000
     lobe = SmoothDielectric(view(degrees, count), np.full(count, eta), True)
     wi, weight, pdf = lobe.sample(*rng.random((2, count)))
@@ -47,7 +50,10 @@ def test_glass_splits_as_fresnel_says(degrees, eta, rng):
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 60.0, 80.0])
 @pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5, 1.0, 2.4])
 def test_snell(degrees, eta, rng):
-    """sin i = eta sin t, in one plane with the normal, on the other side; none under total internal reflection."""
+    """sin i = eta sin t, in one plane with the normal, on the other side.
+
+    None under total internal reflection.
+    """
     wo = view(degrees, 4)
     wi, weight, _ = SmoothDielectric(wo, np.full(4, eta), False).sample(*rng.random((2, 4)))
     sine = np.sin(np.radians(degrees)) / eta

@@ -75,7 +75,7 @@ def test_the_room_is_no_more_than_what_arrives_and_shrinks_with_samples():
 
 
 def test_a_region_lit_by_caustics_is_not_equivalent_before_it_can_have_met_them():
-    """Both sides agree to the last bit; only where light may have been missed nothing is claimed."""
+    """Both sides agree exactly; nothing is claimed where light may have been missed."""
     options = CompareOptions(time=None, samples=1024, replicates=16)
     sides = [Painter(name, grey(1.0, WIDTH, HEIGHT), 0.01) for name in ("the reference", "Cycles")]
     found = compare(blank(WIDTH, HEIGHT), *sides, {}, options, scouted=scouted(brightness=1e6))

@@ -145,7 +145,10 @@ def test_decisions_are_those_of_whole_images(monkeypatch):
 
 @pytest.mark.parametrize(("limit", "all_left"), [({"time": 30.0}, False), ({"time": None, "replicates": 50}, True)])
 def test_of_parts_only_a_number_laid_down_before_makes_a_look_the_last(monkeypatch, limit, all_left):
-    """Time comes sooner or later by what was seen elsewhere; it may not decide how much of the level a look spends."""
+    """Time comes sooner or later by what was seen elsewhere.
+
+    It may not decide how much of the level a look spends.
+    """
     clock = Clock()
     monkeypatch.setattr(module, "time", clock)
     reference = Painter("the reference", grey(1.0, 96, 80), 0.01, clock=clock, cost=(0.1, 0.001))

@@ -13,7 +13,10 @@ from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
 
 class Uneven(Painter):
-    """A painter some of whose calls, by their number, take longer than their samples do; it looks up while it works."""
+    """A painter some of whose calls, by their number, take longer than their samples do.
+
+    It looks up while it works.
+    """
 
     def __init__(self, *arguments, late, **more):
         super().__init__(*arguments, **more)

@@ -19,9 +19,10 @@ TIME = 40.0
 
 
 def searched(monkeypatch, cost, sigma=2.0, gap=1.2):
-    """A comparison in TIME whose sides differ everywhere; each image with a departure takes `cost` seconds.
+    """A comparison in TIME whose sides differ everywhere.
 
-    Returns it with the pairs that each departure was given, as (name, replicate).
+    Each image with a departure takes `cost` seconds. Returns it with the pairs that each departure was given, as (name,
+    replicate).
     """
     clock, pairs = Clock(), []
     monkeypatch.setattr(module, "time", clock)

@@ -16,7 +16,10 @@ RELATIVE = float((TRUTH**2 / (TRUTH**2 + (0.01 * TRUTH.mean()) ** 2)).mean())
 
 @dataclass
 class Synthetic:
-    """Gaussian noise of relative variance `variance` / N^rate on the truth times 1 + `bias`; `seconds` a sample, `fixed` a call."""
+    """Gaussian noise of relative variance `variance` / N^rate on the truth times 1 + `bias`.
+
+    `seconds` a sample, `fixed` a call.
+    """
 
     seed: int
     variance: float = 1.0

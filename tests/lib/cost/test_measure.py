@@ -32,7 +32,10 @@ def truth(seed):
 
 @pytest.mark.parametrize("estimate", [of_mean, of_positive_mean, of_geometric_mean])
 def test_intervals_cover(estimate, rng):
-    """95 % of intervals from four values hold the true mean; gamma values stand for the mean of many squares."""
+    """95 % of intervals from four values hold the true mean.
+
+    Gamma values stand for the mean of many squares.
+    """
     values = rng.gamma(200.0, 1.0 / 200.0, (2000, 4))
     centre = np.exp(np.log(rng.gamma(200.0, 1.0 / 200.0, 10**6)).mean()) if estimate is of_geometric_mean else 1.0
     hits = sum(e.low <= centre <= e.high for e in map(estimate, values))

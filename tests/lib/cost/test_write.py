@@ -78,7 +78,10 @@ def test_stages_are_drawn_where_there_are_clocks(measurement, tmp_path):
 
 
 def test_gaps_are_told(measurement, tmp_path):
-    """A way without a point says why, in the table and on the page; without Cycles there is no ratio to it."""
+    """A way without a point says why, in the table and on the page.
+
+    Without Cycles there is no ratio to it.
+    """
     late = measurement["cycles"]
     late.points, late.missing = [], "no time left to begin with it"
     figures = write_cost(measurement, Extras(targets=(0.1,)), tmp_path)

@@ -98,7 +98,10 @@ def soft_box():
 
 
 def documents():
-    """Rough facets in a white world; the reference masks them as the documents do, each direction by itself."""
+    """Rough facets in a white world.
+
+    The reference masks them as the documents do, each direction by itself.
+    """
     return scenes.scene(scenes.fan(ANGLES[1:]), scenes.glossy(0.6, 0.9), scenes.fan_camera(ANGLES[1:]), world=1.0)
 
 
@@ -130,7 +133,10 @@ def prism():
 
 
 def films():
-    """A film on a steep metal, and one on glass seen from behind, in a white world; what glass refracts is swallowed."""
+    """A film on a steep metal, and one on glass seen from behind, in a white world.
+
+    What glass refracts is swallowed.
+    """
     eta, k = (Constant((value,) * 3) for value in (1.5, 1.8))
     film = {"film_thickness": Constant(60.0), "film_ior": Constant(1.33)}
     metal = scenes.material(Metallic("GGX", "CONDUCTOR", eta, k, Constant(0.1), **film))
@@ -163,7 +169,10 @@ def decal():
 
 
 def rug():
-    """On the left a floor and its copy under a sun; on the right two panels in one plane that shine differently."""
+    """On the left a floor and its copy under a sun.
+
+    On the right two panels in one plane that shine differently.
+    """
     left, right = (scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)) for x in (-2.0, 0.0))
     parts = [left, left, replace(right, material=1), replace(right, material=2)]
     sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (1.0, 1.0, 1.0))

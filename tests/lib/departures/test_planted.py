@@ -79,7 +79,10 @@ def test_departures_act_on_the_passes_that_the_catalogue_says(make):
 
 
 def test_the_table_of_departures_by_pass_has_every_switch():
-    """docs/departures_by_pass.md is made by a benchmark; a departure that is missing there has not been measured."""
+    """docs/departures_by_pass.md is made by a benchmark.
+
+    A departure that is missing there has not been measured.
+    """
     table = (Path(__file__).parents[3] / "docs" / "departures_by_pass.md").read_text(encoding="utf-8")
     planted_here = table.split("| departure |")[1]
     assert [row.split(" | ")[0].removeprefix("| ") for row in planted_here.splitlines() if row.startswith("| ")] == [

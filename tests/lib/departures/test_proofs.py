@@ -295,7 +295,10 @@ def test_light_carries_the_colour_once_for_each_scattering(color):
 
 @pytest.mark.parametrize("spread", [1e-3, 0.02, 0.1])
 def test_a_narrow_light_sends_out_its_power(spread):
-    """The flux through all angles is that of the light without spread, pi times its radiance; Cycles' series keeps one term."""
+    """The flux through all angles is that of the light without spread, pi times its radiance.
+
+    Cycles' series keeps one term.
+    """
     h = mpmath.mpf(spread) / 2
     falloff = mpmath.quad(lambda x: (mpmath.tan(h) - mpmath.tan(x)) * mpmath.cos(x) * mpmath.sin(x), [0, h])
     exact = Spread(spread)(np.zeros(1))[0] / float(mpmath.tan(h)) * float(2 * falloff)

@@ -53,7 +53,10 @@ def test_half_covered_texels_reflect_half_the_light(interpolates_codes):
 
 
 def test_bytes_are_cut_off_after_alpha_is_multiplied_in():
-    """150 at alpha 3/255 is 1.76 codes; a byte keeps 1, so that 85 comes back where alpha is divided out. The model keeps 150."""
+    """150 at alpha 3/255 is 1.76 codes.
+
+    A byte keeps 1, so that 85 comes back where alpha is divided out. The model keeps 150.
+    """
     texel = np.array([150, 150, 150, 3], np.float32).reshape(1, 1, 4) / 255.0
     there = np.zeros(1), np.zeros(1)
     for in_codes, code in ((False, 150), (True, 85)):

@@ -140,7 +140,10 @@ def _rays_that_hit(geometry, rng):
 
 
 def test_convex_hulls_are_found_and_no_ray_contradicts(rng):
-    """Hulls of random points, rounded to float32; with one vertex pushed in half its way they are none any more."""
+    """Hulls of random points, rounded to float32.
+
+    With one vertex pushed in half its way they are none any more.
+    """
     for points in (40, 60, 400):
         places = rng.normal(size=(points, 3)) * [1.0, 2.0, 0.3]
         part = rounded(hull(places / np.linalg.norm(places / [1.0, 2.0, 0.3], axis=1, keepdims=True)))

@@ -49,7 +49,10 @@ def image(one, plan, seed, samples=8, replicate=0, **options):
 
 
 def variants(effect, needed):
-    """The effect's scenes, with a light; and once more with a floor beneath, where they still want (or not) the effect."""
+    """The effect's scenes, with a light.
+
+    They come once more with a floor beneath, where they still need (or do not need) the effect.
+    """
     scenes = [lit(one) for one in CASES[effect][0 if needed else 1]]
     scenes += [indoors(scenes[0])]
     return [one for one in scenes if make_plan(one).needs(effect) is needed]
@@ -76,7 +79,10 @@ def test_a_scene_that_needs_it(effect, most, seed):
 @SOME
 @pytest.mark.parametrize("effect", NAMES)
 def test_a_scene_that_does_not(effect, most, seed):
-    """The effect forced on at its neutral value changes no digit that counts; nor do all others with it."""
+    """The effect forced on at its neutral value changes no digit that counts.
+
+    All others with it change none either.
+    """
     assert effect in NEUTRAL, f"the effect '{effect}' has no neutral value in neutral.py"
     for one in variants(effect, False)[:most]:
         planned = image(one, make_plan(one), seed)
@@ -151,7 +157,10 @@ ASKED = asked_by_the_integrator()
 
 
 def test_every_transport_effect_is_asked_for():
-    """What the plan says about light's way decides what runs; lobes, textures and light objects run where there are any."""
+    """What the plan says about light's way decides what runs.
+
+    Lobes, textures and light objects run where there are any.
+    """
     effects = list(Effect)
     transport = effects[effects.index(Effect.LIGHT_SAMPLING) :]
     switched = {Effect.DEPTH_OF_FIELD, Effect.HIDDEN_OBJECTS, *transport}

@@ -64,7 +64,10 @@ def test_effects_and_stages_are_asked_for_by_their_names():
 
 
 def test_every_stage_of_an_effect_has_a_clock():
-    """Stages are charged by the loop, and nothing else is; a stage that no lap names would show no time."""
+    """Stages are charged by the loop, and nothing else is.
+
+    A stage that no lap names would show no time.
+    """
     files = (Path(etalon.__file__).parent / "lib" / "wavefront").glob("*.py")
     source = "".join(file.read_text(encoding="utf-8") for file in files)
     assert {stage.name for stage in Stage} == set(re.findall(r"lap\(Stage\.([A-Z_]+)\)", source))

@@ -129,7 +129,10 @@ def test_powers_of_the_cosine_are_white_at_normal_incidence(name, alpha):
 
 
 def test_which_models_reflect_more_than_they_receive():
-    """The largest albedo over all angles to 89.9 degrees, for alpha from 0.1 to 1; docs/lecture.md shows the figures."""
+    """The largest albedo over all angles to 89.9 degrees, for alpha from 0.1 to 1.
+
+    docs/lecture.md shows the figures.
+    """
     cosines = np.cos(np.radians([0.0, 45.0, 70.0, 80.0, 85.0, 89.0, 89.9]))
     most = {
         name: max(directional_albedo(form, c, a, a, 32) for c in cosines for a in (0.1, 0.3, 0.6, 1.0))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images on a full disk: one line, and the image that was there before. OpenImageIO itself reports success."""
+"""Images on a full disk: one line, and the image that was there before.
+
+OpenImageIO itself reports success.
+"""
 
 import contextlib
 import subprocess

@@ -95,7 +95,10 @@ def test_arguments_are_left_alone(rng):
 
 
 def test_an_observation_of_weight_w_counts_as_the_mean_of_w(rng):
-    """Weighted mean and sum of squares against their definitions; the degrees of freedom are those of the observations."""
+    """Weighted mean and sum of squares against their definitions.
+
+    The degrees of freedom are those of the observations.
+    """
     weights = np.array([1, 1, 4, 2, 8, 1])
     values, often = 3.0 + rng.standard_normal((6, 7, 3)), rng.random(7) < 0.5
     moments = Moments.empty((7, 3))
@@ -111,7 +114,10 @@ def test_an_observation_of_weight_w_counts_as_the_mean_of_w(rng):
 
 
 def test_weighted_observations_have_the_t_distribution_of_their_number(rng):
-    """Kolmogorov and Smirnov's test at 0.1 %; with degrees of freedom from the weights it fails."""
+    """Kolmogorov and Smirnov's test at 0.1 %.
+
+    With degrees of freedom from the weights it fails.
+    """
     weights = [1] * 4 + [4, 4, 16]
     moments = Moments.empty((40_000,))
     for weight in weights:

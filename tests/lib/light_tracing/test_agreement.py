@@ -99,7 +99,10 @@ def assert_seen(the_scene, seed, **more):
 
 @pytest.mark.slow
 def test_a_forgotten_factor_of_refraction_is_seen(monkeypatch, seed):
-    """A lamp within glass: without 1 / eta^2 the floor is 2.25 times too bright. Two crossings of a closed body would cancel it."""
+    """A lamp within glass: without 1 / eta^2 the floor is 2.25 times too bright.
+
+    Two crossings of a closed body would cancel it.
+    """
     lamp = replace(icosphere(0.4, 1, 2), vertices=icosphere(0.4, 1).vertices + np.array([[0.0], [0.0], [1.0]]))
     the_scene = ball_on_floor(glass(1.5), [], bounces=1, others=[(lamp, emission(5.0))])
     assert_agree(the_scene, seed, precision=0.08)
@@ -111,7 +114,10 @@ def test_a_forgotten_factor_of_refraction_is_seen(monkeypatch, seed):
 
 @pytest.mark.slow
 def test_a_forgotten_factor_of_shading_normals_is_seen(monkeypatch, seed):
-    """Veach 1997, section 5.3, on a sphere of 20 faces that is shaded smooth; forgotten, |on.n| stands in the weight, as in path tracing."""
+    """Veach 1997, section 5.3, on a sphere of 20 faces that is shaded smooth.
+
+    Forgotten, |on.n| stands in the weight, as in path tracing.
+    """
     sun = SunLight("sun", (0.8, 0.0, 0.6), 0.0, (1.0, 1.0, 1.0))
     the_scene = scene(icosphere(1.0, 0, 0, True), diffuse(0.8), perspective(6, 6, 0.2, (0.0, 0.0, 4.0)), [sun])
     assert_agree(the_scene, seed, samples=1024, size=1, precision=0.05)

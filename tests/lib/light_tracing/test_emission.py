@@ -103,7 +103,10 @@ def test_aimed_rays_bring_the_same_flux_to_every_target(name, rng):
 
 
 def test_aimed_directions_have_the_density_that_they_state(rng):
-    """The mean of 1 / density is the solid angle of the union of the cones; here of one, and of one that is everywhere."""
+    """The mean of 1 / density is the solid angle of the union of the cones.
+
+    Here of one, and of one that is everywhere.
+    """
     for radius, exact in ((0.5, 2.0 * np.pi * (1.0 - np.sqrt(1.0 - 0.25**2))), (2.5, 4.0 * np.pi)):
         at = Ball(np.array([[2.0], [0.0], [0.0]]), radius, 0.0)
         aim = Aim(Ball(np.zeros((3, 1)), 0.0, 0.0), [at, at])
@@ -123,7 +126,10 @@ def test_light_from_afar_covers_the_ball_and_begins_outside(rng):
 
 
 def test_a_world_sends_its_radiance_from_everywhere(rng):
-    """4 pi L through a disc of pi R^2; the table of an environment changes only how it is sampled."""
+    """4 pi L through a disc of pi R^2.
+
+    The table of an environment changes only how it is sampled.
+    """
     flux = 4.0 * np.pi**2 * BALL.radius**2
 
     def radiance(direction):

@@ -34,7 +34,10 @@ def lit_by_a_ball(coat, bounces=1, light=UP):
 
 @pytest.mark.parametrize("alpha", [0.0, 0.05])
 def test_it_finds_all_light_of_a_scene_without_other_light(alpha, seed):
-    """A lamp so wide that path tracing finds it; bounces allow one reflection by the ball, then the floor."""
+    """A lamp so wide that path tracing finds it.
+
+    Bounces allow one reflection by the ball, then the floor.
+    """
     the_scene = lit_by_a_ball(glossy(alpha, 0.9, 0.8, 0.7))
     traced = replicates(the_scene, 16, 512, seed=seed)
     found = scouted(the_scene, seed, 1 << 17).replicates(LABELS)

@@ -25,7 +25,10 @@ from etalon.tests.scenes import (
 
 
 def light_traced(the_scene, count, samples, **options):
-    """Images (count, height, width, 3) by light tracing; one thread and no roulette unless told otherwise."""
+    """Images (count, height, width, 3) by light tracing.
+
+    One thread and no roulette unless told otherwise.
+    """
     return replicates(the_scene, count, samples, LightTracingRenderer, **options)
 
 
@@ -90,7 +93,10 @@ CAMERAS = {
 
 
 def ball_on_floor(coat, lights=(AREA,), world=0.0, bounces=3, camera=CAMERA, subdivisions=2, others=()):
-    """A sphere, shaded smooth and of few faces, so that normals differ, on a grey floor; `others`: parts and their materials."""
+    """A sphere, shaded smooth and of few faces, so that normals differ, on a grey floor.
+
+    `others`: parts and their materials.
+    """
     ball = icosphere(0.9, subdivisions, 0, True)
     ball = replace(ball, vertices=ball.vertices + np.array([[0.0], [0.0], [1.0]]))
     parts = [ball, floor(4.0, material=1), *(part for part, _ in others)]

@@ -89,7 +89,10 @@ def test_nothing_behind_an_area_light(extended, rng):
 
 
 def test_every_ray_that_meets_a_light_is_a_candidate(extended, rng):
-    """From inside to 10,000 km away, aimed at the outline; and what is clearly aimed elsewhere is left out."""
+    """From inside to 10,000 km away, aimed at the outline.
+
+    What is clearly aimed elsewhere is left out.
+    """
     away = rng.standard_normal((3, 20000))
     away *= 10.0 ** rng.uniform(-2.0, 7.0, 20000) / np.linalg.norm(away, axis=0)
     points = away + np.array([[0.2], [0.0], [1.5]])

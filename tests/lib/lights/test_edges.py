@@ -149,7 +149,10 @@ def test_inside_a_sphere_the_cone_does_not_dim(rng):
 
 @pytest.mark.parametrize("spread", [1e-8, 1e-3, 0.0599999, 0.0600001, 0.2, 1.0, 3.0, math.pi - 1e-6])
 def test_scale_of_the_spread(spread):
-    """At angle 0: tan h / (tan h - h), by 50 digits; 1e-12 just above the switch from the series."""
+    """At angle 0: tan h / (tan h - h), by 50 digits.
+
+    1e-12 just above the switch from the series.
+    """
     with mpmath.workdps(50):
         h = mpmath.mpf(spread) / 2
         exact = float(mpmath.tan(h) / (mpmath.tan(h) - h))

@@ -8,7 +8,10 @@ from scipy import stats
 
 
 def equirectangular(image):
-    """Bilinear lookup as the conventions have it, repeating both ways; `image` (height, width)."""
+    """Bilinear lookup as the conventions have it, repeating both ways.
+
+    `image` (height, width).
+    """
     height, width = image.shape
 
     def radiance(direction):
@@ -65,7 +68,10 @@ def test_density_of_a_sample_is_the_density_of_its_direction(image, rng):
 
 
 def test_directions_follow_the_density(image, rng):
-    """Chi-square over the cells of the map, level 1e-4; the expected counts also show that the density integrates to 1."""
+    """Chi-square over the cells of the map, level 1e-4.
+
+    The expected counts also show that the density integrates to 1.
+    """
     height, width = image.shape
     sampler = EnvironmentSampler(equirectangular(image), (width, height))
     edges = np.linspace(0.0, np.pi, height + 1)

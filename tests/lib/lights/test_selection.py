@@ -32,7 +32,10 @@ def test_one_light_is_always_chosen(rng):
 
 @pytest.mark.parametrize("kinds", ["SSS", "SPSAS", "PA", "A"])
 def test_a_chosen_light_gives_its_own_sample(rng, kinds):
-    """Lights are sampled in batches; each point must still get what its own light alone would give it."""
+    """Lights are sampled in batches.
+
+    Each point must still get what its own light alone would give it.
+    """
     makers = {
         "S": lambda k: SphereLight("s", (k, 4.0, 1.0), 0.2 + 0.3 * k, (1.0, 2.0, k)),
         "P": lambda k: PointLight("p", (k, -3.0, 2.0), (3.0, k, 1.0)),

@@ -26,7 +26,10 @@ def write_tensors(path, fields):
 
 
 def wavy_fields(phis, thetas):
-    """The fields of an RGL file whose tables are smooth waves, all different; colour k is what Mitsuba reads at 400 + 100 k nm."""
+    """The fields of an RGL file whose tables are smooth waves, all different.
+
+    Colour k is what Mitsuba reads at 400 + 100 k nm.
+    """
     phi, theta = np.asarray(phis, float), np.asarray(thetas, float)
 
     def wave(rows, columns, *more):

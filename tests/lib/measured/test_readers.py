@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MERL and RGL files: values against closed forms, quadrature and Mitsuba's `measured`; and files that cannot be used."""
+"""MERL and RGL files against closed forms, quadrature and Mitsuba's `measured`.
+
+Files that cannot be used are tested too.
+"""
 
 import struct
 

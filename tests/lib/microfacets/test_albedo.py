@@ -64,7 +64,10 @@ def test_one_alpha_for_all_or_one_for_each(rng):
 
 
 def test_ends():
-    """No roughness loses nothing; alpha 1 at normal incidence keeps 1 - ln 2; nothing exceeds 1."""
+    """No roughness loses nothing; alpha 1 at normal incidence keeps 1 - ln 2.
+
+    Nothing exceeds 1.
+    """
     mu = np.array([0.0, 1e-300, 1e-12, 0.5, 1.0])
     np.testing.assert_allclose(albedo.directional_albedo(mu, 0.0), 1.0, rtol=0.0, atol=1e-7)
     assert albedo.directional_albedo(mu, 1.0)[-1] == pytest.approx(1.0 - np.log(2.0), abs=1e-6)
@@ -82,7 +85,10 @@ def test_average_albedo():
 
 
 def test_the_table_of_cycles_is_a_coarser_one(rng):
-    """At its nodes exact; between them within 0.7 % where cosine and roughness are above a cell, 0.02 % in the median."""
+    """The table is exact at its nodes.
+
+    Between them it is within 0.7 % where cosine and roughness are above a cell, 0.02 % in the median.
+    """
     node = np.arange(1, 32) / 31.0
     roughness, mu = (grid.ravel() for grid in np.meshgrid(node, node))
     at_nodes = albedo.directional_albedo_cycles(mu, roughness**2)

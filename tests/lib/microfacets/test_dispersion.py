@@ -26,7 +26,10 @@ def test_it_is_linear_in_the_inverse_square_of_the_wavelength():
 
 
 def test_crown_glass():
-    """Schott N-BK7: n_d 1.5168, V 64.17; its catalogue has 1.5224 at line F, 1.5143 at C and 1.5268 at g, 435.84 nm."""
+    """Schott N-BK7: n_d 1.5168, V 64.17.
+
+    Its catalogue has 1.5224 at line F, 1.5143 at C and 1.5268 at g, 435.84 nm.
+    """
     f, c, g = cauchy_index(np.float64(1.5168), 1.0 / 64.17, np.array([LINE_F, LINE_C, 435.84]))
     assert (f, c) == (pytest.approx(1.52238, abs=2e-4), pytest.approx(1.51432, abs=2e-4))
     assert g == pytest.approx(1.52668, abs=5e-4)

@@ -99,7 +99,10 @@ def test_visible_weights_stay_below_one(distribution, alpha_x, alpha_y, rng):
 
 
 def test_the_documents_angles(rng):
-    """Beckmann: theta = atan(sqrt(-sigma^2 log(1 - xi2))); GGX: theta = atan(sigma sqrt(xi2 / (1 - xi2))); phi = 2 pi xi1."""
+    """Beckmann: theta = atan(sqrt(-sigma^2 log(1 - xi2))).
+
+    GGX: theta = atan(sigma sqrt(xi2 / (1 - xi2))); phi = 2 pi xi1.
+    """
     u1, u2 = rng.random((2, 1000))
     for distribution, tangent in (
         (Beckmann(), np.sqrt(-(0.3**2) * np.log(1.0 - u2))),
@@ -118,7 +121,10 @@ def mass_above(x, sine, cosine):
 
 
 def slope_cases(rng, count):
-    """Views evenly in angle, in cotangent and at both ends; u evenly and, by its logit, at both ends."""
+    """Views evenly in angle, in cotangent and at both ends.
+
+    u evenly and, by its logit, at both ends.
+    """
     third = count // 3
     cot = np.concatenate(
         [

@@ -88,7 +88,10 @@ def test_slip_4_lambert_is_cos_over_pi():
 
 @BOTH
 def test_slip_3_the_integrator_states_the_density_of_wi(distribution, rng):
-    """The strategy D cos of the lobe that is rendered: D cos / (4 |o.m|), 1 in all; without the factor 3.69 (Beckmann) and 3.47 (GGX)."""
+    """The strategy D cos of the lobe that is rendered: D cos / (4 |o.m|), 1 in all.
+
+    Without the factor it is 3.69 (Beckmann) and 3.47 (GGX).
+    """
     alpha = np.float64(0.3)
 
     def stated(wi):

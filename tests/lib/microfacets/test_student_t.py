@@ -116,7 +116,10 @@ def test_the_printed_fit_for_student_t_is_off_by_up_to_seven_thousandths():
 
 
 def test_walters_fit_for_phong_is_off_by_a_third():
-    """At n = 1: 32 % at 85 degrees, 38 % at grazing. It is Beckmann's, and right for large n alone."""
+    """At n = 1: 32 % at 85 degrees, 38 % at grazing.
+
+    It is Beckmann's, and right for large n alone.
+    """
     cot = 1.0 / np.tan(np.radians([85.0, 89.99]))
     found = {}
     for n in (1.0, 100.0):

@@ -32,7 +32,10 @@ def slab(cosine, index, thickness, substrate, wavelength):
 
 
 def equal_energy_colors():
-    """Wavelengths every 0.25 nm and the weights of linear Rec. 709 there, from the integer table that dispersion uses, not the film's."""
+    """Wavelengths every 0.25 nm, and the weights of linear Rec. 709 there.
+
+    They come from the integer table that dispersion uses, not the film's.
+    """
     observer = np.array([row.split() for row in wavelengths._OBSERVER], float)
     fine = np.arange(380.0, 780.001, 0.25)
     weights = wavelengths._REC709 @ CubicSpline(wavelengths.NODES, observer, axis=1)(fine)
@@ -49,7 +52,10 @@ def curve(index, thickness, substrate, to, outside=1.0):
 @pytest.mark.parametrize("substrate", SUBSTRATES)
 @pytest.mark.parametrize(("index", "thickness"), FILMS)
 def test_colours_are_the_integral_of_wave_optics(index, thickness, substrate):
-    """To what two prints of the observer, one of four digits every 5 nm, leave. Colours beyond Rec. 709's range are clipped."""
+    """The two agree to what two prints of the observer leave.
+
+    One print has four digits every 5 nm. Colours beyond Rec. 709's range are clipped.
+    """
     wavelength, weights = equal_energy_colors()
     truth = np.stack([weights @ slab(c, index, thickness, substrate, wavelength) for c in COSINES], axis=1)
     found = curve(index, thickness, substrate, exact_sensitivity())(COSINES)
@@ -57,7 +63,9 @@ def test_colours_are_the_integral_of_wave_optics(index, thickness, substrate):
 
 
 def test_a_thick_film_reflects_without_interference():
-    """R12 + T12^2 R23 / (1 - R12 R23) for each polarisation; here along the normal, where they are equal.
+    """R12 + T12^2 R23 / (1 - R12 R23) for each polarisation.
+
+    Here along the normal, where they are equal.
 
     At path differences of 150 micrometres 2e-5 of the transform is left.
     """

@@ -17,7 +17,10 @@ def at(angle):
 
 
 def test_slopes_are_gaussian_with_the_variance_of_beckmann(rng):
-    """Along each axis alpha^2 / 2, and a kurtosis of 3; 40 fields of some 200 independent patches each."""
+    """Along each axis alpha^2 / 2, and a kurtosis of 3.
+
+    40 fields of some 200 independent patches each.
+    """
     slopes = []
     for _ in range(40):
         field = gaussian_field(rng, 96, 6.0, ALPHA)

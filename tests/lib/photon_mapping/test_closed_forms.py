@@ -21,7 +21,10 @@ BIAS = 0.01
 
 
 def photon_mapped(the_scene, count, samples, seed):
-    """Means (count,) over the image of replicates, one thread and no roulette; and the renderer."""
+    """Means (count,) over the image of replicates; and the renderer.
+
+    One thread and no roulette.
+    """
     renderer = PhotonMappingRenderer(the_scene, Options(threads=1, russian_roulette=False, seed=seed))
     return np.array([renderer.render(k, samples).radiance.mean() for k in range(count)]), renderer
 
@@ -70,7 +73,10 @@ def test_a_mirror_shows_the_photons_behind_it(seed):
 
 @pytest.mark.slow
 def test_the_stated_bias_is_what_discs_that_reach_beyond_edges_cost(monkeypatch, seed):
-    """Wide discs lose light at the edges of a box; the series is known. What is stated is right by a third."""
+    """Wide discs lose light at the edges of a box; the series is known.
+
+    What is stated is right by a third.
+    """
     monkeypatch.setattr(photon_render, "NEIGHBOURS", 256)
     the_scene, exact = box()
     means, renderer = photon_mapped(the_scene, 3, 3, seed)

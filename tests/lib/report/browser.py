@@ -22,7 +22,10 @@ os.execv(sys.argv[3], sys.argv[3:])
 
 
 class Browser:
-    """One page in one Chromium; `problems` are errors, warnings and exceptions that the page reported."""
+    """One page in one Chromium.
+
+    `problems` are errors, warnings and exceptions that the page reported.
+    """
 
     def __init__(self, folder: Path) -> None:
         (read, its_write), (its_read, write) = os.pipe(), os.pipe()
@@ -57,7 +60,10 @@ class Browser:
         self._write.close()
 
     def send(self, method: str, **parameters):
-        """The result of one command of the protocol; raises RuntimeError with its message where it fails."""
+        """The result of one command of the protocol.
+
+        Raises RuntimeError with its message where it fails.
+        """
         number = next(self._numbers)
         message = {"id": number, "method": method, "params": parameters}
         if self._session:

@@ -73,10 +73,11 @@ def made(
     passes=None,
     show=None,
 ):
-    """A comparison of two known images; `effects` are what departures, by name, add to the left half of the reference.
+    """A comparison of two known images.
 
-    `by_rounding`: rounding decides how much of them acts. `finding` is the check of the scene check that they come from.
-    `passes` are parts of the image, by light pass: the reference's and Cycles'. `show` is called at each look.
+    `effects` are what departures, by name, add to the left half of the reference. `by_rounding`: rounding decides how
+    much of them acts. `finding` is the check of the scene check that they come from. `passes` are parts of the image,
+    by light pass: the reference's and Cycles'. `show` is called at each look.
     """
     passes = passes or {}
     truth = grey() if truth is None else truth

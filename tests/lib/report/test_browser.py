@@ -199,7 +199,10 @@ def page_with_passes(tmp_path_factory):
 
 @pytest.mark.slow
 def test_a_pass_is_shown_in_place_of_the_image(browser, page_with_passes):
-    """Its pictures, its significance and its rows; verdicts of blocks and FLIP stay with the whole image."""
+    """Its pictures, its significance and its rows.
+
+    Verdicts of blocks and FLIP stay with the whole image.
+    """
     browser.problems.clear()
     browser.open(page_with_passes)
     browser.click("[data-mode=difference]")

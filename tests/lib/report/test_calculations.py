@@ -20,7 +20,10 @@ SCRIPT = (Path(report.__file__).parent / "calculations.js").read_text(encoding="
 
 
 def evaluate(expression, **values):
-    """What an expression of the script's functions and of `values` is; numbers that are not finite come as text."""
+    """What an expression of the script's functions and of `values` is.
+
+    Numbers that are not finite come as text.
+    """
     lines = [SCRIPT, *(f"const {name} = {json.dumps(value)};" for name, value in values.items())]
     lines.append('const plain = (_, v) => (typeof v === "number" && !Number.isFinite(v) ? String(v) : v);')
     lines.append(f"console.log(JSON.stringify({expression}, plain));")

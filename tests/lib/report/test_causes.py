@@ -105,7 +105,10 @@ def test_what_explains_some_regions_is_named_beside_those_that_differ_for_no_kno
 
 @pytest.mark.parametrize(("upper", "lower", "state"), [(1.1, 1.0, State.PARTIAL), (1.12, 0.97, State.RULED_OUT)])
 def test_a_departure_that_fits_the_whole_but_not_its_parts_is_said_not_to_be_the_whole_cause(upper, lower, state):
-    """The left differs by one part above and another below; the departure adds 5 % to all of it, about as much as both together."""
+    """The left differs by one part above and another below.
+
+    The departure adds 5 % to all of it, about as much as both together.
+    """
     other = grey()
     other[:10, :12] *= upper
     other[10:, :12] *= lower

@@ -7,7 +7,10 @@ from etalon.lib.report.flip import flip
 
 
 def _hunt(linear):
-    """L*, a*, b* of a linear Rec. 709 colour (D65) with the Hunt effect, as FLIP compares them (section 3 of the paper)."""
+    """L*, a*, b* of a linear Rec. 709 colour (D65) with the Hunt effect.
+
+    FLIP compares them (section 3 of the paper).
+    """
     to_xyz = np.array([[0.412391, 0.357584, 0.180481], [0.212639, 0.715169, 0.072192], [0.019331, 0.119195, 0.950532]])
     xyz = to_xyz @ np.asarray(linear, float) / to_xyz.sum(axis=1)
     f = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
@@ -36,7 +39,10 @@ def test_flip_of_uniform_images_is_its_closed_form(color):
 
 
 def test_flip_sees_what_is_shown():
-    """Equal images are 0; what is brighter than white is white, and one stop less it is not; a pixel that is not finite has no value."""
+    """Equal images are 0; what is brighter than white is white, and one stop less it is not.
+
+    A pixel that is not finite has no value.
+    """
     white = np.ones((64, 64, 3))
     assert flip(white, white, 1.0).max() == 0.0
     assert flip(white, 1.5 * white, 0.0).max() == 0.0

@@ -80,7 +80,10 @@ def test_the_page_holds_flip_and_says_what_it_is_for(tmp_path):
 
 
 def test_significances_of_equal_images_are_standard_normal():
-    """At 40 replicates the t distribution's variance is 1.03; 1440 values have it with a standard error of 4 %."""
+    """At 40 replicates the t distribution's variance is 1.03.
+
+    1440 values have it with a standard error of 4 %.
+    """
     found = significances(made())
     assert found.shape == (20, 24, 3)
     assert abs(found.mean()) < 0.15

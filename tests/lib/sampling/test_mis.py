@@ -26,7 +26,10 @@ def test_both_weights_sum_to_one(heuristic, range_, rng):
 
 
 def test_the_cutoff(rng):
-    """The power heuristic's weight while neither density is below a fifth of the other; else all for the larger."""
+    """The power heuristic's weight while neither density is below a fifth of the other.
+
+    Else all goes to the larger.
+    """
     p, q = np.exp(rng.uniform(-4.0, 4.0, (2, 5000)))
     expected = np.where(p < CUTOFF * q, 0.0, np.where(q < CUTOFF * p, 1.0, power_heuristic(p, q)))
     assert {0.0, 1.0} < set(expected)
@@ -47,7 +50,10 @@ def test_the_cutoff(rng):
     ],
 )
 def test_ends(p, q, weight, heuristic):
-    """Near-specular densities squared overflow; a delta has density infinity; a strategy may be impossible."""
+    """Near-specular densities squared overflow; a delta has density infinity.
+
+    A strategy may be impossible.
+    """
     assert heuristic(np.array([p]), np.array([q]))[0] == weight
 
 

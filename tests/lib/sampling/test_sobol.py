@@ -191,7 +191,10 @@ def test_any_number_of_samples_is_unbiased(samples, seed):
 
 
 def test_a_net_integrates_better_than_random_points(seed):
-    """Owen: variance falls as n^-3 for a smooth function; at 256 points that is hundreds of times less."""
+    """Owen: variance falls as n^-3 for a smooth function.
+
+    At 256 points that is hundreds of times less.
+    """
     variances = []
     for make in (SobolSampler, RandomSampler):
         u1, u2 = (np.concatenate(x) for x in zip(*(pairs(make(seed, r, 256), [r], 1) for r in range(100)), strict=True))

@@ -61,7 +61,10 @@ def test_uniform_disk(rng):
 
 @pytest.mark.parametrize("sides", [3, 4, 5, 8])
 def test_polygon_is_uniform(sides, rng):
-    """Inside every edge; and as many points as its area says in each cell of a grid, cells that the outline cuts pooled."""
+    """All points lie inside every edge.
+
+    Each cell of a grid has as many points as its area says; cells that the outline cuts are pooled.
+    """
     rotation = 0.4
     x, y = regular_polygon(*rng.random((2, COUNT)), sides, rotation)
     normal = rotation + 2.0 * np.pi * np.arange(sides) / sides  # corners lie half a step from the edges' normals

@@ -14,7 +14,10 @@ def observer():
 
 
 def test_the_observer_sees_equal_energy_as_grey_and_peaks_at_555():
-    """CIE 15:2004: the sums over 5 nm are 21.371 each; y is 1 at 555 nm; x = y at 555 nm and 1.0622 at most, at 600."""
+    """CIE 15:2004: the sums over 5 nm are 21.371 each; y is 1 at 555 nm.
+
+    x = y at 555 nm and 1.0622 at most, at 600.
+    """
     x, y, z = observer()
     assert observer().sum(axis=1) == pytest.approx([21.371] * 3, abs=2e-3)
     assert NODES[y.argmax()] == 555.0

@@ -18,7 +18,10 @@ MU, WEIGHT = 0.5 * (NODE + 1.0), 0.5 * WEIGHT
 
 
 def h_function(albedo):
-    """Chandrasekhar's H at MU for isotropic scattering, by his iteration; Radiative Transfer, section 38."""
+    """Chandrasekhar's H at MU for isotropic scattering, by his iteration.
+
+    Radiative Transfer, section 38.
+    """
     h = np.ones_like(MU)
     for _ in range(4000):
         integral = (WEIGHT * h * MU / (MU[:, None] + MU)).sum(axis=1)
@@ -41,7 +44,10 @@ def test_a_half_space_of_the_mapped_albedo_reflects_the_colour(color):
 
 @pytest.mark.parametrize(("color", "excess"), [(0.02, 0.0), (0.2, 0.002), (0.5, 0.005), (0.8, 0.012), (0.9, 0.038)])
 def test_the_older_mapping_is_too_bright_for_bright_colours(color, excess):
-    """What Random Walk before Blender 5.2 makes of a colour; above 0.94 it takes the medium for lossless."""
+    """What Random Walk before Blender 5.2 makes of a colour.
+
+    Above 0.94 it takes the medium for lossless.
+    """
     albedo = albedo_fitted(np.float64(color), np.float64(0.0))
     assert reflectance_of_half_space(albedo) - color == pytest.approx(excess, abs=0.001)
     assert albedo_fitted(np.float64(0.95), np.float64(0.0)) > 1.0

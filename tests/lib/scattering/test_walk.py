@@ -115,7 +115,10 @@ def test_a_slab_reflects_and_transmits_as_a_plain_walk_does(g, rng):
 
 
 def test_a_lossless_slab_loses_nothing(rng):
-    """At the largest albedo less than 1e-3 is lost; long walks are followed to their ends, at random."""
+    """At the largest albedo less than 1e-3 is lost.
+
+    Long walks are followed to their ends, at random.
+    """
     count = 1000
     of = medium((0.999999,) * 3, count, extinction=(1.0,) * 3)
     exits, _ = walk(slab(20.0), nowhere, walks(1.0, of, count), keys(rng, count))

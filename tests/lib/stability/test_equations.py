@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every equation of the reference against 50 digits over its whole domain; a fixed number of places by default, many in CI."""
+"""Every equation of the reference against 50 digits over its whole domain.
+
+A fixed number of places by default, many in CI.
+"""
 
 import pytest
 from etalon.lib.stability.closed_forms import closed_forms

@@ -61,7 +61,10 @@ def test_what_oren_nayar_loses_keeps_its_digits(cosine):
 @pytest.mark.parametrize("eta", [0.7, 1.0001, 1.5, 3.0])
 @pytest.mark.parametrize("angle", [1e-6, 1e-3, 0.1, 1.0])
 def test_a_tinted_dielectric_keeps_its_digits_as_f0_falls_to_0(eta, angle):
-    """Near the normal the curve rises by sin^4; as a difference from F0 it keeps no digits below an angle of 1e-4."""
+    """Near the normal the curve rises by sin^4.
+
+    As a difference from F0 it keeps no digits below an angle of 1e-4.
+    """
     cosine = np.cos(angle)
     found = TintedDielectric(np.float64(eta), np.array([[0.0]]))(np.array([cosine]))[0, 0]
     condition = 4.0 / max(np.sin(angle) ** 2, 1e-15)  # what the last place of the cosine is worth

@@ -23,7 +23,10 @@ BY_IDENTITIES = {"microfacets.densities.pdf_d_cos": densities.pdf_d_cos}
 
 
 def public_names():
-    """Name -> the (file, first line) of its code: of a class, that of all its methods; those of a distribution are equations, one by one."""
+    """Name -> the (file, first line) of its code: of a class, that of all its methods.
+
+    Those of a distribution are equations, one by one.
+    """
     found = {}
     for room in ROOMS:
         for path in sorted((ROOT / room).glob("*.py")):
@@ -36,7 +39,10 @@ def public_names():
 
 
 def equations(node):
-    """The public name and code of a statement that defines a function or a class; of a distribution those of its public methods."""
+    """The public name and code of a statement that defines a function or a class.
+
+    Of a distribution those of its public methods.
+    """
     if not isinstance(node, ast.FunctionDef | ast.ClassDef) or node.name.startswith("_"):
         return
     bases = {base.id for base in node.bases} if isinstance(node, ast.ClassDef) else set()

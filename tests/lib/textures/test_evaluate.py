@@ -97,7 +97,10 @@ def test_conversions():
 @pytest.mark.parametrize(("place", "first"), [((0.5, 0.5, 0.5), False), ((1.5, 0.5, 0.5), True), ((-0.5, 0.5, 0.5), True),
                                               ((1.0, 1.0, 1.0), False), ((-1.0, 1.0, 0.0), True)])  # fmt: skip
 def test_checker_cells(place, first):
-    """Odd sums show the first colour; a whole coordinate belongs to the cell on the side of the origin, 0 to the one above."""
+    """Odd sums show the first colour.
+
+    A whole coordinate belongs to the cell on the side of the origin, 0 to the one above.
+    """
     node = ex.Checker(ex.Constant(place), ex.WHITE, ex.BLACK, ex.ONE, output="FACTOR")
     assert bool(evaluate(node, None, NO_IMAGES)[0]) is first
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Math node where the usual functions have no value; inside their domains Cycles is the judge (tests/addon/export)."""
+"""The Math node where the usual functions have no value.
+
+Inside their domains Cycles is the judge (tests/addon/export).
+"""
 
 import numpy as np
 import pytest

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Noise, cells and patterns: properties that hold whatever the hash, and brute force. (Their numbers are held to Cycles elsewhere.)"""
+"""Noise, cells and patterns: properties that hold for any hash, and brute force.
+
+Their numbers are compared with Cycles elsewhere.
+"""
 
 import itertools
 

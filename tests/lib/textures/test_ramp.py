@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color Ramp against NumPy's interpolation and SciPy's splines; tests/addon/export holds it against Blender itself."""
+"""Color Ramp against NumPy's interpolation and SciPy's splines.
+
+tests/addon/export holds it against Blender itself.
+"""
 
 import numpy as np
 import pytest

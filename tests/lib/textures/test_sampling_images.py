@@ -36,7 +36,10 @@ def test_texel_centres_give_texels_and_the_bottom_row_comes_first(rng):
 
 
 def test_decoding_before_or_after_interpolation():
-    """Half way between black and white the book has 0.5; Cycles has the decoded middle code, 0.214."""
+    """Half way between black and white the reference has 0.5.
+
+    Cycles has the decoded middle code, 0.214.
+    """
     pixels = np.ones((1, 2, 4), np.float32)
     pixels[0, 0, :3] = 0.0
     for first, expected in ((True, 0.5), (False, srgb_decode(np.array(0.5)))):

@@ -102,7 +102,10 @@ def test_what_acts_on_no_pass_that_differs_is_not_tried(rng):
 
 @pytest.mark.parametrize("passes", [[LightPass.GLOSSY_DIRECT], [LightPass.ENVIRONMENT]])
 def test_what_acts_elsewhere_is_tried_where_the_others_do_not_explain_it(rng, passes):
-    """The difference of region 1 comes from b, which acts on no pass that is shown to differ; none of all acts on the environment."""
+    """The difference of region 1 comes from b, which acts on no pass that is shown to differ.
+
+    None of all acts on the environment.
+    """
     effects = {"a": np.array([0.2, 0.0]), "b": np.array([0.0, 0.2]), "c": np.array([0.1, -0.1])}
     truth = 1.0 + effects["a"] + effects["b"]
     why = simulated(rng, effects, truth, departures=PARTED, differing=frozenset(passes))[2]

@@ -177,7 +177,10 @@ def test_all_small_shares_together_are_no_cause():
 
 
 def test_what_explains_no_region_that_differs_is_no_cause_of_regions_that_are_open():
-    """'a' agrees in two open regions, where it does nothing; 'b' explains the region that differs, and one that is open."""
+    """'a' agrees in two open regions, where it does nothing.
+
+    'b' explains the region that differs, and one that is open.
+    """
     a, b = frozenset("a"), frozenset("b")
     claimed = {a: np.array([False, True, True]), b: np.array([True, True, False])}
     search = SimpleNamespace(

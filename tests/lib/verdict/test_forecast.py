@@ -15,7 +15,10 @@ ASKED_AT = 18
 @pytest.mark.parametrize("runs", [10, pytest.param(60, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("spread", [0.0, 0.002])
 def test_the_true_cost_is_inside_the_interval_as_often_as_it_says(rng, runs, spread):
-    """Regions of very different noise, in truth `spread` apart; a run that is not decided at the end lies above every finite interval."""
+    """Regions of very different noise, in truth `spread` apart.
+
+    A run that is not decided at the end lies above every finite interval.
+    """
     count, inside = 20, []
     for _ in range(runs):
         truth = 1.0 + spread * np.clip(rng.standard_normal(count), -3, 3)

@@ -38,7 +38,10 @@ def false_claims(rng, off, wrong):
 
 @pytest.mark.slow
 def test_false_claims_stay_within_the_level_of_passes(rng):
-    """At the edge of the tolerance each claim is false; together they may be made in a twentieth of 1 - confidence of the runs."""
+    """At the edge of the tolerance each claim is false.
+
+    Together they may be made in a twentieth of 1 - confidence of the runs.
+    """
     most = binom.ppf(0.9999, RUNS, module.PASSES_SHARE * (1.0 - CONFIDENCE))
     assert false_claims(rng, 1.0001 * TOLERANCE, Outcome.EQUIVALENT) <= most
     assert false_claims(rng, 0.9999 * TOLERANCE, Outcome.DIFFERENT) <= most

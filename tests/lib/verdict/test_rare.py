@@ -31,7 +31,10 @@ def test_one_bright_sample_is_a_jump_of_its_worth(rng):
 
 
 def test_replicates_of_more_samples_are_no_jumps_and_hide_none(rng):
-    """Deviations count by the root of the samples behind them; what a sample was worth does not depend on how it was gathered."""
+    """Deviations count by the root of the samples behind them.
+
+    What a sample was worth does not depend on how it was gathered.
+    """
     weights = np.array([1.0] * 30 + [16.0] * 30)
     series = 1.0 + 0.01 * rng.standard_normal((60, 2000)) / np.sqrt(weights)[:, None]
     assert not describe_tails(series, np.full(2000, 256.0), weights).worth.any()
@@ -89,7 +92,10 @@ def test_the_shape_of_a_pareto_tail_is_found(rng, shape):
 @pytest.mark.parametrize("runs", RUNS)
 @pytest.mark.parametrize("worth", [1e2, 1e3, 1e4, 1e5])
 def test_light_in_rare_samples_that_a_side_drops_is_not_called_agreement(rng, runs, worth):
-    """The candidate lacks 3 % of each region's light, in samples of this worth; the tolerance is 1 %."""
+    """The candidate lacks 3 % of each region's light, in samples of this worth.
+
+    The tolerance is 1 %.
+    """
     wrong = sum((decided_on_samples(rng, 0.03, worth, 0.0).outcomes == Outcome.EQUIVALENT).any() for _ in range(runs))
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
 
@@ -97,7 +103,10 @@ def test_light_in_rare_samples_that_a_side_drops_is_not_called_agreement(rng, ru
 @pytest.mark.parametrize("runs", RUNS)
 @pytest.mark.parametrize("worth", [1e2, 1e3, 1e4, 1e5])
 def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, worth):
-    """The means are equal; one side has 3 % of the light in samples of this worth, the other in all of its samples."""
+    """The means are equal.
+
+    One side has 3 % of the light in samples of this worth, the other in all of its samples.
+    """
     wrong = sum((decided_on_samples(rng, 0.03, worth, 0.03).outcomes == Outcome.DIFFERENT).any() for _ in range(runs))
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
 
@@ -106,7 +115,10 @@ def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, wort
 @pytest.mark.parametrize("noisy", [True, False], ids=["both sides", "one side"])
 @pytest.mark.parametrize("kind", HEAVY)
 def test_heavy_tails_of_samples_make_no_false_claims(rng, runs, kind, noisy):
-    """A difference of 15 % is beyond the tolerance of 10 %, one of none is not; a hundred regions, some of whose noise has no variance."""
+    """A difference of 15 % is beyond the tolerance of 10 %, one of none is not.
+
+    A hundred regions, some of whose noise has no variance.
+    """
     agree = differ = 0
     for _ in range(runs):
         agree += (decided_on_heavy_tails(rng, kind, 0.15, noisy).outcomes == Outcome.EQUIVALENT).any()

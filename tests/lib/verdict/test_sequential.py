@@ -29,7 +29,10 @@ def test_holms_procedure_step_by_step(rng):
 
 
 def wrong(rng, runs, noise, bias, confidence):
-    """In how many runs any claim, at any look, was false: on regions all off by `bias`; on the edge of the tolerance every claim is."""
+    """In how many runs any claim, at any look, was false: on regions all off by `bias`.
+
+    On the edge of the tolerance every claim is.
+    """
     truth = np.full(10, 1.0 + bias)
     false = {Outcome.DIFFERENT, Outcome.EQUIVALENT} if abs(bias) == TOLERANCE else {Outcome.DIFFERENT}
     count = 0
@@ -127,7 +130,10 @@ def test_all_regions_are_tested_together_at_the_level_of_one(rng):
 
 
 def test_families_are_claimed_in_order():
-    """Cells of a family that does not pass are claimed one by one; those of families before it all together."""
+    """Cells of a family that does not pass are claimed one by one.
+
+    Those of families before it are claimed all together.
+    """
     families = np.array([0, 1, 1, 2, 2])
     means = [1, 1, 1, 1, 1.2]
     test = SequentialTest(5, TOLERANCE, 0.99, families=families)
@@ -153,7 +159,10 @@ def test_room_for_rare_light_is_left_by_every_claim():
 
 @pytest.mark.slow
 def test_the_bound_is_wrong_no_more_often_than_its_level(rng):
-    """The truth is 2 % off in one region of 20; the bound must not fall below that, at any look."""
+    """The truth is 2 % off in one region of 20.
+
+    The bound must not fall below that, at any look.
+    """
     truth, runs, confidence = np.ones(20), 300, 0.9
     truth[7] = 1.02
     missed = 0

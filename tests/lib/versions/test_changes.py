@@ -34,7 +34,10 @@ CAUSE = DEPARTURES[0]
 
 
 class Painter:
-    """Paints 1 times `factor` on the left, with noise that all of one `stream` share; each call takes a second of `clock`."""
+    """Paints 1 times `factor` on the left, with noise that all of one `stream` share.
+
+    Each call takes a second of `clock`.
+    """
 
     name, settings = "Painter", {}
 
@@ -68,7 +71,10 @@ def clock(monkeypatch):
 
 
 def measured(clock, seed, factors, known=None, passes=(), replicates=12, cancelled=lambda: False):
-    """The rounds and changes of versions with these factors; `known` are those that their models say."""
+    """The rounds and changes of versions with these factors.
+
+    `known` are those that their models say.
+    """
     reference = Painter(clock, seed, 1, passes=passes)
     models = [None if known is None else Painter(clock, seed, 1, factor, passes=passes) for factor in known or factors]
     contestants = [

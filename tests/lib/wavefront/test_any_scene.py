@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any scene that keeps its rules gives a finite, non-negative film; any that does not gives an error that names the defect."""
+"""Any scene that keeps its rules gives a finite, non-negative film.
+
+Any that does not gives an error that names the defect.
+"""
 
 import math
 from dataclasses import replace
@@ -86,7 +89,10 @@ links = st.builds(Links, *[st.sampled_from([EVERY_SET, 0, 1, 2])] * 2)
 
 @st.composite
 def meshes(draw, count):
-    """Vertices on few places, so that triangles share, repeat and degenerate; at any scale, anywhere."""
+    """Vertices on few places, so that triangles share, repeat and degenerate.
+
+    At any scale, anywhere.
+    """
     v = draw(st.sampled_from([0, 3, 5, 12]))
     t = draw(st.integers(0, 14)) if v else 0
     places = np.array(draw(st.lists(points, min_size=v, max_size=v))).reshape(v, 3).T

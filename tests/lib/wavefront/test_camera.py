@@ -45,7 +45,10 @@ def test_pinhole(kind, rng):
 
 @KINDS
 def test_clip_planes_are_depths(kind, rng):
-    """Origins lie at depth clip_start; `reach` ends at depth clip_end, also towards the corners."""
+    """Origins lie at depth clip_start.
+
+    `reach` ends at depth clip_end, also towards the corners.
+    """
     camera = replace(make(kind), clip_start=0.4, clip_end=7.0)
     rays = camera_rays(camera, rng.uniform(0.0, 8.0, 100), rng.uniform(0.0, 6.0, 100), None)
     np.testing.assert_allclose(in_camera(camera, rays.origin)[2], -0.4, rtol=1e-12)
@@ -54,7 +57,10 @@ def test_clip_planes_are_depths(kind, rng):
 
 @KINDS
 def test_what_is_clipped_is_not_seen(kind, seed):
-    """A wall before the near plane or beyond the far plane leaves the sky; between them it is seen."""
+    """A wall before the near plane or beyond the far plane leaves the sky.
+
+    Between them it is seen.
+    """
     for start, end, seen in ((0.0, 10.0, True), (0.0, 1.9, False), (2.1, 10.0, False)):
         camera = (
             perspective(4, 4, 0.5, (0.0, 0.0, 2.0))

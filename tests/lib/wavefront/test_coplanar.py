@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces that overlap in one plane: one surface to the reference; with its departures they hide light from each other, or change places."""
+"""Faces that overlap in one plane: one surface to the reference.
+
+With its departures they hide light from each other, or change places.
+"""
 
 import numpy as np
 import pytest

@@ -29,7 +29,10 @@ def test_shares_are_areas(seed):
 
 
 def test_objects_and_materials_fill_what_is_covered(seed):
-    """Shares of all objects, and of all materials, sum to the same, at most 1; the nearer hides the farther."""
+    """Shares of all objects, and of all materials, sum to the same, at most 1.
+
+    The nearer hides the farther.
+    """
     parts = [cube(0.5), icosphere(0.4, 2, 1), quad((-5.0, -5.0, -3.0), (10.0, 0.0, 0.0), (0.0, 10.0, 0.0), 0)]
     parts[1].vertices[0] += 0.7
     the_scene = scene(parts, [material(name="one"), material(name="two")], perspective(12, 9, 0.6, (0.0, 0.1, 3.0)))

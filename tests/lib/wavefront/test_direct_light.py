@@ -172,7 +172,10 @@ def test_a_lamp_is_not_lost_beside_a_sun_however_far_the_scene_reaches(far, seed
 
 @pytest.mark.parametrize("strength", [1.0, 1e6, 1e12])
 def test_a_lamp_under_a_roof_is_not_lost_beside_a_bright_sun(strength, seed):
-    """The roof keeps the sun out; all the light is the lamp's, which is chosen once in 32 times at least."""
+    """The roof keeps the sun out.
+
+    All the light is the lamp's, which is chosen once in 32 times at least.
+    """
     point = PointLight("point", (0.3, 0.2, 0.8), (1.0, 1.0, 1.0))
     sun = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (strength,) * 3)
     roof = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
@@ -277,7 +280,10 @@ def test_environment_map(direct, seed, rng):
 
 
 def test_one_constant_sky_is_the_same_as_an_environment(seed):
-    """A world that depends on the direction in form only is sampled by the table; the image is that of the constant."""
+    """A world that depends on the direction in form only is sampled by the table.
+
+    The image is that of the constant.
+    """
     flat = Math("MULTIPLY", VectorToValue(Coordinates("GENERATED")), ZERO, ZERO)
     table = World(ValueToColor(Math("ADD", flat, Constant(0.6), ZERO)), (32, 16))
     images = [

@@ -77,7 +77,10 @@ def furnace(distribution, alphas, angles=ANGLES):
 
 
 def test_the_quadrature_itself():
-    """Where the answer is known: no roughness loses nothing; GGX of alpha 1 at normal incidence, correlated."""
+    """No roughness loses nothing, and GGX of alpha 1 at normal incidence is known.
+
+    The latter has correlated masking.
+    """
     np.testing.assert_allclose(albedo("GGX", 1e-4, "correlated")[:6], 1.0, atol=1e-6)
     # alpha 1: D = 1/pi; with wo = n: m = half of wi, cos_i = 2 c^2 - 1, Lambda_o = 0, G = 2 cos_i / (1 + cos_i), so that
     # E = integral of (2 c^2 - 1) / c^2 * 2 c dc from 1/sqrt 2 to 1 = 1 - ln 2.
@@ -109,8 +112,11 @@ def test_the_quadrature_against_the_sphere_of_wi():
 
 
 def assert_albedo(images, exact, samples, precision, rounding):
-    """t tests where many samples lose something; where few do, the mean of a few rare losses is not normal, and Bernstein's inequality for
-    losses in [0, 1] stands in: |error| < sqrt(2 v L / n) + 2 L / (3 n), v = 1 - E at most, L = log(2 / level)."""
+    """t tests where many samples lose something.
+
+    Where few do, the mean of a few rare losses is not normal, and Bernstein's inequality for losses in [0, 1] stands
+    in: |error| < sqrt(2 v L / n) + 2 L / (3 n), v = 1 - E at most, L = log(2 / level).
+    """
     count = samples * len(images)
     rare = count * np.abs(1.0 - exact) < 50.0
     assert_mean(images[:, ~rare], exact[~rare][:, None], precision, rounding)

@@ -11,7 +11,10 @@ from etalon.tests.scenes import color, diffuse, emission, floor, glass, material
 
 
 def slab(ior, tint, degrees, bounces):
-    """A plate of glass seen under an angle; its lower face looks down. The sky is 1 everywhere."""
+    """A plate of glass seen under an angle; its lower face looks down.
+
+    The sky is 1 everywhere.
+    """
     angle = np.radians(degrees)
     forward = np.array([np.sin(angle), 0.0, -np.cos(angle)])
     top = floor(500.0)

@@ -108,7 +108,10 @@ def test_mixed_surface_is_parted_by_colour(seed):
 
 
 def test_rough_lobes_are_parted_by_what_each_would_give_alone(seed):
-    """Light sampling and lobe sampling meet in one mixture; each pass is the image of its lobes alone."""
+    """Light sampling and lobe sampling meet in one mixture.
+
+    Each pass is the image of its lobes alone.
+    """
     lobes = {
         LightPass.DIFFUSE_DIRECT: Diffuse(color(0.5, 0.3, 0.1)),
         LightPass.GLOSSY_DIRECT: Glossy("GGX", color(0.2, 0.3, 0.4), Constant(0.5)),

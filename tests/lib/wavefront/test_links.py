@@ -96,7 +96,10 @@ def test_a_mirror_shows_a_lamp_that_is_linked_to_it(seed):
 
 @DIRECT
 def test_a_screen_that_blocks_other_lamps_only(direct, seed):
-    """The lamp above it lights the floor exactly as if it were not there; a second one does not."""
+    """The lamp above it lights the floor exactly as if it were not there.
+
+    A second one does not.
+    """
     other = PointLight("other", (0.0, 0.0, 2.0), (5.0, 5.0, 5.0))
     for lamp, exact in ((AREA, EXACT), (POINT, over_pixels(from_point) * POINT.intensity)):
         for more in ([], [other]):
@@ -108,7 +111,10 @@ def test_a_screen_that_blocks_other_lamps_only(direct, seed):
 
 
 def test_a_mirror_shows_a_lamp_through_what_does_not_block_it(seed):
-    """Whole behind a screen that does not block it, not at all where the screen alone does; half of it through a clear pane that blocks."""
+    """The lamp is whole behind a screen that does not block it.
+
+    It is not there where the screen alone does; half of it shows through a clear pane that blocks.
+    """
     down = orthographic(1, 1, 0.01, (0.3, 0.2, 0.4))
     pane = quad((-2.0, -2.0, 0.5), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0), 2)
     coats = [material(Glossy("GGX")), diffuse(0.0), material(Transparent(color(0.5)))]

@@ -23,7 +23,10 @@ HALF, IOR = Constant(0.8), Constant(1.5)
     ],
 )
 def test_every_facet_is_masked_as_asked(closure, forms, seed):
-    """A grazing view of a plane in a white world: its albedo by that form; refraction alone has no Torrance-Sparrow."""
+    """A grazing view of a plane in a white world: its albedo by that form.
+
+    Refraction alone has no Torrance-Sparrow.
+    """
     view = orthographic(2, 2, 0.1, (0.0, -5.0, 1.5), (0.0, 1.0, -0.3))
     plane = scene(floor(), material(closure), view, world=1.0)
     images = [

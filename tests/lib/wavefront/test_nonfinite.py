@@ -25,7 +25,10 @@ def render(the_scene, seed, samples=4, **options):
 @DIRECT
 @pytest.mark.parametrize("where", ["color", "strength"])
 def test_an_emitter_that_is_not_finite(bad, direct, where, seed):
-    """Two patches side by side, seen by the camera alone; all samples of the bad one's pixels are counted."""
+    """Two patches side by side, seen by the camera alone.
+
+    All samples of the bad one's pixels are counted.
+    """
     emitter = Emission(color(bad, 1.0, 1.0)) if where == "color" else Emission(color(1.0), Constant(bad))
     parts = [
         quad((-1.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0),

@@ -113,7 +113,10 @@ def test_lens_rays_meet_the_sharp_ray_on_the_sphere_of_focus(kind, rng):
 
 
 def test_outside_its_circle_a_lens_is_black(seed):
-    """Pixels that the circle leaves out see nothing, the sky neither; those it cuts, in proportion: pi / 4 of the square."""
+    """Pixels that the circle leaves out see nothing, the sky neither.
+
+    Those it cuts, in proportion: pi / 4 of the square.
+    """
     camera = make("FISHEYE_EQUIDISTANT", 1.0, field_of_view=2.0)
     image = replicates(scene(floor(height=-50.0), emission(1.0), camera, world=1.0), 1, 4096, seed=seed)[0]
     assert image.mean() == pytest.approx(np.pi / 4.0, abs=2e-3)

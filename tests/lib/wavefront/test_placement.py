@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a scene lies and how large it is does not matter; nothing leaks through a closed surface."""
+"""Where a scene lies and how large it is does not matter.
+
+Nothing leaks through a closed surface.
+"""
 
 from dataclasses import replace
 
@@ -53,7 +56,10 @@ def stage(camera=CAMERA, veil=True):
 
 
 def placed(the_scene, size=1.0, offset=(0.0, 0.0, 0.0)):
-    """The scene `size` times as large and moved; intensities grow with the square, so that radiance stays."""
+    """The scene `size` times as large and moved.
+
+    Intensities grow with the square, so that radiance stays.
+    """
     offset = np.array(offset, float)
     mesh = replace(the_scene.mesh, vertices=the_scene.mesh.vertices * size + offset[:, None])
     camera = the_scene.camera
@@ -143,7 +149,10 @@ def test_nothing_leaks_into_a_closed_box(box, offset, walls, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("box", BOXES)
 def test_nothing_leaks_in_ten_million_rays(box, seed):
-    """The hit that lies on an edge to float32's last bit is one in a million; even so, next to nothing comes in."""
+    """The hit that lies on an edge to float32's last bit is one in a million.
+
+    Even so, next to nothing comes in.
+    """
     closed = scene(BOXES[box], diffuse(0.9), INSIDE, (), 1.0, bounces=8)
     rendering = ReferenceRenderer(closed, Options(seed=seed, russian_roulette=False)).render(0, 512)
     assert rendering.rays > 1e7

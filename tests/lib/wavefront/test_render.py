@@ -34,7 +34,10 @@ CAMERA = perspective(13, 9, 0.6, (0.01, -3.0, 2.5), (0.0, 3.0, -2.2))
 
 
 def stage(veil=False):
-    """A mixed ball on a floor under two lights; a transparent sheet over half of it, if wanted."""
+    """A mixed ball on a floor under two lights.
+
+    A transparent sheet over half of it, if wanted.
+    """
     mixed = material(Diffuse(color(0.3)), Glossy("GGX", color(0.5), Constant(0.5)))
     parts = [icosphere(1.0, 2), floor(4.0, -1.0, 1)]
     materials = [mixed, diffuse(0.6, 0.5, 0.4)]

@@ -55,7 +55,10 @@ def from_point(x, y):
 
 
 def test_a_screen_without_shadow_hides_no_lamp(seed):
-    """The lamp above the screen lights the floor as if the screen were not there; with its shadow, not at all."""
+    """The lamp above the screen lights the floor as if the screen were not there.
+
+    With its shadow, not at all.
+    """
     screened = under([POINT], [SCREEN], [diffuse(0.5)])
     exact = over_pixels(from_point) * POINT.intensity
     shadowless = masked(screened, EVERY, EVERY & ~(SHADOW | CAMERA))
@@ -81,7 +84,10 @@ def test_lamps_without_shadows_shine_through_everything(direct, seed):
 
 @DIRECT
 def test_opaque_shadows_of_what_is_transparent(direct, seed):
-    """A lamp above a clear screen lights nothing below it; a mirror there shows the lamp through the screen, and so does the sky."""
+    """A lamp above a clear screen lights nothing below it.
+
+    A mirror there shows the lamp through the screen, and so does the sky.
+    """
     clear = replace(material(Transparent(color(0.5))), transparent_shadows=False)
     screened = under([AREA], [SCREEN], [clear])
     assert not replicates(screened, 2, 64, direct=direct, seed=seed).any()
@@ -178,7 +184,10 @@ def test_two_panels_that_different_rays_see_light_the_floor_together(direct, see
 
 
 def test_a_lamp_that_lights_only_what_the_camera_sees(seed):
-    """A limit of 0 bounces leaves direct light, whatever else paths do; a limit of 1 leaves one bounce more."""
+    """A limit of 0 bounces leaves direct light, whatever else paths do.
+
+    A limit of 1 leaves one bounce more.
+    """
     room = [floor(3.0), quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0))]
     for limit in (0, 1):
         limited = scene(room, diffuse(0.8), CAMERA_AT, [replace(POINT, max_bounces=limit)], bounces=4)

@@ -53,7 +53,10 @@ def test_a_colour_below_zero_scatters_nothing(closure):
 
 @pytest.mark.parametrize("varies", [False, True])
 def test_a_negative_world_takes_light_away(varies, seed):
-    """A Lambert floor of albedo 0.8 in a world of -0.5: -0.4. A world that varies is a constant one to twelve digits."""
+    """A Lambert floor of albedo 0.8 in a world of -0.5: -0.4.
+
+    A world that varies is a constant one to twelve digits.
+    """
     direction = VectorToValue(Coordinates("GENERATED"))
     tiny = Math("MULTIPLY", direction, Constant(1e-12), Constant(0.0))
     world = World(ValueToColor(Math("ADD", tiny, Constant(-0.5), Constant(0.0))) if varies else color(-0.5))

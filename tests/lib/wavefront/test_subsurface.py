@@ -37,7 +37,10 @@ def of_half_space(albedo, cosine):
 
 
 def expected(cosine):
-    """The same for the colours of the wax, by channel, under a smooth interface; below an albedo of 0.2 it is scaled."""
+    """The same for the colours of the wax, by channel, under a smooth interface.
+
+    Below an albedo of 0.2 it is scaled.
+    """
     inside = np.sqrt(1.0 - (1.0 - cosine**2) / IOR**2)
     albedo = [float(albedo_van_de_hulst(np.float64(one), np.float64(0.0))) for one in COLORS]
     return np.array([of_half_space(one, inside) for one in albedo])
@@ -97,7 +100,10 @@ def test_light_and_lobe_sampling_find_the_same_light_where_walks_leave(seed):
 
 @pytest.mark.slow
 def test_walks_stay_inside_their_own_object(seed):
-    """A black core inside the wax, another object, changes nothing; as a part of the same object it takes light."""
+    """A black core inside the wax, another object, changes nothing.
+
+    As a part of the same object it takes light.
+    """
     coats = [WAX, diffuse(0.0)]
     core = cube(0.9, material=1)
     alone, apart = (replicates(lit(parts, coats), 8, 128, seed=seed) for parts in ([cube()], [cube(), core]))

@@ -69,7 +69,10 @@ def test_no_sheets_and_no_transparent_bounces(seed):
 @pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
 @pytest.mark.parametrize("roughness", [None, 0.3])
 def test_area_light_through_coloured_sheets(direct, roughness, seed):
-    """Howell's disk (C-11: r^2 / (h^2 + r^2) on its axis) times the product; for a glossy floor, all ways of finding it agree."""
+    """Howell's disk (C-11: r^2 / (h^2 + r^2) on its axis) times the product.
+
+    For a glossy floor, all ways of finding it agree.
+    """
     light = AreaLight(
         "disk", (0.03, 0.02, 7.0), (8.0, 0.0, 0.0), (0.0, -8.0, 0.0), (0, 0, -1.0), "ELLIPSE", (2.0,) * 3, np.pi
     )

@@ -54,7 +54,10 @@ def test_memory_is_given_back_once_the_heap_keeps_it():
 
 
 def test_who_asks_for_it():
-    """The command line's main and the second Blender's worker; no other file changes the allocator or the threads' turns."""
+    """The command line's main and the second Blender's worker.
+
+    No other file changes the allocator or the threads' turns.
+    """
     callers = []
     for path in (p for room in ("lib", "addon") for p in sorted((ROOT / room).rglob("*.py"))):
         source = path.read_text(encoding="utf-8")

@@ -130,7 +130,10 @@ def chandrasekhar(albedo, mu):
 
 @pytest.mark.slow
 def test_a_half_space_reflects_by_chandrasekhars_h(seed):
-    """albedo E / (4 pi) mu0 / (mu + mu0) H(mu) H(mu0) for sunlight E across its direction; a block of optical depth 200 for all space."""
+    """albedo E / (4 pi) mu0 / (mu + mu0) H(mu) H(mu0) for sunlight E across its direction.
+
+    A block of optical depth 200 for all space.
+    """
     albedo, mu, mu0 = np.array([0.5, 0.7, 0.9]), 0.8, 0.6
     block = replace(cube(1.0, (0.0, 0.0, -1.0)), vertices=cube(1.0, (0.0, 0.0, -1.0)).vertices * [[3.0], [3.0], [1.0]])
     volume = smoke(100.0 * (1.0 - albedo), 100.0 * albedo)
