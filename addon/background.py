@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work beside a window that stays alive: a copy of the open file, a thread, and the wish that it ends."""
+"""Work beside a window that stays alive.
+
+This is a copy of the open file, a thread, and the wish that it ends.
+"""
 
 from __future__ import annotations
 

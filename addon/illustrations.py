@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lecture's two rows of spheres, compared: the reference scene sigma_sweep, small, with Cycles."""
+"""The lecture's two rows of spheres, compared with Cycles.
+
+They are the reference scene sigma_sweep, small.
+"""
 
 from __future__ import annotations
 

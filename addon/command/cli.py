@@ -64,7 +64,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _load_ahead(name: str) -> list[str]:
-    """Load Blender and a command, and wait for the rest of its words; what fails here fails again, and is told, when it runs."""
+    """Load Blender and a command, and wait for the rest of its words.
+
+    What fails here fails again, and is reported, when the command runs.
+    """
     from ..host.blender import load_blender
 
     with suppress(EtalonError, ImportError, OSError):

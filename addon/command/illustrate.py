@@ -32,7 +32,10 @@ def run(options: IllustrateOptions, terminal: PageTerminal) -> int:
 
 
 def _illustrate_rows(seed: int, progress: Progress) -> Figure:
-    """The two rows by both renderers, or what is missing for them: the other figures need no Blender."""
+    """The two rows by both renderers, or what is missing for them.
+
+    The other figures need no Blender.
+    """
     try:
         load_blender()
         from ..illustrations import render_rows

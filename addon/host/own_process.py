@@ -43,7 +43,10 @@ def is_ahead() -> bool:
 
 
 def receive_words() -> list[str]:
-    """Words that come as one line of JSON on standard input; ends this process where there are none any more."""
+    """Receive words as one line of JSON on standard input.
+
+    Ends this process where no more words can come.
+    """
     line = b""
     while not line.endswith(b"\n"):
         # One byte at a time: what comes later is for `watch_leash`.

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refusals in French: the templates by which their parts are recognised, and how each reads.
+"""Refusals in French: the templates of their parts, and how each reads.
 
-Names of nodes, sockets and options stay as Blender's English interface has them, which is what a message quotes.
+The templates recognise the parts. Names of nodes, sockets and options stay as Blender's English interface has them,
+which is what a message quotes.
 """
 
 from __future__ import annotations

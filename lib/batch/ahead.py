@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Processes started ahead: each loads Blender while the comparisons before its own still render, then waits for its words."""
+"""Processes that are started ahead.
+
+Each loads Blender while the comparisons before its own still render, then waits for its words.
+"""
 
 from __future__ import annotations
 

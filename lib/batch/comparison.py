@@ -81,7 +81,10 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
 
 
 def _run(begin: Callable[[], subprocess.Popen[str]], folder: Path, limits: Limits) -> tuple[int, str, bool]:
-    """Run what writes to `folder`; return its exit code, its reason, and whether a limit ended it."""
+    """Run a process that writes to `folder`.
+
+    Returns its exit code, its reason, and whether a limit ended it.
+    """
     process = begin()
     try:
         errors, over = _wait(process, limits)

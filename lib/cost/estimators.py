@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light tracing, photon mapping and Metropolis as ways to render, beside path tracing and Cycles."""
+"""Light tracing, photon mapping and Metropolis as ways to render.
+
+They stand beside path tracing and Cycles.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,10 @@ _ESTIMATORS = (
 
 
 class Estimator:
-    """An estimator of the image other than path tracing, as one side of a comparison or a way of a measurement.
+    """An estimator of the image other than path tracing.
 
-    Raises Refused where it does not simulate something of the scene.
+    It is one side of a comparison or a way of a measurement. Raises Refused where it does not simulate something of the
+    scene.
     """
 
     def __init__(self, scene: Scene, options: RenderOptions) -> None:
@@ -55,7 +59,10 @@ class Estimator:
 
 
 def estimator_ways(scene: Scene, seed: int, threads: int, opening: float) -> list[Way]:
-    """The other estimators of the image; how far photon mapping's bias is still to fall only measuring tells."""
+    """The other estimators of the image.
+
+    Only measuring tells how far photon mapping's bias still falls.
+    """
     ways = []
     for strategy, label, bias in _ESTIMATORS:
         options = RenderOptions(seed=seed, threads=threads, strategy=strategy)

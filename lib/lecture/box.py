@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A closed box of diffuse walls with a square lamp in its ceiling: its patches, its picture, and the same box as a scene.
+"""A closed box of diffuse walls with a square lamp in its ceiling.
 
-The box is the cube from 0 to 1. Patches are the squares of an n x n grid on each wall; n is a multiple of 4, since the lamp fills the
-middle half of the ceiling.
+This file has its patches, its picture, and the same box as a scene. The box is the cube from 0 to 1. Patches are the
+squares of an n x n grid on each wall; n is a multiple of 4, since the lamp fills the middle half of the ceiling.
 """
 
 from __future__ import annotations
@@ -94,7 +94,10 @@ def make_camera() -> Camera:
 
 
 def measure_distances(points: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far rays from points (n, 3) inside the box go along unit directions (n, 3) until they meet a wall, and its axis."""
+    """How far rays inside the box go until they meet a wall, and its axis.
+
+    They start at points (n, 3) and go along unit directions (n, 3).
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         distance = np.where(directions > 0.0, (1.0 - points) / directions, points / -directions)
     distance = np.where(directions == 0.0, np.inf, distance)
@@ -103,7 +106,10 @@ def measure_distances(points: np.ndarray, directions: np.ndarray) -> tuple[np.nd
 
 
 def find_harmonic_distance(points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """The harmonic mean distance (n,) of what points (n, 3) on walls see, by 16 x 16 directions that are distributed as the cosine."""
+    """The harmonic mean distance (n,) of what points (n, 3) on walls see.
+
+    It takes 16 x 16 directions that are distributed as the cosine.
+    """
     u1, u2 = (one.ravel() for one in np.meshgrid(_MIDPOINTS, _MIDPOINTS))
     local = cosine_hemisphere(u1, u2)
     axis = np.abs(normals).argmax(axis=1)
@@ -138,7 +144,10 @@ def average_pixels(values: np.ndarray) -> np.ndarray:
 
 
 def find_plain_pixels() -> np.ndarray:
-    """Which pixels (SIDE, SIDE) show one wall alone and nothing of the lamp: their means need no edge to be found."""
+    """Which pixels (SIDE, SIDE) show one wall alone and no part of the lamp.
+
+    Their means are computed without finding an edge.
+    """
     points, wall = look((1e-6, 0.5, 1.0 - 1e-6))
     is_lamp = make_patches(4).emitted[find_patch(points, wall, 4), 0] > 0.0
     shown = np.where(is_lamp, -1, wall).reshape(SIDE, SIDE, 9)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: radiosity and irradiance caching in a diffuse box, beside path tracing, with the bias of each."""
+"""Figure: radiosity and irradiance caching in a diffuse box.
+
+They stand beside path tracing, with the bias of each.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ def solve_box(count: int) -> np.ndarray:
 
 
 class GatheredBox:
-    """The picture by a last gathering at every point, of the light of the finest patches; and by interpolation of it."""
+    """Two pictures from the light of the finest patches.
+
+    One is made by a last gathering at every point, the other by interpolation of it.
+    """
 
     def __init__(self, count: int = FINEST) -> None:
         patches = make_patches(count)
@@ -70,9 +76,9 @@ class GatheredBox:
 
 
 def compare_pictures(picture: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
-    """The relative difference of the mean, and that of a pixel, root mean square, both over the mean of `truth`.
+    """The relative difference of the mean, and that of a pixel, root mean square.
 
-    Pixels on edges and on the lamp are left out.
+    Both are over the mean of `truth`. Pixels on edges and on the lamp are left out.
     """
     plain = find_plain_pixels()
     gap = (picture - truth)[plain] / truth[plain].mean()

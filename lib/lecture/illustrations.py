@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure: the lecture's two rows of illustrations by both renderers, with the verdict, and what an eye would notice."""
+"""Figure: the lecture's two rows of illustrations by both renderers.
+
+It has the verdict, and what an eye would notice.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +26,11 @@ BETWEEN = 0.2
 
 @dataclass(frozen=True)
 class Sphere:
-    """One sphere: its distribution and sigma, its weight in each pixel (height, width), and what the verdict says of it.
+    """One sphere.
 
-    `outcome` is the name of one; `difference` is Cycles less reference, relative, of the channel where it is largest, and `bound` what the
-    data have not ruled out.
+    It has its distribution and sigma, its weight in each pixel (height, width), and the verdict on it. `outcome` is
+    the name of one; `difference` is Cycles less reference, relative, of the channel where it is largest, and `bound`
+    what the data have not ruled out.
     """
 
     distribution: str
@@ -39,9 +43,10 @@ class Sphere:
 
 @dataclass(frozen=True)
 class Rows:
-    """Both rows by both renderers: radiance (height, width, 3), the standard error of each, and the spheres.
+    """Both rows by both renderers.
 
-    `all_ggx` is the reference's image with GGX in both rows. `tolerance` and `seconds` are those of the comparison, `cycles` names the release.
+    They have radiance (height, width, 3), the standard error of each, and the spheres. `all_ggx` is the reference's
+    image with GGX in both rows. `tolerance` and `seconds` are those of the comparison, `cycles` names the release.
     """
 
     reference: np.ndarray
@@ -92,7 +97,10 @@ def illustrate_rows(rows: Rows, seed: int) -> Figure:
 
 
 def compare_models(rows: Rows) -> list[dict[str, Any]]:
-    """What GGX in place of Beckmann's distribution does to the upper spheres: relative difference of their light, and mean FLIP."""
+    """How GGX in place of Beckmann's distribution changes the upper spheres.
+
+    It gives the relative difference of their light, and mean FLIP.
+    """
     seen = flip(rows.reference, rows.all_ggx, 0.0)
     found = []
     for one in rows.spheres:

@@ -112,7 +112,10 @@ def illustrate_inversions(seed: int) -> Figure:
 
 
 def _controls() -> Markup:
-    """What `inversions.js` shows: a slider for each number, and what follows from them; hidden without JavaScript."""
+    """The controls that `inversions.js` shows; hidden without JavaScript.
+
+    They are a slider for each number, and what follows from them.
+    """
     sliders = (
         ("xi1", Words("ξ1", "ξ1"), 0.0, 1.0, 0.005),
         ("xi2", Words("ξ2", "ξ2"), 0.0, 0.995, 0.005),

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Irradiance caching (Ward et al. 1988): indirect light at few places, interpolated in between."""
+"""Irradiance caching (Ward et al. 1988).
+
+Indirect light is computed at few places, and interpolated in between.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ _CHUNK = 512
 
 
 class Gather:
-    """The light that arrives at points of the box from patches of known radiance (N, 3), without noise."""
+    """The light that arrives at points of the box, without noise.
+
+    It comes from patches of known radiance (N, 3).
+    """
 
     def __init__(self, patches: Patches, radiance: np.ndarray) -> None:
         self._patches, self._radiance = patches, radiance
@@ -36,10 +42,13 @@ class Gather:
 def interpolate_indirect(
     gather: Gather, points: np.ndarray, normals: np.ndarray, accuracy: float
 ) -> tuple[np.ndarray, int]:
-    """Indirect irradiance over pi at points (n, 3), (n, 3), and how many records were made for it.
+    """Indirect irradiance over pi at points (n, 3), and how many records were made for it.
 
-    A record at distance d, of a place that sees things at the harmonic mean distance R, weighs w = 1 / (d / R + sqrt(1 - n.n')). Where
-    no record weighs more than 1 / `accuracy`, a new one is made (Ward, Rubinstein and Clear 1988, eq. 4 and 5).
+    `normals` are (n, 3).
+
+    A record at distance d, of a place that sees things at the harmonic mean distance R, weighs w = 1 / (d / R +
+    sqrt(1 - n.n')). Where no record weighs more than 1 / `accuracy`, a new one is made (Ward, Rubinstein and Clear
+    1988, eq. 4 and 5).
     """
     order = np.random.default_rng(0).permutation(len(points))  # coarse to fine: records far apart come first
     distances = find_harmonic_distance(points, normals)
@@ -61,7 +70,10 @@ def interpolate_indirect(
 def _weights(
     points: np.ndarray, normals: np.ndarray, places: np.ndarray, directions: np.ndarray, reaches: np.ndarray
 ) -> np.ndarray:
-    """The weights of records (k, ...) at points (n, ...), (n, k); a record at the place itself weighs 1e9."""
+    """The weights (n, k) of records (k, ...) at points (n, ...).
+
+    A record at the place itself weighs 1e9.
+    """
     away = np.linalg.norm(points[:, None] - places[None], axis=2) / reaches
     turned = np.sqrt(np.clip(1.0 - normals @ directions.T, 0.0, 2.0))
     return 1.0 / np.maximum(away + turned, 1e-9)

@@ -54,7 +54,10 @@ def make_figures(
 
 
 def make_page(figures: dict[str, Figure], seed: int) -> str:
-    """The whole page as HTML: it loads nothing, and says all without its script, which lets the inversions be dragged."""
+    """The whole page as HTML, which loads nothing.
+
+    It is complete without its script, which only makes the inversions interactive.
+    """
     rows = [
         {
             "name": name,

@@ -11,10 +11,11 @@ _NODES = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 
 
 def point_form_factors(points: np.ndarray, normals: np.ndarray, polygons: np.ndarray) -> np.ndarray:
-    """Form factors from points (n, 3) with unit normals (n, 3) to whole polygons (N, k, 3) above their horizon, (n, N).
+    """Form factors (n, N) from points to whole polygons above their horizon.
 
-    Lambert's formula: the sum over edges of the angle that each takes up times the cosine between the normal and that of its triangle with the
-    point, over 2 pi (Cohen and Wallace 1993, eq. 4.23). Polygons run counterclockwise as seen from their inner side.
+    Points (n, 3) have unit normals (n, 3); polygons are (N, k, 3). Lambert's formula: the sum over edges of the angle
+    that each takes up times the cosine between the normal and that of its triangle with the point, over 2 pi (Cohen
+    and Wallace 1993, eq. 4.23). Polygons run counterclockwise as seen from their inner side.
     """
     total = np.zeros((len(points), len(polygons)))
     for k in range(polygons.shape[1]):
@@ -29,7 +30,10 @@ def point_form_factors(points: np.ndarray, normals: np.ndarray, polygons: np.nda
 
 
 def form_factors(patches: Patches) -> np.ndarray:
-    """F[i, j], the share of the light of patch i that arrives at j, (N, N): exact for points, the mean over 2 x 2 Gauss nodes of i."""
+    """F[i, j], the share of the light of patch i that arrives at j, (N, N).
+
+    It is exact for points, and the mean over 2 x 2 Gauss nodes of i.
+    """
     corners, total = patches.corners, np.zeros((len(patches.corners),) * 2)
     along, across = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
     for s in _NODES:
@@ -40,7 +44,10 @@ def form_factors(patches: Patches) -> np.ndarray:
 
 
 def solve_radiosity(patches: Patches) -> np.ndarray:
-    """The radiance that leaves each patch, (N, 3), W m^-2 sr^-1: L = emitted + albedo F L, all bounces at once."""
+    """The radiance that leaves each patch, (N, 3), W m^-2 sr^-1.
+
+    L = emitted + albedo F L, all bounces at once.
+    """
     factors = form_factors(patches)
     unity = np.eye(len(factors))
     return np.stack(

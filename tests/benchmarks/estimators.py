@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light tracing, photon mapping and Metropolis beside path tracing: the product's own verdict, and error against time.
+"""Light tracing, photon mapping and Metropolis beside path tracing.
 
-    python tests/benchmarks/estimators.py [--time 60]               # verdicts on reference scenes
-    python tests/benchmarks/estimators.py --cost FOLDER [--time 60] # a scene on which each wins, and one on which it loses
+They get the product's own verdict, and error against time.
+
+python tests/benchmarks/estimators.py [--time 60]               # verdicts on reference scenes python
+tests/benchmarks/estimators.py --cost FOLDER [--time 60] # a scene on which each wins, and one on which it loses
 
 Small images, one thread for each side. `--cost` writes a cost page with its plot for each scene into FOLDER.
 """
@@ -40,7 +42,10 @@ WITHOUT = "without-pane"
 
 
 def _caustic(pane: bool) -> None:
-    """A small spot lamp that shines on a mirror, which lights the floor; the camera sees the floor alone."""
+    """A small spot lamp that shines on a mirror, which lights the floor.
+
+    The camera sees the floor alone.
+    """
     building.start("caustic", SIDE, SIDE, 3)
     floor = building.diffuse("Floor", (0.5, 0.5, 0.5))
     building.rectangle("Floor", floor, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
@@ -72,7 +77,10 @@ def _under_glass(pane: bool) -> None:
 
 
 def _window(pane: bool) -> None:
-    """A room that the sun lights through a small window; the camera does not see where. Around it lies a wide ground."""
+    """A room that the sun lights through a small window; the camera does not see where.
+
+    Around it lies a wide ground.
+    """
     building.start("window", SIDE, SIDE, 4)
     white, ground = building.diffuse("White", (0.7, 0.7, 0.7)), building.diffuse("Ground", (0.1, 0.1, 0.1))
     walls = {
@@ -144,7 +152,10 @@ def _exported(build: Callable[[bool], None], pane: bool) -> Scene:
 
 
 def costs(seconds: float, folder: Path, only: str | None) -> None:
-    """A page and a few lines for each scene: the error of each way at its last level, and what it took."""
+    """Write a page and a few lines for each scene.
+
+    They have the error of each way at its last level, and what it took.
+    """
     for name, (build, expected, truth) in WINNERS.items():
         if only not in (None, name):
             continue

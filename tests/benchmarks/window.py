@@ -100,7 +100,10 @@ def load():
 
 
 def measure(window, size, seconds, cancel=""):
-    """Run one comparison, and cancel it where `cancel` holds; the report of its end, and its log."""
+    """Run one comparison, and cancel it where `cancel` holds.
+
+    Returns the report of its end, and its log.
+    """
     window.ask(PRESS.replace("SIZE", repr(size)).replace("TIME", repr(seconds)), seconds=STOP)
     if cancel:
         wait_until(window, f"session.running is not None and {cancel}", questions=1200)
@@ -111,7 +114,10 @@ def measure(window, size, seconds, cancel=""):
 
 
 def describe_redraws(log):
-    """How often the panel was drawn while the job ran, in all and in each stage, and the longest time without."""
+    """How often the panel was drawn while the job ran, in all and in each stage.
+
+    Also the longest time without a redraw.
+    """
     lines, stages = [], {}
     for after, stage, *_ in log["seen"]:
         stages.setdefault(stage, after)
@@ -124,7 +130,10 @@ def describe_redraws(log):
 
 
 def describe_times(log):
-    """When each stage began, and the bound at each look, in seconds after the button was pressed."""
+    """When each stage began, and the bound at each look.
+
+    They are in seconds after the button was pressed.
+    """
     begin, stages = log["pressed"], {}
     for after, stage, *_ in log["seen"]:
         stages.setdefault(stage, round(after - begin, 2))

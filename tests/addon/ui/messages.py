@@ -30,7 +30,10 @@ def sources() -> Iterator[Path]:
 
 
 class Module:
-    """One file, in which names stand for all that is assigned to them, and functions for all that they return."""
+    """One file.
+
+    Names stand for all that is assigned to them, and functions for all that they return.
+    """
 
     def __init__(self, path: Path) -> None:
         self.tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -106,7 +109,10 @@ class Module:
 
 
 def find_messages() -> tuple[set[str], set[str], set[str]]:
-    """Whole errors, what refusals name, and what they advise; a function whose docstring speaks of a remedy gives the last two."""
+    """Whole errors, what refusals name, and what they advise.
+
+    A function whose docstring contains the word remedy gives the last two.
+    """
     errors, whats, remedies = set(), set(), set()
     for path in sources():
         module = Module(path)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every message that a user of the panel can meet is recognised, and has French with the same values."""
+"""Every message that a user of the panel can meet is recognised.
+
+It has French with the same values.
+"""
 
 import re
 import string
