@@ -3,8 +3,8 @@
 
 They get the product's own verdict, and error against time.
 
-python tests/benchmarks/estimators.py [--time 60]               # verdicts on reference scenes python
-tests/benchmarks/estimators.py --cost FOLDER [--time 60] # a scene on which each wins, and one on which it loses
+    python tests/benchmarks/estimators.py [--time 60]               # verdicts on reference scenes
+    python tests/benchmarks/estimators.py --cost FOLDER [--time 60] # a scene on which each wins, and one on which it loses
 
 Small images, one thread for each side. `--cost` writes a cost page with its plot for each scene into FOLDER.
 """
