@@ -21,13 +21,15 @@ from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
 from ..lib.comparison.interim import BoundAt, Interim
 from ..lib.comparison.memory import require_memory
-from ..lib.comparison.parts import asked_parts
+from ..lib.comparison.parts import PassChoice, asked_parts, choose_passes, fit_memory
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.size import choose_divisor
 from ..lib.comparison.unsupported import find_unsupported_light
 from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
+from ..lib.film.light_passes import LightPass
+from ..lib.film.parts import Part
 from ..lib.film.view_transform import ViewTransform
 from ..lib.progress import NO_PROGRESS, Progress
 from ..lib.report import write_report
@@ -80,6 +82,30 @@ def _shrink(
     return reference.at_size(*size), candidate.at_size(*size)
 
 
+def _with_parts(
+    reference: ReferenceRenderer, candidate: Renderer, settings: Settings, run: TimedRun
+) -> tuple[ReferenceRenderer, Renderer, tuple[Part, ...], PassChoice, int]:
+    """Both renderers at the size to compare, with the parts to compare.
+
+    Also the parts, why light passes are among them or not, and how many times narrower and lower the image is than
+    the scene's. Raises EtalonError where memory is lacking, Cancelled when the run is to end.
+    """
+    choice, divisor = choose_passes(reference, settings), 1
+    parts = asked_parts(reference, replace(settings, passes=choice.passes))
+    sides: tuple[ReferenceRenderer, Renderer] = reference.with_passes(parts), candidate.with_passes(parts)
+    if settings.size == "auto" and settings.samples is None:
+        divisor = choose_divisor(sides, reference.scene.camera, run)
+    if divisor > 1:
+        sides = _shrink(reference.scene, *sides, divisor)
+    size = sides[0].scene.camera.width, sides[0].scene.camera.height
+    fitting = fit_memory(choice, parts, *size)
+    if fitting != choice:
+        parts = tuple(part for part in parts if not isinstance(part, LightPass))
+        sides = sides[0].with_passes(parts), sides[1].with_passes(parts)
+    require_memory(*size, len(parts))
+    return *sides, parts, fitting, divisor
+
+
 def judge(
     scene: Scene,
     candidate: Renderer,
@@ -103,15 +129,10 @@ def judge(
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL, *EXRS)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
-        passes = asked_parts(reference, settings)
-        reference, candidate = reference.with_passes(passes), candidate.with_passes(passes)
-        verdict, divisor, run = settings.part(CompareOptions), 1, TimedRun(settings.time, progress)
+        verdict, run = settings.part(CompareOptions), TimedRun(settings.time, progress)
         progress.begin("timing the renderers")
-        if may_shrink and settings.size == "auto" and settings.samples is None:
-            divisor = choose_divisor((reference, candidate), scene.camera, run)
-        if divisor > 1:
-            reference, candidate = _shrink(scene, reference, candidate, divisor)
-        require_memory(reference.scene.camera.width, reference.scene.camera.height, len(passes))
+        asked = replace(settings, size=settings.size if may_shrink else "full")
+        reference, candidate, passes, choice, divisor = _with_parts(reference, candidate, asked, run)
         progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
         unsupported, left_out = find_unsupported_light(reference, run), None
@@ -134,6 +155,7 @@ def judge(
             unsupported,
         )
         about = {"options": settings.part(CompareOptions), "findings": check_scene(scene), "scene": name or scene.name}
+        about["pass_choice"] = choice
         comparison = replace(comparison, **about)
         conclude(comparison)
         if beside is not None:

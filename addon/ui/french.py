@@ -26,6 +26,13 @@ FRENCH: dict[str, str] = {
     "About {time} should decide them": "{time} environ devraient suffire",
     "Cancelled; this is what was gathered": "Annulé ; voici ce qui a été obtenu",
     "{count} pixels are left out": "{count} pixels sont laissés de côté",
+    "Light passes were not compared: about {cost} of Cycles' time": (
+        "Passes de lumière non comparées : environ {cost} du temps de Cycles"
+    ),
+    "Light passes were not compared: not possible beside unsupported materials": (
+        "Passes de lumière non comparées : impossible à côté de matériaux non pris en charge"
+    ),
+    "Light passes were not compared: too little memory": "Passes de lumière non comparées : trop peu de mémoire",
     "The scene has changed since; compare again": "La scène a changé depuis ; comparez à nouveau",
     # Regions.
     "whole image": "image entière",
@@ -186,8 +193,12 @@ FRENCH: dict[str, str] = {
     "Resolution": "Résolution",
     "Passes": "Passes",
     "Light passes": "Passes de lumière",
-    f"Light passes to compare beside the image, which say in which light it differs: {', '.join(PASSES)}": (
-        f"Passes de lumière à comparer avec l'image, qui disent dans quelle lumière elle diffère : {', '.join(PASSES)}"
+    (
+        "Light passes to compare beside the image, which say in which light it differs; auto: all, where they cost Cycles less than "
+        f"10 % of its time: {', '.join(PASSES)}"
+    ): (
+        "Passes de lumière à comparer avec l'image, qui disent dans quelle lumière elle diffère ; auto : toutes, là où elles coûtent à "
+        f"Cycles moins de 10 % de son temps : {', '.join(PASSES)}"
     ),
     "None": "Aucune",
     "All": "Toutes",

@@ -35,6 +35,7 @@ from .departures import Alternatives
 from .focus import focus, weigh_round
 from .interim import BoundAt, Interim
 from .meter import Meter
+from .parts import NO_CHOICE, PassChoice
 from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
@@ -53,15 +54,15 @@ ASIDE_SHARE = 0.05
 class Comparison:
     """All results of a comparison of the scene named `scene`.
 
-    `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is
-    not known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there
-    where regions differ and causes were sought. `stopped` says why sampling ended. `seconds` counts
-    everything, `pilot_seconds` the timed calls and the first look alone, `round_seconds` what one more replicate of both sides takes, of
-    all that is open; `started` is ISO 8601 in UTC; `blender` is the release that exported the scene. `history` has the bound at each
-    look. `divisor` says how many times narrower and lower the images are than the scene asks for. `caustics` (K,) is the part of
-    each region's light that arrives by caustics, at most, where a scouting pass was made. `findings` are those of the scene check, where the
-    caller made one. `passes` is what is claimed of light passes, where they were compared. `passive`: the `unknown` materials
-    only send on light, so that pixels that show them are left out and the others are judged with room for it.
+    `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is not
+    known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there where regions
+    differ and causes were sought. `stopped` says why sampling ended. `seconds` counts everything, `pilot_seconds` the timed calls and the
+    first look alone, `round_seconds` what one more replicate of both sides takes, of all that is open; `started` is ISO 8601 in UTC;
+    `blender` is the release that exported the scene. `history` has the bound at each look. `divisor` says how many times narrower and lower
+    the images are than the scene asks for. `caustics` (K,) is the part of each region's light that arrives by caustics, at most, where a
+    scouting pass was made. `findings` are those of the scene check, where the caller made one. `passes` is what is claimed of light passes,
+    where they were compared. `passive`: the `unknown` materials only send on light, so that pixels that show them are left out and the others
+    are judged with room for it. `pass_choice`: which light passes the caller chose.
     """
 
     scene: str
@@ -87,6 +88,7 @@ class Comparison:
     findings: tuple[Finding, ...] = ()
     passes: PassVerdict | None = None
     passive: bool = False
+    pass_choice: PassChoice = NO_CHOICE
 
 
 def compare(
@@ -105,18 +107,18 @@ def compare(
 ) -> Comparison:
     """Render `scene` with both renderers in turns until the comparison is decided.
 
-    Sampling ends when every region is decided, or at a limit of `options`. `coverage` maps a kind of region
-    ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small replicates gives
-    a first answer and lays out the rest. Once the open regions fill only a part of the image, only that is sampled
-    on. `progress` receives the share of the time (or of the replicates) that is spent, and at each look the bound and
-    an Interim. Cancelling keeps what both sides finished; EtalonError is raised if that is nothing, or if the
-    renderers disagree on the size of the image. Where regions differ, the causes are sought `among` departures, in a
-    time that is set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that
-    are `left_out` belong to no region, nor do those whose paths meet an unknown material; EtalonError is raised where
-    none is left. `divisor` is how many times narrower and lower the image is than the user's. `scouted` is light that
-    path tracing can hardly find. `passes` are the light passes to compare, which the images of both renderers must
-    have. `unsupported` is what materials may add that are black in the reference; its pixels are left out, and claims
-    on the others leave room for it. EtalonError is raised where light passes are to be compared beside it.
+    Sampling ends when every region is decided, or at a limit of `options`. `coverage` maps a kind of region ('material',
+    'object') to its (name, weights (height, width)) pairs. A first look at a few small replicates gives a first answer and
+    lays out the rest. Once the open regions fill only a part of the image, only that is sampled on. `progress` receives the
+    share of the time (or of the replicates) that is spent, and at each look the bound and an Interim. Cancelling keeps what
+    both sides finished; EtalonError is raised if that is nothing, or if the renderers disagree on the size of the image.
+    Where regions differ, the causes are sought `among` departures, in a time that is set aside for it, and sampling goes on
+    until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor do those whose
+    paths meet an unknown material; EtalonError is raised where none is left. `divisor` is how many times narrower and lower
+    the image is than the user's. `scouted` is light that path tracing can hardly find. `passes` are the light passes to
+    compare, which the images of both renderers must have. `unsupported` is what materials may add that are black in the
+    reference; its pixels are left out, and claims on the others leave room for it. EtalonError is raised where light passes
+    are to be compared beside it.
     """
     if unsupported is not None and passes:
         raise EtalonError(
@@ -208,9 +210,8 @@ class _Loop:
         for side in self._sides:
             side.exclude(self._excluded | self._left_out, None)
         of_passes = PASSES_SHARE if self._asked else 0.0
-        of_causes = ATTRIBUTION_SHARE - of_passes
+        of_causes, options = ATTRIBUTION_SHARE - of_passes, self._options
         held_back = ATTRIBUTION_SHARE if self._among else of_passes
-        options = self._options
         self._pass_test = None
         if self._asked:
             of_named = self._regions.named.families

@@ -20,13 +20,13 @@ from ..verdict.causes import Shares, State
 from ..verdict.outcome import Outcome
 from .bound import level_names
 from .causes import cause_sentences, is_shown, proof_seconds, strongest, unexplained
-from .passes import pass_figures
+from .passes import choice_figures, pass_figures
 from .summary import summarize
 from .words import forecast_seconds, sentences
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 11
+VERSION = 12
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -50,6 +50,8 @@ CHANGES = {
     10: "Version 10: `passes` also has limits of bounces and the light of each lamp, emitting object and the world; `kind` says what each is.",
     11: "Version 11: a region has `unsupported`, room for the light of unsupported materials, and `blocked` where that keeps it undecided; "
     "`left_out` counts the pixels that show passive unsupported materials, and as before all that light reaches from others.",
+    12: "Version 12: light passes are compared by default where they are cheap; `pass_choice` says what was asked for, what that "
+    "stands for, and why none was compared where the default left them out.",
 }
 
 
@@ -82,6 +84,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             },
             "regions": [_region(comparison, k) for k in range(len(comparison.regions))],
             "passes": pass_figures(comparison),
+            "pass_choice": choice_figures(comparison.pass_choice),
             "departures": _departures(comparison),
             "attribution": _attribution(comparison),
             "unexplained": len(unexplained(comparison)),

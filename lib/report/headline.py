@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..comparison.compare import Comparison
+from ..comparison.parts import PassChoice, WhyNot
 from ..comparison.run import Stop
 from ..pages.formats import format_bound, format_duration, format_percent
 from ..relative import worst_channel
@@ -35,9 +36,13 @@ COUNT_AGREES = "{total} regions tested, {confidence} confidence"
 TIME = "About {time} should decide them"
 CANCELLED = "Cancelled; this is what was gathered"
 LEFT_OUT = "{count} pixels are left out"
+PASSES_COST = "Light passes were not compared: about {cost} of Cycles' time"
+PASSES_UNSUPPORTED = "Light passes were not compared: not possible beside unsupported materials"
+PASSES_MEMORY = "Light passes were not compared: too little memory"
 TEMPLATES = (
     *(AGREES, SO_FAR, NOTHING, DIFFERS, PASS_DIFFERS, WHOLE_DIFFERS, PASS_WHOLE_DIFFERS, CELL_DIFFERS, KNOWN),
     *(COUNT_DIFFERS, COUNT_NOISY, COUNT_AGREES, TIME, CANCELLED, LEFT_OUT),
+    *(PASSES_COST, PASSES_UNSUPPORTED, PASSES_MEMORY),
 )
 """Every template, for translations."""
 
@@ -100,7 +105,18 @@ def details(comparison: Comparison) -> list[Phrase]:
     elif noisy and ends is not None:
         said.append(Phrase(TIME, {"time": format_duration(ends[1])}))
     left_out = int(comparison.left_out.sum())
-    return [*said, Phrase(LEFT_OUT, {"count": str(left_out)})] if left_out else said
+    if left_out:
+        said.append(Phrase(LEFT_OUT, {"count": str(left_out)}))
+    return [*said, *_without_passes(comparison.pass_choice)]
+
+
+def _without_passes(choice: PassChoice) -> list[Phrase]:
+    """Why the default compared no light passes, if it did not."""
+    if choice.why_not is None:
+        return []
+    if choice.why_not is WhyNot.COST:
+        return [Phrase(PASSES_COST, {"cost": format_percent(choice.cost or 0.0, sign=False)})]
+    return [Phrase(PASSES_UNSUPPORTED if choice.why_not is WhyNot.UNSUPPORTED else PASSES_MEMORY)]
 
 
 def _difference(ranked: list[RankedRegion]) -> Phrase:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..comparison.compare import Comparison
+from ..comparison.parts import PassChoice, WhyNot
 from ..film.light_passes import LightPass
 from ..film.parts import BounceLimit, EmitterLight, Part
 from ..pages.formats import format_bound, format_percent
@@ -28,17 +29,35 @@ NAMED = 3
 def pass_sentences(comparison: Comparison) -> list[str]:
     """Which parts of the light differ and by how much, and the bound on the others.
 
-    Empty where none was compared.
+    Where the default left light passes out, why. Empty where none was asked for.
     """
-    found = comparison.passes
+    said, found = choice_sentences(comparison.pass_choice), comparison.passes
     if found is None:
-        return []
-    said = []
+        return said
     for kind, tell in ((LightPass, _light_passes), (BounceLimit, _bounces), (EmitterLight, _emitters)):
         numbers = np.flatnonzero([isinstance(part, kind) for part in found.passes])
         if numbers.size:
             said += tell(comparison, found, numbers)
     return said
+
+
+def choice_sentences(choice: PassChoice) -> list[str]:
+    """Why light passes were not compared where the default was to decide; empty where they were, or were not wanted."""
+    if choice.why_not is None:
+        return []
+    return [
+        {
+            WhyNot.COST: f"Light passes were not compared: they would take about {format_percent(choice.cost or 0.0, sign=False)} "
+            "of Cycles' time. `--passes=all` compares them.",
+            WhyNot.UNSUPPORTED: "Light passes were not compared: that is not possible beside unsupported materials.",
+            WhyNot.MEMORY: "Light passes were not compared: this machine lacks the memory for them. A lower resolution needs less.",
+        }[choice.why_not]
+    ]
+
+
+def choice_figures(choice: PassChoice) -> dict[str, Any]:
+    """The choice of light passes, as plain data."""
+    return {"asked": choice.asked, "passes": choice.passes, "cost": choice.cost, "why_not": choice.why_not}
 
 
 def _light_passes(comparison: Comparison, found: PassVerdict, numbers: np.ndarray) -> list[str]:

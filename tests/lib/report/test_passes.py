@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of light passes."""
 
+from dataclasses import replace
+
+import pytest
+from etalon.lib.comparison.parts import PassChoice, WhyNot
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.film.parts import WORLD, BounceLimit, EmitterLight
+from etalon.lib.report.document import document
+from etalon.lib.report.headline import details
 from etalon.lib.report.passes import pass_figures, pass_sentences
 from etalon.lib.report.words import sentences
-from etalon.tests.lib.report.comparisons import CASES, made
+from etalon.tests.lib.report.comparisons import CASES, PLAN, made
+from etalon.tests.lib.report.test_document import SCHEMA
+from jsonschema import Draft202012Validator
 
 OFF = {LightPass.GLOSSY_INDIRECT: (0.1, 0.095), LightPass.DIFFUSE_DIRECT: (0.9, 0.9)}
 
@@ -32,6 +40,20 @@ def test_nothing_is_said_where_no_pass_was_compared():
     comparison = made()
     assert pass_sentences(comparison) == []
     assert pass_figures(comparison) is None
+
+
+@pytest.mark.parametrize("why", WhyNot)
+def test_passes_that_the_default_leaves_out_are_told_with_the_reason(why):
+    """In words, in the panel's lines and in the figures, which follow their schema."""
+    comparison = replace(made(), pass_choice=PassChoice("auto", cost=0.14 if why is WhyNot.COST else None, why_not=why))
+    (said,) = pass_sentences(comparison)
+    assert said in sentences(comparison)
+    assert said.startswith("Light passes were not compared: ")
+    assert ("they would take about 14 % of Cycles' time. `--passes=all` compares them." in said) == (why is WhyNot.COST)
+    assert str(details(comparison)[-1]).startswith("Light passes were not compared: ")
+    figures = document(comparison, PLAN, "")
+    assert figures["pass_choice"]["why_not"] == why.value
+    Draft202012Validator(SCHEMA).validate(figures)
 
 
 def test_an_image_without_a_finite_pixel_has_no_bound():
