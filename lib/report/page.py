@@ -19,8 +19,12 @@ from ..relative import relative_difference, worst_channel
 from ..verdict.outcome import Outcome
 from .curve import draw_bound
 from .flip import flip
-from .pass_pictures import draw_passes
+from .pass_pictures import draw_passes, pack_errors
 from .pixels import (
+    ERROR_NONE,
+    ERROR_ONE,
+    ERROR_STEPS,
+    ERROR_ZERO,
     SIGNIFICANCE_NONE,
     SIGNIFICANCE_ONE,
     averaged,
@@ -151,6 +155,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
     regions = [shorten_region(region) for region in figures["regions"]]
     order = order_regions(regions)
     shot = _difference_shot(comparison, images)
+    sides = comparison.reference.film.moments, comparison.candidate.film.moments
     hatch = np.isnan(images[0]).any(axis=2) | np.isnan(images[1]).any(axis=2)
     view = {
         "width": images[0].shape[1],
@@ -169,6 +174,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         "transform": transform.name if transform is not None and not told else None,
         "names": [comparison.reference.name, comparison.candidate.name],
         "kinds": kinds,
+        "error": {"steps": ERROR_STEPS, "one": ERROR_ONE, "none": ERROR_NONE, "zero": ERROR_ZERO},
         "passes": [one.view for one in passes],
         "passStep": pass_step,
         "regions": regions,
@@ -183,6 +189,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         "curve": draw_bound(comparison.history, comparison.verdict.tolerance),
         "shots": [write_shot(hatched(image, hatch)) for image in (*shots, shot)],
         "passes": passes,
+        "errors": pack_errors(sides, step) if passes else (),
         "floats": [pack_floats(image) for image in images],
         "flip": pack(np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)),
         "significance": pack(code_significances(significances(comparison, step))),

@@ -13,23 +13,25 @@ import numpy as np
 from markupsafe import Markup
 
 from ..comparison.compare import Comparison
+from ..film.moments import Moments
 from ..film.parts import Part
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8
 from ..relative import relative_difference
-from .pixels import averaged, code_significances, pack, pack_floats, pixel_significances, write_shot
+from .pixels import averaged, code_errors, code_significances, pack, pack_floats, pixel_significances, write_shot
 
 
 @dataclass(frozen=True)
 class PassPicture:
     """The pictures of one pass.
 
-    They are its `name`, the `exposure` that shows it best, both sides' `floats` and the `significance`, packed, and
-    three `shots`.
+    They are its `name`, the `exposure` that shows it best, both sides' `floats` and standard `errors` and the
+    `significance`, packed, and three `shots`.
     """
 
     name: str
     exposure: float
     floats: tuple[Markup, Markup]
+    errors: tuple[Markup, Markup]
     significance: Markup
     shots: tuple[str, str, str]
 
@@ -53,6 +55,11 @@ def draw_passes(comparison: Comparison, least: int, most: int, limit: float) -> 
     return [_draw(comparison, name, step, limit) for name in passes], step
 
 
+def pack_errors(moments: tuple[Moments, Moments], step: int) -> tuple[Markup, Markup]:
+    """The standard errors of both sides' means of `step` x `step` pixels, for the page's script."""
+    return pack(code_errors(moments[0], step)), pack(code_errors(moments[1], step))
+
+
 def _draw(comparison: Comparison, name: Part, step: int, limit: float) -> PassPicture:
     moments = comparison.reference.pass_films[name], comparison.candidate.pass_films[name]
     left_out = comparison.left_out[..., None]
@@ -65,6 +72,7 @@ def _draw(comparison: Comparison, name: Part, step: int, limit: float) -> PassPi
         str(name),
         exposure,
         (pack_floats(reference), pack_floats(candidate)),
+        pack_errors(moments, step),
         pack(code_significances(pixel_significances(means, moments, step))),
         (
             write_shot(hatched(srgb8(reference, exposure), hatch)),

@@ -1,6 +1,7 @@
 /* Light passes: one of them in place of the whole image, and all of them at the pixel that is pointed at. */
 
-const whole = { reference, candidate, significances };
+const ERRORS = ["errors-0", "errors-1"];
+const whole = { reference, candidate, significances, errors: view.passes.length ? await Promise.all(ERRORS.map(unpack)) : [] };
 const WHOLE_ONLY = ["map", "eye"];
 
 /* Means of several pixels, as many values as the page has pixels. */
@@ -19,11 +20,13 @@ function spread(values, make) {
 }
 
 const lights = await Promise.all(view.passes.map(async (_, k) => {
-  const [first, second, codes] = await Promise.all(["floats-0", "floats-1", "significance"].map((name) => unpack(`pass-${k}-${name}`)));
+  const [first, second, codes, ...errors] = await Promise.all(
+    ["floats-0", "floats-1", "significance", ...ERRORS].map((name) => unpack(`pass-${k}-${name}`)));
   return {
     reference: spread(joinBytes(first), Float32Array),
     candidate: spread(joinBytes(second), Float32Array),
     significances: spread(new Int8Array(codes.buffer), Int8Array),
+    errors: errors.map((one) => spread(one, Uint8Array)),
   };
 }));
 
@@ -45,15 +48,32 @@ function showPass(k) {
   change("exposure", k < 0 ? view.exposure : view.passes[k].exposure);
 }
 
-/* Every pass that sends light through a pixel, one a line. */
+/* A standard error of its code (code_errors in pixels.py), as text. */
+function decodeError(code) {
+  if (code === view.error.none) return "?";
+  return code === view.error.zero ? "0" : (2 ** ((code - view.error.one) / view.error.steps)).toPrecision(1);
+}
+
+/* The whole image and every pass that sends light through a pixel, one a row. */
 function readPasses(i) {
+  if (!view.passes.length) return;
   const three = (tell) => [0, 1, 2].map((c) => tell(i + c)).join("  ");
-  const lines = lights.map((one, k) => {
-    if (![0, 1, 2].some((c) => one.reference[i + c] || one.candidate[i + c])) return "";
-    const relative = (at) => formatPercent(relativeDifference(one.candidate[at] - one.reference[at], one.reference[at], floor[at % 3]));
-    return `\n${view.passes[k].name}: ${three((at) => formatNumber(one.reference[at]))} and ${three((at) => formatNumber(one.candidate[at]))}, ${three(relative)}`;
+  const rows = [whole, ...lights].map((one, k) => {
+    const values = [one.reference, one.candidate];
+    if (k && ![0, 1, 2].some((c) => values.some((side) => side[i + c]))) return [];
+    const lit = values.map((side, s) => three((at) => `${formatNumber(side[at])} ± ${decodeError(one.errors[s][at])}`));
+    const off = three((at) => formatPercent(relativeDifference(values[1][at] - values[0][at], values[0][at], floor[at % 3])));
+    const code = (at) => one.significances[at];
+    const sigma = three((at) => (code(at) === view.significance.none ? "none" : (code(at) / view.significance.one).toFixed(1)));
+    const row = document.createElement("tr");
+    [k ? view.passes[k - 1].name : "all of it", ...lit, off, sigma].forEach((text, column) => {
+      const cell = row.insertCell();
+      cell.textContent = text;
+      if (column) cell.className = "number";
+    });
+    return [row];
   });
-  return lines.join("");
+  element("decomposition").querySelector("tbody").replaceChildren(...rows.flat());
 }
 
 if (view.passes.length) {

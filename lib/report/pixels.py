@@ -20,6 +20,9 @@ from ..verdict.rare import ROUNDING
 
 # Significances travel as signed bytes, in eighths of a standard error.
 SIGNIFICANCE_ONE, SIGNIFICANCE_MOST, SIGNIFICANCE_NONE = 8, 127, -128
+# Standard errors travel as bytes: code k stands for 2 ** ((k - ERROR_ONE) / ERROR_STEPS), to 6 % from 1e-9 to 4e3. Two codes stand for no
+# error and for an error of zero.
+ERROR_STEPS, ERROR_ONE, ERROR_NONE, ERROR_ZERO = 6, 182, 0, 1
 # Radiance travels with this many bits of the 24 that a float has: to 8 millionths, twice as fine as four digits need.
 MANTISSA = 16
 
@@ -74,6 +77,15 @@ def code_significances(significance: np.ndarray) -> np.ndarray:
     most = SIGNIFICANCE_MOST / SIGNIFICANCE_ONE
     codes = np.rint(SIGNIFICANCE_ONE * np.clip(np.nan_to_num(significance), -most, most))
     return np.where(np.isnan(significance), SIGNIFICANCE_NONE, codes).astype(np.int8)
+
+
+def code_errors(moments: Moments, step: int) -> np.ndarray:
+    """Standard errors of the means of `step` x `step` pixels, as bytes (rows, columns, 3); `decodeError` in passes.js reads them."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.sqrt(_squared_error(moments, step))
+        codes = np.clip(np.rint(ERROR_STEPS * np.log2(error) + ERROR_ONE), ERROR_ZERO + 1, 255)
+    codes = np.where(error == 0.0, ERROR_ZERO, codes)
+    return np.where(np.isfinite(error), codes, ERROR_NONE).astype(np.uint8)
 
 
 def pack_floats(values: np.ndarray) -> Markup:

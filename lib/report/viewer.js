@@ -148,6 +148,7 @@ function listen(canvas) {
     }
     read(...toPixel(...now));
   });
+  canvas.addEventListener("focus", () => read(...toPixel(canvas.width / 2, canvas.height / 2)));
   canvas.addEventListener("keydown", (event) => {
     const far = 0.1 * canvas.width;
     const moves = { ArrowLeft: [far, 0], ArrowRight: [-far, 0], ArrowUp: [0, far], ArrowDown: [0, -far] }[event.key];
@@ -177,8 +178,8 @@ function read(x, y) {
     `x ${x * step}, y ${y * step}   ${names[0]} ${three((at) => formatNumber(reference[at]))}   ${names[1]} ${three((at) => formatNumber(candidate[at]))}\n` +
     `difference ${three((at) => formatPercent(relative(at)))}   in standard errors ${sigma}${seen}\n` +
     (block ? `Block ${block.name}: ${block.outcome}, bound ${formatBound(block.bound)}; ` +
-      `${formatPercent(block.difference)} in ${"RGB"[block.channel]} (${formatPercent(block.low)} to ${formatPercent(block.high)})` : "") +
-    readPasses(i);
+      `${formatPercent(block.difference)} in ${"RGB"[block.channel]} (${formatPercent(block.low)} to ${formatPercent(block.high)})` : "");
+  readPasses(i);
 }
 
 /* The divider of the split view. */

@@ -128,7 +128,7 @@ class Page(HTMLParser):
         self._id = dict(attrs).get("id", len(self.tags)) if tag == "script" else tag
 
     def handle_data(self, data):
-        is_pass = isinstance(self._id, str) and self._id.startswith("pass-")
+        is_pass = isinstance(self._id, str) and self._id.startswith(("pass-", "errors-"))
         if (
             isinstance(self._id, int)
             or is_pass

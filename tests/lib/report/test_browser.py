@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The page in a browser: what it opens with, what a click does, and that it stays within its window."""
 
+import re
+
 import numpy as np
 import pytest
 from etalon.lib.film.light_passes import LightPass
@@ -191,9 +193,14 @@ PASS_ROWS = "[...document.querySelectorAll('#pass-table tbody tr')].filter((row)
 
 
 @pytest.fixture(scope="module")
-def page_with_passes(tmp_path_factory):
+def compared_by_pass():
+    return made(passes=PASSES)
+
+
+@pytest.fixture(scope="module")
+def page_with_passes(compared_by_pass, tmp_path_factory):
     folder = tmp_path_factory.mktemp("passes")
-    written_page(made(passes=PASSES), folder, "")
+    written_page(compared_by_pass, folder, "")
     return folder / "report.html"
 
 
@@ -223,13 +230,32 @@ def test_a_pass_is_shown_in_place_of_the_image(browser, page_with_passes):
     assert browser.problems == []
 
 
-def test_a_pixel_is_read_with_all_its_passes(browser, page_with_passes):
+def numbers(cell):
+    """The numbers of a cell, one for each channel or, with errors, two."""
+    return [float(word) for word in cell.replace("±", " ").replace("%", " ").replace("\u2212", "-").split()]
+
+
+def test_a_pixel_is_read_with_its_parts_on_both_sides_and_their_errors(browser, page_with_passes, compared_by_pass):
+    """By the keyboard and by the pointer; the standard errors are those of the films, to the digit that is shown."""
     browser.problems.clear()
     browser.open(page_with_passes)
+    rows = "[...document.querySelectorAll('#decomposition tbody tr')].map((row) => [...row.cells].map((one) => one.textContent))"
     browser.evaluate("document.querySelector('#panes canvas').focus()")
-    browser.press("ArrowLeft")
-    lines = browser.evaluate("document.getElementById('reading').textContent").split("\n")
-    assert [line.split(":")[0] for line in lines[-2:]] == [str(light) for light in PASSES]
+    found = browser.evaluate(rows)
+    assert [row[0] for row in found] == ["all of it", *map(str, PASSES)]
+    x, y = browser.place("#panes canvas")
+    browser.drag((x, y), (x + 1, y))
+    column, row = map(
+        int, re.match(r"x (\d+), y (\d+)", browser.evaluate("document.getElementById('reading').textContent")).groups()
+    )
+    sides = compared_by_pass.reference, compared_by_pass.candidate
+    for light, cells in zip(PASSES, browser.evaluate(rows)[1:], strict=True):
+        for side, cell in zip(sides, cells[1:3], strict=True):
+            moments = side.pass_films[light]
+            error = np.sqrt(moments.variance / moments.count)[row, column]
+            np.testing.assert_allclose(numbers(cell)[::2], moments.mean[row, column], rtol=1e-3)
+            np.testing.assert_allclose(numbers(cell)[1::2], error, rtol=0.4)
+        assert len(numbers(cells[3])) == len(numbers(cells[4])) == 3
     assert browser.problems == []
 
 
