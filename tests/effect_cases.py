@@ -19,6 +19,7 @@ from etalon.lib.scene.expressions import (
     ImageTexture,
     Math,
     NormalMap,
+    RayCount,
     RayFlag,
     ValueToColor,
     VectorToValue,
@@ -172,6 +173,10 @@ CASES = {
             replace(CROWDED, world=World(ValueToColor(RayFlag("DIFFUSE")), (8, 4))),
         ],
         [PLAIN, CROWDED, of(Diffuse(color(0.5)), Emission(ValueToColor(RayFlag("CAMERA")), ZERO))],
+    ),
+    "ray counts": (
+        [of(Diffuse(ValueToColor(RayCount("RAY_LENGTH")))), of(Diffuse(ValueToColor(RayCount("DIFFUSE_DEPTH"))))],
+        [PLAIN, CROWDED, of(Diffuse(ValueToColor(RayFlag("CAMERA"))))],
     ),
     "smooth normals": (
         [scene(icosphere(smooth=True), diffuse(0.5), CAMERA)],

@@ -144,6 +144,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "hidden objects": _as_it_is,
     "ray kinds": _as_it_is,
     "ray flags": _as_it_is,
+    "ray counts": _as_it_is,
     "smooth normals": _smooth,
     "several materials": _several_materials,
     "several lobes": _lobe(Diffuse()),

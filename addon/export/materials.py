@@ -11,8 +11,8 @@ from ...lib.effects.facts import adds_nothing
 from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
-from ...lib.scene.materials import Diffuse, Emission, Material, Specular, WeightedClosure
-from ...lib.scene.rays import RAY_NAMES, SEEN, STEADY_FLAGS
+from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
+from ...lib.scene.rays import COUNTS, RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
 from ...lib.scene.volumes import Volume
 from ...lib.scene.world import World
@@ -61,6 +61,8 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     lobes, volume = read.lobes, read.volume
     flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
     _refuse_flags(owner, flags, "its emission", refusals)
+    clear = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Transparent)))
+    _refuse_flags(owner, clear & {*COUNTS}, "what lets light straight through", refusals)
     return Material(
         material.name,
         tuple(lobes),
@@ -106,7 +108,8 @@ def _refuse_flags(owner: str, flags: set[str], where: str, refusals: list[Refusa
     Cycles' light samples have no such kind, so that its image depends on how it samples.
     """
     for flag in sorted(flags - set(STEADY_FLAGS)):
-        what = f"'Is {flag.title()} Ray' of a Light Path node in {where}"
+        output = flag.replace("_", " ").title() if flag in COUNTS else f"Is {flag.title()} Ray"
+        what = f"'{output}' of a Light Path node in {where}"
         refusals.append(Refusal(owner, what, "use Is Camera Ray or ray visibility"))
 
 

@@ -48,6 +48,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.HIDDEN_OBJECTS, Stage.INTERSECT, masks.hidden_objects),
     Entry(Effect.RAY_KINDS, Stage.INTERSECT, masks.ray_kinds),
     Entry(Effect.RAY_FLAGS, Stage.SURFACE, masks.ray_flags),
+    Entry(Effect.RAY_COUNTS, Stage.SURFACE, masks.ray_counts),
     # Surfaces: normals, materials, lobes.
     Entry(Effect.SMOOTH_NORMALS, Stage.SURFACE, surface.smooth_normals),
     Entry(Effect.SEVERAL_MATERIALS, Stage.SURFACE, surface.several_materials),

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from ..scene.expressions import Expression, RayFlag
+from ..scene.expressions import Expression, RayCount, RayFlag
 from ..scene.links import EVERY_SET
 from ..scene.materials import Material, Transparent, WeightedClosure
-from ..scene.rays import EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
+from ..scene.rays import COUNTS, EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
 from ..scene.world import World
 from ..textures.fold import walk
 from .facts import Facts
@@ -34,6 +34,14 @@ def ray_flags(facts: Facts) -> Answer:
     return named(flagged(facts), "the kind of ray is asked for by", "no shader asks for the kind of ray")
 
 
+def ray_counts(facts: Facts) -> Answer:
+    """Whether shaders ask how often a path has scattered, or how long its last ray is."""
+    asking = [m.name for m in facts.materials if flags_in(m) & {*COUNTS}]
+    return named(
+        asking, "the depth or length of rays is asked for by", "no shader asks for the depth or length of a ray"
+    )
+
+
 def flagged(facts: Facts) -> list[str]:
     """Names of the materials, and of the world, that ask of what kind a ray is."""
     return [m.name for m in facts.materials if reads_flags(m)] + ["world"] * reads_flags(facts.scene.world)
@@ -45,11 +53,12 @@ def reads_flags(owner: Material | World, *others: str) -> bool:
 
 
 def flags_in(owner: Material | World | WeightedClosure) -> set[str]:
-    """The flags of rays that a material, a part of it or a world asks for."""
+    """The flags and counts of rays that a material, a part of it or a world asks for, by their names."""
     if isinstance(owner, Material):
         return set().union(*map(flags_in, owner.lobes))
     sockets = [owner.radiance] if isinstance(owner, World) else [owner.weight, *vars(owner.closure).values()]
-    return {n.flag for v in sockets if isinstance(v, Expression) for n in walk(v) if isinstance(n, RayFlag)}
+    nodes = [n for v in sockets if isinstance(v, Expression) for n in walk(v)]
+    return {n.flag for n in nodes if isinstance(n, RayFlag)} | {n.count for n in nodes if isinstance(n, RayCount)}
 
 
 def shadows_apart(facts: Facts) -> Answer:

@@ -14,6 +14,7 @@ class Effect(StrEnum):
     HIDDEN_OBJECTS = "hidden objects"
     RAY_KINDS = "ray kinds"
     RAY_FLAGS = "ray flags"
+    RAY_COUNTS = "ray counts"
 
     SMOOTH_NORMALS = "smooth normals"
     SEVERAL_MATERIALS = "several materials"

@@ -16,13 +16,13 @@ import numpy as np
 from ..errors import SceneError
 from ..plural import plural
 from .camera import PANORAMAS, Camera
-from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture, RayFlag
+from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture, RayCount, RayFlag
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
-from .materials import Emission, WeightedClosure
+from .materials import Emission, Transparent, WeightedClosure
 from .mesh import FARTHEST, Mesh, near
 from .motion import Motion
-from .rays import EVERY, FLAGS, STEADY_FLAGS
+from .rays import COUNTS, EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
 from .volumes import MOST_ANISOTROPY, Volume
@@ -212,6 +212,9 @@ def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
             _demand(all(map(math.isfinite, _numbers(node))), owner, "a constant is not finite")
         elif isinstance(node, RayFlag):
             _demand(node.flag in FLAGS, owner, f"no ray is called '{node.flag}'")
+        elif isinstance(node, RayCount):
+            _demand(node.count in COUNTS, owner, f"nothing that rays count is called '{node.count}'")
+            _demand(root is not scene.world, owner, "a world does not know how often a path has scattered")
         elif isinstance(node, Attribute):
             _demand(node.name in scene.mesh.attributes, owner, f"attribute '{node.name}' is missing")
         elif isinstance(node, Coordinates) and root is not scene.world:
@@ -226,6 +229,9 @@ def _check_emission(owner: str, lobe: WeightedClosure) -> None:
         {node.flag for node in _nodes(lobe) if isinstance(node, RayFlag)} if isinstance(lobe.closure, Emission) else ()
     )
     _demand(set(flags) <= set(STEADY_FLAGS), owner, "its emission depends on the kind of ray")
+    if isinstance(lobe.closure, Emission | Transparent):
+        counted = any(isinstance(node, RayCount) for node in _nodes(lobe))
+        _demand(not counted, owner, "its emission or transparency depends on how often a path has scattered")
 
 
 def _check_volume(owner: str, volume: Volume | None) -> None:

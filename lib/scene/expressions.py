@@ -337,6 +337,16 @@ class RayFlag(Expression):
 
 
 @dataclass(frozen=True)
+class RayCount(Expression):
+    """How often the path that meets the point has scattered, or the length of its last ray in metres (a value).
+
+    `count` is a name in rays.COUNTS.
+    """
+
+    count: str
+
+
+@dataclass(frozen=True)
 class ColorToValue(Expression):
     """A colour's luminance (linear Rec. 709), Blender's conversion from colour to value."""
 

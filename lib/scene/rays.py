@@ -54,6 +54,15 @@ STEADY_FLAGS = ("CAMERA", "SHADOW")
 FLAGS_BY_KIND = (1, 4 | _REFLECTED, 8 | _REFLECTED, 8 | 16, 4 | 16)
 """By kind: its flags. What a rough interface transmits is glossy and transmitted, as in Cycles (`path_state_next`)."""
 
+COUNTS = ("RAY_DEPTH", "DIFFUSE_DEPTH", "GLOSSY_DEPTH", "TRANSMISSION_DEPTH", "TRANSPARENT_DEPTH", "RAY_LENGTH")
+"""What shaders can ask of the path that ends in the ray which meets a point (Blender's Light Path node), in the order of a tally.
+
+How often it has scattered in all, by reflection from a diffuse or another lobe, and by transmission; how many transparent
+faces it has passed; and the metres since it last scattered.
+"""
+DEPTH_OF_KIND = (-1, 0, 1, 2, 2)
+"""By kind: which of the diffuse, glossy and transmission depths such a ray adds to (Cycles' `path_state_next`)."""
+
 
 def has_bits(mask: int, bits: int) -> bool:
     """Whether a mask has all of the bits."""

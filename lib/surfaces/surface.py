@@ -71,11 +71,12 @@ class SurfacePoints(Context):
     triangle (n,) int, barycentrics u, v (n,) of the second and third corner, position, ng and wo (3, n). The geometric normal is
     turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where. `wavelength` (n,), in nanometres, is
     that of the light, where something depends on it. `flags`, () or (n,) int, are those of the rays that meet the points (scene/rays.py),
-    where shaders ask.
+    where shaders ask, and `tally` (counts, n) the counts of the paths that meet them.
     """
 
     wavelength: np.ndarray | None = None
     flags: np.ndarray | int = 0
+    tally: np.ndarray | None = None
 
     def __init__(
         self,
@@ -116,6 +117,7 @@ class SurfacePoints(Context):
             points.wavelength = self.wavelength[start:stop]
         flags = self.flags
         points.flags = flags[start:stop] if isinstance(flags, np.ndarray) and flags.ndim else flags
+        points.tally = None if self.tally is None else self.tally[:, start:stop]
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:
@@ -125,6 +127,7 @@ class SurfacePoints(Context):
         for name in ("triangle", "u", "v", "position", "wo", "ng", "backfacing", "side"):
             setattr(points, name, np.take(getattr(self, name), index, axis=-1))
         points.flags = self.flags if np.ndim(self.flags) == 0 else np.take(self.flags, index)
+        points.tally = None if self.tally is None else np.take(self.tally, index, axis=1)
         return points
 
     @cached_property

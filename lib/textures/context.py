@@ -18,6 +18,7 @@ class Context(Protocol):
     cos_wo: np.ndarray
     backfacing: np.ndarray
     flags: np.ndarray | int
+    tally: np.ndarray | None
     n: np.ndarray
     ng: np.ndarray
     wo: np.ndarray

@@ -13,7 +13,7 @@ from ..bsdfs.layered import beneath_layer, coat_tint
 from ..bsdfs.sheen import beneath_sheen
 from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
-from ..scene.rays import FLAGS
+from ..scene.rays import COUNTS, FLAGS
 from ..scene.sky import Sky
 from ..vectors import dot
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
@@ -171,6 +171,12 @@ def _vector_to_value(node: ex.VectorToValue, read: Evaluator) -> np.ndarray:
     return as_value(read(node.vector).sum(axis=0) / 3)
 
 
+def _ray_count(node: ex.RayCount, read: Evaluator) -> np.ndarray:
+    """Where no path meets the points, as for a camera ray of length 0."""
+    tally = read.context.tally
+    return np.zeros(()) if tally is None else tally[COUNTS.index(node.count)]
+
+
 _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     **CONVERTERS,
     **PATTERNS,
@@ -208,6 +214,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.Wireframe: lambda node, read: (read.context.edge_distance() < 0.5 * np.abs(read(node.size))).astype(np.float64),
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.RayFlag: lambda node, read: np.asarray(np.bitwise_and(read.context.flags, FLAGS[node.flag]) != 0, np.float64),
+    ex.RayCount: _ray_count,
     ex.ColorToValue: lambda node, read: as_value(luminance(read(node.color))),
     ex.VectorToValue: _vector_to_value,
     ex.ValueToColor: _value_to_color,

@@ -38,7 +38,7 @@ _POINTWISE = (
 class _NoPoint(WithoutSurface):
     """The context of a constant: it has no point."""
 
-    size, flags = 1, 0
+    size, flags, tally = 1, 0, None
     cos_wo = np.ones(1)
     backfacing = np.zeros(1, bool)
 

@@ -16,7 +16,7 @@ class Directions(WithoutSurface):
     """
 
     def __init__(self, direction: np.ndarray, flags: np.ndarray | int = 0) -> None:
-        self._direction, self.flags = direction, flags
+        self._direction, self.flags, self.tally = direction, flags, None
         self.size = direction.shape[1]
         self.cos_wo = np.ones(self.size)
         self.backfacing = np.zeros(self.size, bool)

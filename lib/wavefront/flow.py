@@ -18,8 +18,9 @@ class Flow:
     matters.
     emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
-    the first one. disperses: an index depends on the wavelength. subsurface: light scatters inside
-    objects. roulette: weak paths end at random. volumes_scatter: paths scatter between faces, too.
+    the first one. disperses: an index depends on the wavelength. counts: shaders ask how often paths have scattered.
+    subsurface: light scatters inside objects. roulette: weak paths end at random. volumes_scatter: paths scatter between
+    faces, too.
     """
 
     has_lens: bool
@@ -35,6 +36,7 @@ class Flow:
     asks_visibility: bool
     most_bounces: int
     disperses: bool
+    counts: bool
     subsurface: bool
     roulette: bool
     volumes_scatter: bool
@@ -59,6 +61,7 @@ class Flow:
             or kernel.coplanar is not None,
             most_bounces=kernel.scene.transport.max_bounces if needs(Effect.INDIRECT_LIGHT) else 0,
             disperses=needs(Effect.DISPERSION),
+            counts=needs(Effect.RAY_COUNTS),
             subsurface=needs(Effect.SUBSURFACE),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
             volumes_scatter=needs(Effect.VOLUME_SCATTERING),

@@ -17,11 +17,12 @@ class Paths:
     The next three are kept only where surfaces can be transparent, else
     None: the point of the last scattering, the distance travelled since, the number of surfaces passed. The next
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
-    its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different things. `left`, the
-    triangle that the ray left, is kept only where rays meet others in its plane. `receiver` (n,), the set of linked objects that scattered
-    the ray, -1 for camera rays, is kept only where lights are linked. `medium` (n,), the number of what the ray is in (media.py), is kept only
-    where there are volumes, and `in_volumes` (n,), how often each scattered in them, where they scatter. `at_camera` says that
-    these are the camera rays themselves.
+    its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different
+    things. `depths` (3, n), how often each was reflected by diffuse and by other lobes and transmitted, is kept only where
+    shaders ask. `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `receiver` (n,),
+    the set of linked objects that scattered the ray, -1 for camera rays, is kept only where lights are linked. `medium`
+    (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes` (n,), how
+    often each scattered in them, where they scatter. `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray
@@ -37,6 +38,7 @@ class Paths:
     wavelength: np.ndarray | None = None
     awaits_color: np.ndarray | None = None
     ray_class: np.ndarray | None = None
+    depths: np.ndarray | None = None
     left: np.ndarray | None = None
     receiver: np.ndarray | None = None
     medium: np.ndarray | None = None
@@ -55,6 +57,15 @@ class Paths:
         """
         may = np.less_equal(self.scatterings, most_bounces)
         return may if self.in_volumes is None else may & (self.in_volumes <= volume_bounces)
+
+    def tally(self, distance: np.ndarray) -> np.ndarray:
+        """The counts (len(COUNTS), n) that shaders ask for, of rays that met something at `distance` (n,)."""
+        if self.depths is None:
+            raise ValueError("these paths do not count")
+        counts = np.broadcast_to(self.scatterings, distance.shape)
+        passed = np.zeros(self.size) if self.passed is None else self.passed
+        length = distance if self.travelled is None else self.travelled + distance
+        return np.stack([counts, *self.depths, passed, length])
 
     def take(self, index: np.ndarray) -> Paths:
         """The paths at `index`, as copies."""

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..effects.facts import Facts
-from ..effects.masks import linked_lights, ray_kinds
+from ..effects.masks import flags_in, linked_lights, ray_kinds
 from ..errors import Refusal, Refused
 from ..scene.links import EVERY_SET
 from ..scene.materials import Subsurface
-from ..scene.rays import EVERY
+from ..scene.rays import COUNTS, EVERY
 from ..scene.scene import Scene
 
 
@@ -28,6 +28,18 @@ def refuse_linked_faces(scene: Scene) -> None:
     what = f"shadow linking of its faces beside the smooth material '{facts.smooth[0]}'"
     if linked:
         raise Refused([Refusal(f"object '{name}'", what, "use a light, or remove its blockers") for name in linked])
+
+
+def refuse_counts(scene: Scene) -> None:
+    """Raise Refused where shaders ask for the depth or length of rays that scatter below or between faces."""
+    facts = Facts(scene)
+    asking = [m.name for m in facts.materials if flags_in(m) & {*COUNTS}]
+    below = [m.name for m in facts.materials if any(isinstance(lobe.closure, Subsurface) for lobe in m.lobes)]
+    inside = [f"the subsurface scattering of '{name}'" for name in below[:1]]
+    inside += [f"the volume of '{name}', which scatters" for name in facts.turbid[:1]]
+    what = f"the depth or length of rays beside {' and '.join(inside)}"
+    if asking and inside:
+        raise Refused([Refusal(f"material '{name}'", what, "unlink the Light Path node") for name in asking])
 
 
 def refuse_volumes(scene: Scene) -> None:

@@ -15,6 +15,7 @@ from ..effects.transport import ROULETTE_AFTER
 from ..sampling.sobol import RandomTile, SobolTile
 from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, step_dimension
 from ..sampling.wavelengths import color_weight, sample_wavelength
+from ..scene.rays import DEPTH_OF_KIND
 from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
 from .coplanar import CoplanarFaces
@@ -141,6 +142,8 @@ class Tracer:
             paths.scatterings, paths.passed = np.zeros(count, np.int64), np.zeros(count, np.int64)
         if self._kernel.sight.class_of is not None:
             paths.ray_class = np.zeros(count, np.intp)
+        if self._flow.counts:
+            paths.depths = np.zeros((3, count))
         if self._kernel.coplanar is not None:
             paths.left = np.full(count, -1, np.int32)
         if self._kernel.sight.receiver_of is not None:
@@ -167,6 +170,8 @@ class Tracer:
         u, v = (np.take(x, order).astype(np.float64) for x in (hits.u, hits.v))
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
         points.flags = self._kernel.sight.flags_of(paths)
+        if self._flow.counts:
+            points.tally = paths.tally(distance)
         self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:
@@ -333,6 +338,11 @@ class Tracer:
         if self._kernel.sight.class_of is not None:
             classes = shaded.ray_class
             following.ray_class = np.ones(index.size, np.intp) if classes is None else np.take(classes, index)
+        if paths.depths is not None:
+            following.depths = np.take(paths.depths, index, axis=1)
+        if following.depths is not None and following.ray_class is not None:
+            # Where shaders ask, classes are kinds.
+            following.depths[np.take(DEPTH_OF_KIND, following.ray_class), np.arange(index.size)] += 1
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
         following.medium = origins.medium(index, following.direction)

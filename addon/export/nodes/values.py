@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ....lib.scene import expressions as ex
-from ....lib.scene.rays import FLAGS
+from ....lib.scene.rays import COUNTS, FLAGS
 from ....lib.textures.fold import fold
 from .converters import CONVERTERS
 from .procedural import PROCEDURAL
@@ -85,6 +85,11 @@ def _light_falloff(reader: TreeReader, node: bpy.types.Node, output: str, scope:
 
 
 def _light_path(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    if output == "Portal Depth":
+        return ex.ZERO  # the node that makes it is refused
+    count = output.upper().replace(" ", "_")
+    if count in COUNTS and not reader.is_world:
+        return ex.RayCount(count)
     flag = output.removeprefix("Is ").removesuffix(" Ray").upper()
     if flag not in FLAGS:
         reader.refuse(node, scope, f", output '{output}',", "use another output, or none")

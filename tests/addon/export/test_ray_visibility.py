@@ -181,16 +181,6 @@ def test_a_portal_gives_no_light_and_leaves_the_mean_of_the_world(studio):
     assert blind > 1.9
 
 
-@pytest.mark.parametrize("output", ["Ray Depth", "Ray Length", "Transparent Depth"])
-def test_other_outputs_of_a_light_path_are_refused(studio, output):
-    stage(studio)
-    tree = bpy.data.materials["red"].node_tree
-    path = tree.nodes.new("ShaderNodeLightPath")
-    tree.links.new(path.outputs[output], tree.nodes["Diffuse BSDF"].inputs["Roughness"])
-    with pytest.raises(Refused, match=f"node 'Light Path' .*, output '{output}', is not simulated"):
-        studio.export()
-
-
 def test_emission_by_the_kind_of_ray_is_refused(studio):
     things = stage(studio)
     flagged("Glossy", "Emission")(things)

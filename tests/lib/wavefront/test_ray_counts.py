@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaders that ask how often a path has scattered, or how long its last ray is (Blender's Light Path node)."""
+
+import numpy as np
+import pytest
+from etalon.lib.errors import Refused
+from etalon.lib.scene.checks import SceneError, validate
+from etalon.lib.scene.expressions import ZERO, Constant, Math, RayCount, ValueToColor
+from etalon.lib.scene.lights import PointLight, SunLight
+from etalon.lib.scene.materials import Diffuse, Emission, Metallic, Subsurface, Transparent
+from etalon.lib.scene.rays import COUNTS
+from etalon.lib.scene.world import World
+from etalon.lib.wavefront.refuse import refuse_counts
+from etalon.tests.replicates import assert_same, replicates
+from etalon.tests.scenes import color, diffuse, floor, glass, material, orthographic, perspective, quad, scene
+
+ABOVE = orthographic(2, 2, 1.0, (0.05, 0.1, 5.0))
+UP = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0, 1.0))
+MIRROR = material(Metallic("GGX", "F82", color(1.0), color(1.0)))
+CLEAR = material(Transparent(color(1.0)))
+
+
+def counted(name, scale=1.0):
+    """A surface whose albedo is a count times `scale`."""
+    return material(Diffuse(ValueToColor(Math("MULTIPLY", RayCount(name), Constant(scale), ZERO))))
+
+
+def sheet(height, index):
+    return quad((-3.0, -3.0, height), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0), index)
+
+
+def shown(the_scene, seed):
+    return replicates(the_scene, 1, 8, seed=seed)[0]
+
+
+@pytest.mark.parametrize(("name", "expected"), [("RAY_LENGTH", 0.5), ("RAY_DEPTH", 0.0), ("TRANSPARENT_DEPTH", 0.0)])
+def test_a_face_that_the_camera_sees(name, expected, seed):
+    """From 5 m above, with an albedo of a tenth of the count."""
+    image = shown(scene(floor(3.0), counted(name, 0.1), ABOVE, [UP]), seed)
+    np.testing.assert_allclose(image, expected / np.pi, rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "expected"), [("RAY_LENGTH", 0.5), ("RAY_DEPTH", 0.0), ("TRANSPARENT_DEPTH", 0.2)])
+def test_a_face_behind_two_clear_sheets(name, expected, seed):
+    """Passing is no scattering: lengths go on, depths stay, and sheets are counted."""
+    parts = [floor(3.0), sheet(1.0, 1), sheet(3.0, 1)]
+    image = shown(scene(parts, [counted(name, 0.1), CLEAR], ABOVE, [UP]), seed)
+    np.testing.assert_allclose(image, expected / np.pi, rtol=1e-5, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("parts", "lamp", "expected"),
+    [
+        (
+            [floor(3.0), sheet(7.0, 1)],
+            6.0,
+            {"RAY_DEPTH": 1, "GLOSSY_DEPTH": 1, "DIFFUSE_DEPTH": 0, "TRANSMISSION_DEPTH": 0, "RAY_LENGTH": 7.0},
+        ),
+        (
+            [sheet(3.0, 0), floor(3.0, material=1)],
+            1.5,
+            {"RAY_DEPTH": 1, "GLOSSY_DEPTH": 0, "DIFFUSE_DEPTH": 0, "TRANSMISSION_DEPTH": 1, "RAY_LENGTH": 3.0},
+        ),
+    ],
+    ids=["a ceiling in a mirror 7 m below it", "a floor 3 m below glass that bends nothing"],
+)
+def test_a_face_that_one_scattering_shows(parts, lamp, expected, seed):
+    """It looks as one does whose albedo is a tenth of the count."""
+    coat = MIRROR if lamp == 6.0 else glass(1.0)
+    light = PointLight("point", (0.3, 0.2, lamp), (5.0, 4.0, 3.0))
+    for name, count in expected.items():
+        found, same = (
+            shown(scene(parts, [coat, wall], ABOVE, [light], bounces=1), seed)
+            for wall in (counted(name, 0.1), diffuse(0.1 * count))
+        )
+        np.testing.assert_allclose(found, same, rtol=1e-5, atol=1e-12, err_msg=name)
+        assert bool(found.any()) == bool(count)
+
+
+def test_a_wall_that_only_one_diffuse_bounce_sees_white(seed):
+    """A wall with the diffuse depth for its albedo is black to the camera and lights the floor as a white one does."""
+    room = [floor(3.0), quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0), 1)]
+    above = perspective(6, 6, 0.6, (0.0, -1.0, 4.0), (0.0, 1.0, -4.0))
+    slanted = SunLight("sun", (0.0, -0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
+
+    def render(wall):
+        return replicates(scene(room, [diffuse(0.8), wall], above, [slanted], bounces=1), 8, 256, seed=seed)
+
+    grey = render(counted("DIFFUSE_DEPTH"))
+    assert_same(grey, render(counted("RAY_DEPTH")), 0.02)
+    floor_only = render(diffuse(1.0))[:, 3:]
+    assert_same(grey[:, 3:], floor_only, 0.02)
+    assert_same(render(counted("GLOSSY_DEPTH")), render(diffuse(0.0)), 0.02)
+
+
+@pytest.mark.parametrize("kind", [Emission, Transparent])
+def test_what_light_samples_and_shadow_rays_count_otherwise_is_refused(kind):
+    closure = kind(ValueToColor(RayCount("RAY_LENGTH")))
+    with pytest.raises(SceneError, match="depends on how often a path has scattered"):
+        validate(scene(floor(), material(closure), ABOVE))
+
+
+def test_what_only_surfaces_know_is_refused_elsewhere():
+    with pytest.raises(SceneError, match="a world does not know"):
+        validate(scene(floor(), diffuse(0.5), ABOVE, world=World(ValueToColor(RayCount("RAY_DEPTH")), (8, 4))))
+    with pytest.raises(SceneError, match="nothing that rays count is called 'AGE'"):
+        validate(scene(floor(), counted("AGE"), ABOVE))
+    with pytest.raises(Refused, match="beside the subsurface scattering of"):
+        refuse_counts(scene([floor(), sheet(1.0, 1)], [counted("RAY_DEPTH"), material(Subsurface())], ABOVE, [UP]))
+
+
+def test_every_count_has_a_row_in_the_tally():
+    assert len(COUNTS) == 6
