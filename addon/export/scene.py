@@ -19,7 +19,7 @@ from ...lib.scene.scene import Scene, Transport
 from ...lib.textures.hashes import hash_words, unit
 from ...lib.textures.requirements import requirements
 from ...lib.textures.skipped_tiles import skipped_tiles
-from ...lib.wavefront.refuse import refuse_counts, refuse_linked_faces, refuse_volumes
+from ...lib.wavefront.refuse import refuse_combinations
 from .camera import read_camera
 from .lights import read_light
 from .links import LinkTable
@@ -88,9 +88,7 @@ def export_scene(
         findings=_find(depsgraph, mesh, images),
     )
     validate(result)
-    refuse_linked_faces(result)
-    refuse_volumes(result)
-    refuse_counts(result)
+    refuse_combinations(result)
     if Facts(result).turbid:
         refuse_unscattered(depsgraph)
     return result

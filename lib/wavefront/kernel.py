@@ -37,7 +37,7 @@ from .direction import Directions
 from .emissive import EmissiveMesh
 from .emitter_names import EmitterNames, name_emitters
 from .media import Media
-from .refuse import refuse_counts, refuse_linked_faces, refuse_volumes
+from .refuse import refuse_combinations
 from .sight import Sight
 
 LIGHT_BELOW = "light below the face"
@@ -64,9 +64,7 @@ class Kernel:
         self, scene: Scene, plan: Plan, options: Options, like: Kernel | None = None, apart: bool = False
     ) -> None:
         refuse_absent(scene, options.departures)
-        refuse_linked_faces(scene)
-        refuse_volumes(scene)
-        refuse_counts(scene)
+        refuse_combinations(scene)
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options

@@ -16,6 +16,13 @@ from ..scene.rays import COUNTS, EVERY
 from ..scene.scene import Scene
 
 
+def refuse_combinations(scene: Scene) -> None:
+    """Raise Refused for things that are simulated each by itself, and not together."""
+    refuse_linked_faces(scene)
+    refuse_volumes(scene)
+    refuse_counts(scene)
+
+
 def refuse_linked_faces(scene: Scene) -> None:
     """Raise Refused where mirrors or smooth glass may show linked emitting faces wrongly.
 
