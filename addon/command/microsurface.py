@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from ...lib.exit_codes import ExitCode
-from ...lib.microsurface.measure import figures_of, lines_of, measure_microsurface
+from ...lib.microsurface.measure import figures_of, lines_of, measure_microsurface, write_field
+from ...lib.plain_text import one_line
 from ...lib.progress import Progress
 from ...lib.settings.commands import MicrosurfaceOptions
 from ...lib.settings.common import Terminal
@@ -18,9 +19,13 @@ def run(options: MicrosurfaceOptions, terminal: Terminal) -> int:
     angles = _ANGLES if options.angle is None else (float(options.angle),)
     with interruptible() as interrupted, bar("microsurface", terminal) as shown:
         progress = Progress(shown.report, interrupted, shown.tell, shown.begin)
+        if options.mesh is not None:
+            write_field(options.mesh, options.alpha, options.correlation, options.seed)
         found = measure_microsurface(options.alpha, angles, options.fields, options.correlation, options.seed, progress)
     if terminal.json:
         print_json(figures_of(found, options.alpha, options.fields, options.correlation, options.seed))
     else:
         print("\n".join(lines_of(found)))
+        if options.mesh is not None:
+            print(f"\nmesh: {one_line(str(options.mesh))}")
     return ExitCode.DONE

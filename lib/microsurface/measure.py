@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from ..progress import NO_PROGRESS, Progress
+from .height_field import gaussian_field, tiled_mesh
 from .models import FORMULAS, reflected_once, shared_by_mirror, visible_share
+from .ply import write_ply
 from .traced import TracedField
 
 CELLS, PLACES, RAYS = 256, 100_000, 40_000
@@ -83,6 +86,17 @@ def measure_microsurface(
         )
         for j, (angle, direction) in enumerate(zip(angles, directions, strict=True))
     ]
+
+
+def write_field(path: Path, alpha: float, correlation: float, seed: int, cells: int = CELLS) -> None:
+    """Write the first field that `measure_microsurface` traces as a PLY mesh, with half a period more on every side.
+
+    One unit is a cell. The field itself covers 0 to `cells` along x and y. Raises EtalonError where the file cannot be written.
+    """
+    (first,) = np.random.SeedSequence(seed).spawn(1)
+    heights = gaussian_field(np.random.default_rng(first), cells, correlation, alpha)
+    comment = f"height field of Beckmann's distribution, alpha {alpha:g}, 0 to {cells} along x and y; seed {seed}"
+    write_ply(path, tiled_mesh(heights, cells // 2), comment)
 
 
 def _at(field: TracedField, direction: np.ndarray, alpha: float) -> tuple[float, float, float, float]:

@@ -96,6 +96,12 @@ class MicrosurfaceOptions(Seeded):
     correlation: int = option(
         8, Whole("CELLS", 4), "length of correlation in cells of the grid, up to 32", advanced=True
     )
+    mesh: Path | None = option(
+        None,
+        FilePath("FILE.ply"),
+        "also write the first height field as a mesh, to render it elsewhere",
+        absent="no file",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -103,6 +109,8 @@ class MicrosurfaceOptions(Seeded):
             raise EtalonError(f"--angle: {self.angle} is out of range; give 0 to {self.STEEPEST} degrees")
         if self.correlation > self.LONGEST:
             raise EtalonError(f"--correlation: {self.correlation} is out of range; give 4 to {self.LONGEST} cells")
+        if self.mesh is not None and self.mesh.suffix.lower() != ".ply":
+            raise EtalonError(f"--mesh: {self.mesh} is not a PLY file; name a file that ends in .ply")
 
 
 @dataclass(frozen=True, kw_only=True)

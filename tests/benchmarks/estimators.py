@@ -81,7 +81,7 @@ def _window(pane: bool) -> None:
 
     Around it lies a wide ground.
     """
-    building.start("window", SIDE, SIDE, 4)
+    building.start("window", SIDE // 2, SIDE // 2, 4)
     white, ground = building.diffuse("White", (0.7, 0.7, 0.7)), building.diffuse("Ground", (0.1, 0.1, 0.1))
     walls = {
         "Floor": ((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)),
@@ -97,7 +97,7 @@ def _window(pane: bool) -> None:
     }
     for name, (center, u, v) in walls.items():
         building.rectangle(name, white, center, u, v)
-    building.rectangle("Ground", ground, (0.0, 0.0, -0.5), (40.0, 0.0, 0.0), (0.0, 40.0, 0.0))
+    building.rectangle("Ground", ground, (0.0, 0.0, -0.5), (200.0, 0.0, 0.0), (0.0, 200.0, 0.0))
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.angle = 100.0, 0.01
     lamp = bpy.data.objects.new("Sun", sun)
