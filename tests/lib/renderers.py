@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renderers without a scene: an image that is known, noise that is known, and a clock that only they move."""
+"""Renderers without a scene.
+
+They have a known image, known noise, and a clock that only they move.
+"""
 
 import zlib
 from dataclasses import replace
@@ -25,9 +28,9 @@ class Clock:
 
 
 class Painter:
-    """Gives the image `truth` (height, width, 3) with noise `sigma` of one sample, and counts what it was asked for.
+    """Gives the image `truth` (height, width, 3) with noise `sigma` of one sample.
 
-    `passes` are the parts of it, light pass -> (height, width, 3); each has noise of its own.
+    It counts the calls. `passes` are the parts of it, light pass -> (height, width, 3); each has noise of its own.
     """
 
     def __init__(self, name, truth, sigma=0.05, settings=None, clock=None, cost=(0.01, 0.001), change=None, passes=()):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An audit of renderers whose images, noise and seconds are known: what is biased, what is not, and what each costs."""
+"""An audit of renderers whose images, noise and seconds are known.
+
+Tested are what is biased, what is not, and what each costs.
+"""
 
 import math
 
@@ -108,7 +111,10 @@ def test_what_is_biased_is_found_where_it_is(clock, seed):
 
 
 def test_independent_noise_is_no_bias(clock, seed):
-    """A setting that draws other random numbers: its difference is noise alone, of twice the variance, and no bias is claimed."""
+    """A setting that draws other random numbers.
+
+    Its difference is noise alone, of twice the variance, and no bias is claimed.
+    """
     rng = np.random.default_rng(seed)
 
     def other(image):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Claims and intervals from pairs: their equation, their level on pairs that are known, and what has no noise."""
+"""Claims and intervals from pairs.
+
+Tested are their equation, their level on known pairs, and pairs without noise.
+"""
 
 import numpy as np
 import pytest
@@ -11,7 +14,10 @@ TRIALS, REPLICATES = 4000, 8
 
 
 def pairs(rng, ratio, noise=0.2, common=0.95):
-    """Series (replicates, trials, 3): neutral means 1, with the setting `ratio`, most of the noise common to both."""
+    """Series (replicates, trials, 3) with neutral means 1.
+
+    With the setting the mean is `ratio`, and most of the noise is common to both.
+    """
     shape = (REPLICATES, TRIALS, 3)
     shared, own = rng.standard_normal(shape), rng.standard_normal(shape)
     neutral = 1.0 + noise * shared
@@ -32,7 +38,10 @@ def test_the_ends_solve_their_equation(rng):
 
 @pytest.mark.parametrize("floor", [1e-3, 10.0])
 def test_the_interval_holds_as_often_as_it_says(rng, floor):
-    """Also where the region is darker than the floor, to which the difference is then relative."""
+    """This holds also where the region is darker than the floor.
+
+    The difference is then relative to the floor.
+    """
     user, neutral = pairs(rng, 0.97)
     low, high = interval(user, neutral, floor, 0.01)
     truth = -0.03 if floor < 1 else -0.03 / floor

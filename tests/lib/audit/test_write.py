@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder that an audit leaves: its figures under their schema, its page safe from what a file's author called things."""
+"""The folder that an audit writes.
+
+Its figures follow their schema, and its page is safe from the names that a file's author chose.
+"""
 
 import base64
 import json

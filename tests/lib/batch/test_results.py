@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a batch leaves: JSON, JUnit XML, maps, what changed since an earlier one, and the rule by which it fails."""
+"""The results of a batch.
+
+They are JSON, JUnit XML, maps, what changed since an earlier one, and the rule by which it fails.
+"""
 
 import json
 from pathlib import Path
@@ -41,7 +44,10 @@ def results(folder, end=None, **made):
 
 
 def write(folder, difference, **made):
-    """A batch in a folder, with a verdict.json for each comparison, whose wall differs by `difference` in red."""
+    """Write a batch with a verdict.json for each comparison.
+
+    The wall of each differs by `difference` in red.
+    """
     for value in ROUGHNESS.values:
         place = folder / f"room-{value}"
         place.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The batch, with a stand-in for `etalon compare` that writes a verdict, refuses, crashes or hangs as it is told."""
+"""The batch, with a stand-in for `etalon compare`.
+
+The stand-in writes a verdict, refuses, crashes or hangs as it is told.
+"""
 
 import csv
 import json

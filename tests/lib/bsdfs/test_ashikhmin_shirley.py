@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ashikhmin and Shirley's lobe, translucency and tilted lobes: sampling against density, weights against values."""
+"""Ashikhmin and Shirley's lobe, translucency and tilted lobes.
+
+Sampling is compared with density, and weights with values.
+"""
 
 import numpy as np
 import pytest
@@ -96,9 +99,10 @@ def test_tilted_lobes_follow_their_density(normal, rng):
 
 
 def normal_incidence_albedo(alpha_x, alpha_y):
-    """Albedo seen along the normal: the paper's density of half vectors times cos(2 theta), a turn about the normal by quadrature.
+    """Albedo seen along the normal.
 
-    Integral of sqrt((nx + 1)(ny + 1)) / (2 pi) c^e (2 c^2 - 1) over theta < 45 degrees (closed form in c) and phi.
+    The paper's density of half vectors times cos(2 theta), a turn about the normal by quadrature: the integral of
+    sqrt((nx + 1)(ny + 1)) / (2 pi) c^e (2 c^2 - 1) over theta < 45 degrees (closed form in c) and phi.
     """
     nx, ny = (2.0 / alpha**2 - 2.0 for alpha in (alpha_x, alpha_y))
     low = np.sqrt(0.5)
@@ -113,7 +117,10 @@ def normal_incidence_albedo(alpha_x, alpha_y):
 
 @pytest.mark.parametrize(("alpha_x", "alpha_y"), [(0.2, 0.2), (0.6, 0.6), (1.0, 1.0), (0.2, 0.7)])
 def test_ashikhmin_shirley_is_normalised(alpha_x, alpha_y):
-    """Along the normal max(i.n, o.n) is 1, so that the lobe is its density times the cosine: its integral is known."""
+    """Along the normal max(i.n, o.n) is 1.
+
+    The lobe is then its density times the cosine, whose integral is known.
+    """
     wo = np.array([0.0, 0.0, 1.0])
 
     def value(wi):

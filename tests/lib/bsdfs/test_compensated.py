@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Multiple scattering given back: a white furnace stays white, colours follow the series of bounces, the density stays."""
+"""Multiple scattering given back.
+
+A white furnace stays white, colours follow the series of bounces, the density stays.
+"""
 
 import numpy as np
 import pytest
@@ -42,7 +45,10 @@ def test_white_furnace_rendered(seed):
 
 
 def test_coloured_furnace_rendered(seed):
-    """E + (1 - E) sum over k of Fss^k+1 Eavg (1 - Eavg)^k, times the colour of the first bounce."""
+    """The furnace shows the closed form of the series.
+
+    It is E + (1 - E) sum over k of Fss^k+1 Eavg (1 - Eavg)^k, times the colour of the first bounce.
+    """
     color = (0.9, 0.5, 0.0)
     materials = [glossy(alpha, *color, distribution="MULTI_GGX") for alpha in ALPHAS]
     images = replicates(

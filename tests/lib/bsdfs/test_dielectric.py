@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rough interfaces: sampling against its density, weights against values, energy, reciprocity, and the smooth limit."""
+"""Rough interfaces: sampling against its density, and weights against values.
+
+Also energy, reciprocity, and the smooth limit.
+"""
 
 import itertools
 from dataclasses import dataclass
@@ -25,7 +28,10 @@ WHITE = np.ones((3, 1))
 
 @dataclass(frozen=True)
 class Banded(Sphere):
-    """The sphere with a bin's edge at the horizon, and one where GGX ends: facets seen edge-on refract to i.n = -o.n / eta."""
+    """The sphere with a bin's edge at the horizon, and one where GGX ends.
+
+    Facets seen edge-on refract to i.n = -o.n / eta.
+    """
 
     end: float
 
@@ -118,7 +124,10 @@ def test_forms_of_masking(distribution, form, rng):
 @pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5])
 @pytest.mark.parametrize("alpha", [0.5, (0.2, 0.9)])
 def test_exchange_of_light_and_viewer(distribution, eta, alpha, rng):
-    """f(i, o) / eta^2 = f(o, i) across the interface, f(i, o) = f(o, i) on one side (Walter et al. 2007, sec. 5.3)."""
+    """f(i, o) / eta^2 = f(o, i) across the interface.
+
+    On one side f(i, o) = f(o, i) (Walter et al. 2007, sec. 5.3).
+    """
     direction = rng.normal(size=(2, 3, 5000))
     wo, wi = direction / np.sqrt((direction**2).sum(axis=1, keepdims=True))
     wo[2] = np.abs(wo[2])
@@ -137,7 +146,10 @@ def test_exchange_of_light_and_viewer(distribution, eta, alpha, rng):
 
 @pytest.mark.parametrize("distribution", [GGX(), Beckmann()], ids=["ggx", "beckmann"])
 def test_no_energy_from_nowhere(distribution):
-    """Reflected and refracted light together never exceed what arrives, and nothing comes through facets seen from behind."""
+    """Reflected and refracted light together never exceed what arrives.
+
+    No light passes facets seen from behind.
+    """
     for eta, alpha, cos_o in itertools.product(
         (1.2, 1.5, 2.4, 1.0 / 1.2, 1.0 / 1.5), (0.5, 1.0, (0.3, 1.0)), (0.1, 0.6, 0.99)
     ):
@@ -169,7 +181,10 @@ STRETCHED = [(0.2, 0.8), (0.9, 0.3), (1.0, 0.05)]
 
 
 def given_by_facets(alpha, eta, wo):
-    """What an interface gives back, over its facets: D G1 (o.m) / (o.n) dm, each share times G2 / G1 of where its ray leaves."""
+    """What an interface gives back, over its facets.
+
+    D G1 (o.m) / (o.n) dm, each share times G2 / G1 of where its ray leaves.
+    """
 
     def value(m):
         here = np.repeat(wo, m.shape[1], axis=1)
@@ -193,7 +208,10 @@ def given_by_facets(alpha, eta, wo):
 @pytest.mark.parametrize("alpha", STRETCHED[:2])
 @pytest.mark.parametrize("eta", [1.5, 1.0 / 1.5])
 def test_stretched_glass_gives_back_what_its_facets_do(alpha, eta):
-    """A white furnace: value over all directions against the integral over facets, which knows no Jacobian."""
+    """A white furnace: value over all directions against the integral over facets.
+
+    The latter has no Jacobian.
+    """
     wo = viewer(0.6)
 
     def value(wi):
@@ -219,7 +237,10 @@ def test_stretching_the_other_axis_turns_the_lobe(distribution, rng):
 @pytest.mark.parametrize("alpha", [(1e-4, 1.0), (1.0, 1e-4), (1.5e-5, 1.5e-5)])
 @pytest.mark.parametrize("cos_o", [1.0, 0.5, 1e-3])
 def test_an_axis_that_is_hardly_rough(distribution, alpha, cos_o, rng):
-    """Weights stay finite and at most 1, and weight times density is the value, as far as the direction's own digits carry."""
+    """Weights stay finite and at most 1.
+
+    Weight times density is the value, as far as the direction's own digits carry.
+    """
     made = lobe(distribution, 1.5, alpha, viewer(cos_o, 4000))
     wi, weight, pdf = made.sample(*rng.random((2, 4000)))
     assert np.isfinite(wi).all()

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lambert and Oren-Nayar: densities, reciprocity, and where the energy of each bounce goes."""
+"""Lambert and Oren-Nayar: densities and reciprocity.
+
+Also where the energy of each bounce goes.
+"""
 
 import itertools
 
@@ -19,7 +22,10 @@ def view(cos, count):
 
 
 def hemisphere(nodes=160):
-    """Directions and weights of Gauss-Legendre in theta and phi over the upper hemisphere, (3, k) and (k,)."""
+    """Directions (3, k) and weights (k,) over the upper hemisphere.
+
+    Gauss-Legendre in theta and phi.
+    """
     x, w = roots_legendre(nodes)
     theta, phi = 0.25 * np.pi * (x + 1.0), np.pi * (x + 1.0)
     theta, phi = (g.ravel() for g in np.meshgrid(theta, phi, indexing="ij"))
@@ -34,7 +40,10 @@ def albedo(lobe_of, cos, nodes=160):
 
 
 def single_albedo(cos, roughness, nodes=160):
-    """E of Fujii's single scattering alone, f = A + B t, written from the paper (Portsmouth et al. 2024, eq. 8 to 11)."""
+    """E of Fujii's single scattering alone, f = A + B t.
+
+    Written from the paper (Portsmouth et al. 2024, eq. 8 to 11).
+    """
     wi, weight = hemisphere(nodes)
     wo = view(cos, 1)
     a = 1.0 / (np.pi + roughness * (np.pi / 2.0 - 2.0 / 3.0))
@@ -84,12 +93,14 @@ def test_oren_nayar_white_furnace(roughness, cos):
 @pytest.mark.parametrize("roughness", ROUGHNESS)
 @pytest.mark.parametrize("cos", [0.1, 0.5, 0.9])
 def test_oren_nayar_colour_by_order_of_bounce(roughness, cos):
-    """Each reflection inside the surface multiplies by its colour once: light scattered k times carries colour^k.
+    """Each reflection inside the surface multiplies by its colour once.
 
-    Of white light, E(wo) leaves after one scattering. The rest, 1 - E(wo), is scattered again, and each time a mean share Eavg leaves:
-    order k >= 2 holds (1 - E(wo)) Eavg (1 - Eavg)^(k - 2), which sums to 1 with the first, the white furnace. With colour c the albedo is
-    therefore c E + (1 - E) sum over k >= 2 of c^k Eavg (1 - Eavg)^(k - 2): the first term of the multiple scattering is c^2. Cycles multiplies
-    its c^2 by the closure's weight, c, once more, so that its twice scattered light carries c^3: energy that no bounce has taken.
+    Light scattered k times carries colour^k. Of white light, E(wo) leaves after one scattering. The rest, 1 - E(wo),
+    is scattered again, and each time a mean share Eavg leaves: order k >= 2 holds (1 - E(wo)) Eavg (1 - Eavg)^(k -
+    2), which sums to 1 with the first, the white furnace. With colour c the albedo is therefore c E + (1 - E) sum
+    over k >= 2 of c^k Eavg (1 - Eavg)^(k - 2): the first term of the multiple scattering is c^2. Cycles multiplies
+    its c^2 by the closure's weight, c, once more, so that its twice scattered light carries c^3: energy that no
+    bounce has taken.
     """
     single = single_albedo(cos, roughness)
     node, weight = roots_legendre(24)
@@ -127,14 +138,20 @@ def test_oren_nayar_keeps_its_arguments(rng):
 
 
 def single_scattering(wi, wo, roughness):
-    """f of light that was scattered once, (n,): what is left of f / colour for a colour near black."""
+    """f of light that was scattered once, (n,).
+
+    It is what is left of f / colour for a colour near black.
+    """
     color = np.full((3, 1), 1e-9)
     return OrenNayar(wo, roughness, color).evaluate(wi)[0][0] / (1e-9 * wi[2])
 
 
 @pytest.mark.parametrize("roughness", ROUGHNESS)
 def test_oren_nayar_scatters_all_light_once_at_grazing(roughness):
-    """Fujii's constant pi / 2 - 2 / 3 makes the albedo of a white surface 1 where its view grazes, for every roughness, and less elsewhere."""
+    """Fujii's constant pi / 2 - 2 / 3 makes a white surface's albedo 1 at grazing views.
+
+    This holds for every roughness; elsewhere the albedo is less.
+    """
     wi, weight = hemisphere(400)
     found = [(single_scattering(wi, view(cos, 1), roughness) * wi[2]) @ weight for cos in (1e-7, 0.2, 0.6, 1.0)]
     assert found[0] == pytest.approx(1.0, abs=2e-4)
@@ -143,7 +160,10 @@ def test_oren_nayar_scatters_all_light_once_at_grazing(roughness):
 
 @pytest.mark.parametrize("roughness", ROUGHNESS)
 def test_oren_nayar_shines_back_to_the_light_by_its_roughness(roughness):
-    """f(n, w) = A whatever w, and towards the light itself f = A (1 + roughness sin^2 / cos): Fujii 2012 for s > 0."""
+    """f(n, w) = A for every w (Fujii 2012 for s > 0).
+
+    Towards the light itself f = A (1 + roughness sin^2 / cos).
+    """
     angle = np.radians([20.0, 50.0, 75.0])
     w = np.stack([np.sin(angle), np.zeros(3), np.cos(angle)])
     level = single_scattering(w, view(1.0, 3), roughness)
@@ -154,7 +174,10 @@ def test_oren_nayar_shines_back_to_the_light_by_its_roughness(roughness):
 
 @pytest.mark.parametrize("roughness", ROUGHNESS)
 def test_oren_nayar_keeps_no_less_and_no_more_than_white(roughness):
-    """The mean albedo of all directions, by which the lost light comes back (the constant 5.6), is its integral: white loses nothing."""
+    """The mean albedo of all directions is its integral: white loses nothing.
+
+    By it the lost light is given back (the constant 5.6).
+    """
     node, weight = roots_legendre(24)
     mu = 0.5 * (node + 1.0)
     total = [albedo(lambda wo: OrenNayar(wo, roughness, np.ones((3, 1))), m, 200)[0] for m in mu]

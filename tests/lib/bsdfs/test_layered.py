@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers over a white diffuse base in a white furnace: nothing is lost between them, nothing is won; albedos and means of Fresnel curves."""
+"""Layers over a white diffuse base in a white furnace.
+
+Nothing is lost or gained between them. Also albedos and means of Fresnel curves.
+"""
 
 import mpmath
 import numpy as np
@@ -30,7 +33,10 @@ def layered(ior, roughness, weight, distribution="MULTI_GGX", tint=WHITE):
 
 
 def test_white_layers_leave_a_white_furnace_white(seed):
-    """A diffuse base gets what the layer above it does not reflect, single and multiple scattering alike."""
+    """A diffuse base gets what the layer above it does not reflect.
+
+    That holds for single and multiple scattering alike.
+    """
     materials = [
         layered(1.5, 0.5, 1.0),
         layered(1.5, 1.0, 0.7),
@@ -96,7 +102,10 @@ def test_f82_meets_its_tint_and_its_mean():
 
 
 def test_conductor_average_is_its_integral():
-    """Cycles' mean of a conductor is that of a curve through two of its points: within 2 % for metals."""
+    """Cycles' mean of a conductor is that of a curve through two of its points.
+
+    It is within 2 % for metals.
+    """
     eta, k = np.array([[0.2], [0.9], [1.3]]), np.array([[3.9], [2.4], [1.9]])
     curve = Conductor(eta, k)
     for channel in range(3):
@@ -117,7 +126,10 @@ def test_nothing_beneath_a_perfect_layer():
 @pytest.mark.parametrize("ior", [1.0, 1.5, 2.2])
 @pytest.mark.parametrize("weight", [0.3, 1.0])
 def test_coat_tint_absorbs_along_the_refracted_path(ior, weight):
-    """Beer's law through a coat of thickness 1 that light crosses under Snell's angle, from the angles themselves (mpmath)."""
+    """Beer's law through a coat of thickness 1 that light crosses under Snell's angle.
+
+    It is computed from the angles themselves (mpmath).
+    """
     tint = np.array([[0.9], [0.5], [0.1]])
     angles = np.radians([0.0, 30.0, 60.0, 80.0])
     found = coat_tint(np.float64(ior), tint, np.float64(weight), np.cos(angles))

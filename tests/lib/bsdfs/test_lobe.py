@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every lobe answers in the same shapes, and what wraps a lobe passes on what it does not change."""
+"""Every lobe answers in the same shapes.
+
+What wraps a lobe passes on what it does not change.
+"""
 
 import numpy as np
 import pytest
@@ -111,7 +114,10 @@ def test_a_part_keeps_the_shapes_and_the_estimate(lobe, rng):
 
 @pytest.mark.parametrize("name", [name for name, lobe in LOBES.items() if not lobe.delta])
 def test_samples_carry_the_energy_of_the_values(name, rng):
-    """The mean weight is the integral of f |cos| over the sphere, found by uniform directions: both within five standard errors."""
+    """The mean weight is the integral of f |cos| over the sphere.
+
+    That is found by uniform directions: both within five standard errors.
+    """
     lobe = LOBES[name].part(rng.integers(COUNT, size=80_000))
     _, weight, pdf = lobe.sample(*rng.random((2, 80_000)))
     weight = np.where(pdf > 0.0, weight, 0.0)

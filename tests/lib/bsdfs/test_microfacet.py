@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Glossy lobes: samples follow the density, weights are value over density, light may run both ways."""
+"""Glossy lobes: samples follow the density, weights are value over density.
+
+Light may run both ways.
+"""
 
 import numpy as np
 import pytest
@@ -29,7 +32,10 @@ def lobe_for(wo, count, distribution, alphas, strategy="visible", masking="corre
 
 
 def above(wi):
-    """Directions below the horizon reflect nothing: samples lost, which the chi-square counts against the density's missing mass."""
+    """Directions below the horizon reflect nothing.
+
+    They are samples lost, which the chi-square counts against the density's missing mass.
+    """
     return np.where(wi[2] > 0.0, wi, np.nan)
 
 
@@ -93,7 +99,10 @@ def test_chi_square_rotated(distribution, turn, rng):
 
 
 def test_rotated_turns_the_right_way():
-    """alpha_x is along the axis (cos, sin, 0): seen from above, light at a slope along that axis is stronger than across it."""
+    """alpha_x is along the axis (cos, sin, 0).
+
+    Seen from above, light at a slope along that axis is stronger than across it.
+    """
     wo = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 1.0]])
     turn = np.full(2, 0.6)
     lobe = Rotated(MicrofacetReflection(wo, 0.5, 0.1, GGX(), "correlated", "visible"), np.cos(turn), np.sin(turn))
@@ -232,7 +241,10 @@ def test_densities_of_the_plain_strategies(distribution, alpha, rng):
 @BOTH
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_densities_are_per_steradian(distribution, strategy):
-    """Over all directions, those below the horizon included that D cos and visible normals lose, a density is at most 1; hemispheres have 1."""
+    """Over all directions a density is at most 1.
+
+    Those below the horizon, which D cos and visible normals lose, are included; hemispheres have 1.
+    """
     wo = direction(0.0)
 
     def density(wi):

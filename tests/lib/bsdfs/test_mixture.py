@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several lobes at one point: the one-sample model is unbiased and its density is that of its samples."""
+"""Several lobes at one point.
+
+The one-sample model is unbiased, and its density is that of its samples.
+"""
 
 import numpy as np
 import pytest
@@ -57,7 +60,10 @@ def test_value_is_the_coloured_sum(rng):
 
 
 def test_mean_weight_is_the_albedo(rng):
-    """With a delta among the lobes: the mean weight is the integral of the rest plus the mirror's colour."""
+    """With a delta among the lobes, the mean weight has two parts.
+
+    They are the integral of the rest and the mirror's colour.
+    """
     _, weight, pdf = mixture(COUNT, mirror=True).sample(*rng.random((3, COUNT)))
     share = 0.25 / sum(color.mean() for color in [*COLORS, np.full((3, 1), 0.25)])
     assert stats.binomtest(int(np.isinf(pdf).sum()), COUNT, share).pvalue > LEVEL
@@ -87,7 +93,10 @@ def beside_transmission(kind, count):
 
 @pytest.mark.parametrize("kind", ["glossy", "d_cos", "ashikhmin_shirley", "glass"])
 def test_a_direction_that_its_lobe_rejects_is_not_the_other_lobes(kind, rng):
-    """Reflection that ends below the surface: the mean weight is still the integral of both lobes over the sphere."""
+    """Reflection may end below the surface.
+
+    The mean weight is still the integral of both lobes over the sphere.
+    """
     wi, weight, _ = beside_transmission(kind, COUNT).sample(*rng.random((3, COUNT)))
     sphere = uniform_sphere(*rng.random((2, 4 * COUNT)))
     value = 4.0 * np.pi * beside_transmission(kind, 4 * COUNT).evaluate(sphere)[0][0]

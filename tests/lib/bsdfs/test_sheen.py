@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sheen: its table against random walks among fibers, its sampling against its density, and what it leaves for layers below."""
+"""Sheen: its table against random walks among fibers.
+
+Also its sampling against its density, and what it leaves for layers below.
+"""
 
 import numpy as np
 import pytest
@@ -18,11 +21,12 @@ def viewer(cos_o, count, phi=0.9):
 
 
 def walk(cos_o, roughness, count, rng):
-    """Directions of light that leaves a layer of fibers upwards, (3, k), out of `count` walks that enter it from `cos_o` in the plane y = 0.
+    """Directions of light that leaves a layer of fibers upwards, (3, k).
 
-    The model behind the table (Zeltner et al. 2022): SGGX fibers along z of cross-section sigma = roughness^2, density and thickness 1,
-    each of which reflects like a mirror. The normals that w sees of an ellipsoid with half axes (1, 1, 1 / sigma) are those of points
-    uniform on its shadow, and a linear map takes it to a sphere.
+    `count` walks enter the layer from `cos_o` in the plane y = 0. The model behind the table (Zeltner et al. 2022):
+    SGGX fibers along z of cross-section sigma = roughness^2, density and thickness 1, each of which reflects like a
+    mirror. The normals that w sees of an ellipsoid with half axes (1, 1, 1 / sigma) are those of points uniform on
+    its shadow, and a linear map takes it to a sphere.
     """
     stretch = np.array([[1.0], [1.0], [roughness**2]])  # a normal of the sphere, times this, is one of the ellipsoid
     direction = -viewer(cos_o, count, 0.0)
@@ -86,7 +90,10 @@ def test_another_side_of_the_viewers_plane_fails(rng):
 
 
 def test_sheen_is_not_reciprocal(rng):
-    """How far f(wi, wo) and f(wo, wi) lie apart at roughness 0.5, beyond 10 degrees from grazing: by up to a half of their mean."""
+    """How far f(wi, wo) and f(wo, wi) differ at roughness 0.5.
+
+    Beyond 10 degrees from grazing they differ by up to a half of their mean.
+    """
     directions = rng.normal(size=(2, 3, 5000))
     wo, wi = directions / np.sqrt((directions**2).sum(axis=1, keepdims=True))
     wo[2], wi[2] = np.abs(wo[2]), np.abs(wi[2])
@@ -104,7 +111,10 @@ def test_where_the_table_has_no_lobe_nothing_is_reflected():
 
 
 def test_layers_below_get_what_sheen_does_not_reflect():
-    """Of white light: one less the largest colour of the quadrature of the lobe; never less than nothing."""
+    """Of white light they get one less the largest colour of the lobe's quadrature.
+
+    They never get less than nothing.
+    """
     tint, weight = np.array([[0.3], [0.9], [-0.5]]), np.float64(0.7)
 
     def value(directions):

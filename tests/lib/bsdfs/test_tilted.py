@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobes about a normal of their own: light counts only where the face and the turned normal see it on the same side."""
+"""Lobes about a normal of their own.
+
+Light counts only where the face and the turned normal see it on the same side.
+"""
 
 import numpy as np
 import pytest
@@ -17,9 +20,10 @@ def tilted(inner, turn, count):
 
 
 def sphere(turn, nodes=120):
-    """Directions and weights of a quadrature over the whole sphere in polar coordinates about the y axis.
+    """Directions and weights of a quadrature over the whole sphere.
 
-    About y both horizons, of the face and of the turned normal, are arcs of constant longitude: the rule has a break at each.
+    Polar coordinates are about the y axis. About y both horizons, of the face and of the turned normal, are arcs of
+    constant longitude: the rule has a break at each.
     """
     x, w = roots_legendre(nodes)
     half = 0.5 * np.pi
@@ -36,7 +40,10 @@ def sphere(turn, nodes=120):
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize("inner", [Lambert(), LambertTransmission()], ids=["reflected", "transmitted"])
 def test_a_turned_lambert_lobe_keeps_what_both_sides_see(inner, turn):
-    """The integral of cos / pi about n' over directions that n and n' see alike is (1 + cos turn) / 2."""
+    """The integral of cos / pi about n' over directions that n and n' see alike.
+
+    It is (1 + cos turn) / 2.
+    """
     wi, weight = sphere(turn)
     value, _ = tilted(inner, turn, wi.shape[1]).evaluate(wi)
     assert value @ weight == pytest.approx(0.5 * (1.0 + np.cos(turn)), rel=1e-6)
@@ -53,7 +60,11 @@ def test_samples_weigh_what_both_sides_see(inner, turn, rng):
 
 
 def test_light_below_the_face_does_not_reach_a_turned_normal_above_it():
-    """Light 0.2 below the face and 0.6 above the horizon of a normal turned by 0.8 is not reflected, nor is its mirror image transmitted."""
+    """Light below the face and above the turned normal's horizon is not reflected.
+
+    It lies 0.2 below the face and 0.6 above the horizon of a normal turned by 0.8. Its mirror image is not transmitted
+    either.
+    """
     below = np.array([[np.cos(0.2)], [0.0], [-np.sin(0.2)]])
     turned = np.sin(0.8) * below[0] + np.cos(0.8) * below[2]
     assert turned[0] == pytest.approx(np.sin(0.6))

@@ -43,7 +43,10 @@ def test_toon_is_uniform_in_its_cone(size, smooth, glossy, rng):
 
 @pytest.mark.parametrize(("size", "smooth"), [(0.5, 0.0), (0.3, 0.4), (0.1, 0.9)])
 def test_toon_reflects_the_mean_of_its_edge(size, smooth, rng):
-    """A cone of half angle b, whose intensity falls from a on over w: (1 - (sin b - sin a) / w) / (1 - cos b) of the light."""
+    """A cone of half angle b, whose intensity falls from a on over w.
+
+    It reflects (1 - (sin b - sin a) / w) / (1 - cos b) of the light.
+    """
     _, weight, _ = lobe(0.8, size, smooth, False).sample(*rng.random((2, COUNT)))
     a, w = 0.5 * np.pi * size, 0.5 * np.pi * smooth
     expected = 1.0 if smooth == 0.0 else (1.0 - (np.sin(a + w) - np.sin(a)) / w) / (1.0 - np.cos(a + w))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ashikhmin's velvet: the density of its normals, reciprocity, what it reflects, weights against values."""
+"""Ashikhmin's velvet: the density of its normals, reciprocity, and what it reflects.
+
+Also weights against values.
+"""
 
 import numpy as np
 import pytest

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scheduler and two workers on loopback: images and batches are those of one machine, and workers that die or differ are survived or told."""
+"""A scheduler and two workers on loopback.
+
+Images and batches are those of one machine. Workers that die or differ are survived or reported.
+"""
 
 import json
 import os
@@ -57,7 +60,10 @@ found = [scene.read_text(), (scene.parent.parent / "textures" / "wood.png").read
 
 @pytest.fixture(scope="module")
 def address():
-    """A scheduler with two workers of one thread each, in threads of this process, which talk over loopback."""
+    """A scheduler with two workers of one thread each.
+
+    They run in threads of this process, which talk over loopback.
+    """
     distributed = pytest.importorskip("distributed", reason="Dask is not installed; `pip install etalon[cluster]`")
     made = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
     with distributed.LocalCluster(processes=False, protocol="tcp://", host="127.0.0.1", **made) as cluster:

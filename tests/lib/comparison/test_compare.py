@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The whole comparison with renderers whose truth is known: verdicts, limits, cancelling, bad pixels, bad options."""
+"""The whole comparison with renderers whose truth is known.
+
+Tested are verdicts, limits, cancelling, bad pixels, and bad options.
+"""
 
 import json
 
@@ -121,7 +124,10 @@ def test_a_difference_in_a_part_is_found_as_in_the_whole():
 
 @pytest.mark.slow
 def test_decisions_are_those_of_whole_images(monkeypatch):
-    """Parts save time, and change no decision: each region is judged on the same replicates at the same numbers of them."""
+    """Parts save time, and change no decision.
+
+    Each region is judged on the same replicates at the same numbers of them.
+    """
 
     def decide():
         reference = Painter("the reference", grey(1.0, 96, 80), 0.1)
@@ -310,7 +316,10 @@ def test_a_pixel_of_few_samples_is_not_judged():
 
 
 def test_a_lamp_of_1e12_beside_dim_cells_changes_nothing_for_them():
-    """The floor is the median's: the lamp's cell does not make a difference of 5 % elsewhere a small one."""
+    """The floor is the median's.
+
+    The lamp's cell does not make a difference of 5 % elsewhere a small one.
+    """
     truth = grey(1.0, 96, 80)
     truth[:16, :16] = 1e12
     options = CompareOptions(time=None, samples=64, replicates=40)

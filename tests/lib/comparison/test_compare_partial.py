@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Comparisons of a part: what light from unknown materials reaches is left out, and the rest is judged as ever."""
+"""Comparisons of a part.
+
+Pixels that light from unknown materials reaches are left out, and the rest is judged as usual.
+"""
 
 from dataclasses import replace
 
@@ -26,7 +29,10 @@ UNKNOWN = Material("glow", (), "node 'Hair BSDF'")
 
 
 def desk(lamp, floor_color=0.5):
-    """A floor under a sky, a lamp that hovers over its right end, and a wall that keeps the lamp's light from its left."""
+    """A floor under a sky, a lamp, and a wall.
+
+    The lamp hovers over the floor's right end, and the wall keeps its light from the left.
+    """
     parts = [
         floor(6.0),
         quad((3.0, -1.0, 1.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), 1),

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light passes in a comparison: a small pass that differs is named, and the claims on the image stay as they are."""
+"""Light passes in a comparison.
+
+A small pass that differs is named, and the claims on the image stay as they are.
+"""
 
 import numpy as np
 import pytest
@@ -16,7 +19,10 @@ OPTIONS = CompareOptions(time=None, samples=256, replicates=30)
 
 
 def compared(factors, passes=tuple(SHARES), change=None, options=OPTIONS, among=None, sigma=0.05):
-    """A comparison with a candidate whose passes are `factors` times the reference's, (height, width, 1) or numbers."""
+    """A comparison with a candidate whose passes are `factors` times the reference's.
+
+    They are (height, width, 1) or numbers.
+    """
     parts = {light: grey(share) for light, share in SHARES.items()}
     others = {light: part * factors.get(light, 1.0) for light, part in parts.items()}
     reference = Painter("the reference", grey(), sigma, passes=parts)
@@ -25,7 +31,10 @@ def compared(factors, passes=tuple(SHARES), change=None, options=OPTIONS, among=
 
 
 def test_a_difference_that_the_image_hides_is_found_in_its_pass():
-    """5 % less of a pass that is a twentieth of the light: the image agrees to within 1 %, the pass does not."""
+    """5 % less of a pass that is a twentieth of the light.
+
+    The image agrees to within 1 %, the pass does not.
+    """
     comparison = compared({LightPass.GLOSSY_INDIRECT: 0.95})
     assert comparison.verdict.outcome is Outcome.EQUIVALENT
     found = comparison.passes
@@ -51,7 +60,10 @@ def test_without_passes_there_is_no_verdict_on_them():
 
 @pytest.mark.parametrize("apply", [True, False])
 def test_claims_on_the_image_keep_their_level(apply):
-    """With departures to try the level of the image is the same with passes as without; without departures passes take a twentieth."""
+    """With departures to try, the image's level is the same with passes as without.
+
+    Without departures passes take a twentieth.
+    """
     known = (Departure("a", "", ""),)
     among = Alternatives(known, lambda names: Painter("the reference", grey())) if apply else None
     levels = [compared({}, passes=passes, among=among).verdict.looks[-1].level for passes in ((), tuple(SHARES))]
@@ -76,7 +88,10 @@ def test_pixels_that_are_not_finite_count_in_no_pass():
 
 @pytest.mark.parametrize("runs", [10, pytest.param(40, marks=pytest.mark.slow)])
 def test_equal_passes_are_seldom_called_different(runs):
-    """Noise alone, at a tolerance far below it: no claim of a difference at 99 % confidence in `runs` comparisons."""
+    """Noise alone, at a tolerance far below it.
+
+    There is no claim of a difference at 99 % confidence in `runs` comparisons.
+    """
     for k in range(runs):
         options = CompareOptions(time=None, samples=1, replicates=12, tolerance=1e-4, seed=k)
 

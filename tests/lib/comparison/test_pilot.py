@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a comparison lays out its time: the first look, the main run, the grids, and that the time is kept."""
+"""The layout of a comparison's time.
+
+It is the first look, the main run, and the grids; and the time limit is kept.
+"""
 
 import numpy as np
 import pytest

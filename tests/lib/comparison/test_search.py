@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The time that the search for causes takes, and how it is shared out, with renderers that move a clock of their own."""
+"""The time that the search for causes takes, and how it is shared out.
+
+Renderers move a clock of their own.
+"""
 
 from collections import Counter
 
@@ -53,7 +56,10 @@ def test_effects_take_no_more_than_their_part_and_the_whole_keeps_its_time(monke
 
 @pytest.mark.parametrize("cost", [0.3, 0.6, 1.0])
 def test_time_is_shared_out_evenly_among_departures(monkeypatch, cost):
-    """None waits until another has all of its pairs: the true one may be the last in the catalogue."""
+    """No departure waits until another has all of its pairs.
+
+    The true one may be the last in the catalogue.
+    """
     _, pairs, _ = searched(monkeypatch, cost)
     counts = Counter(name for name, _ in pairs)
     assert set(counts) == set(NAMES)
@@ -62,7 +68,10 @@ def test_time_is_shared_out_evenly_among_departures(monkeypatch, cost):
 
 
 def test_a_look_after_the_time_set_aside_is_overdrawn_is_not_the_last(monkeypatch):
-    """When sampling ends depends on what was seen by then, so no look may spend what is left of the level."""
+    """When sampling ends depends on what was seen by then.
+
+    So no look may spend what is left of the level.
+    """
     found, _, _ = searched(monkeypatch, cost=0.6)
     looks = found.verdict.looks
     assert len(looks) > 1

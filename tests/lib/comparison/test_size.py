@@ -59,7 +59,10 @@ def test_the_size_is_the_largest_of_which_replicates_enough_fit_into_the_time(
 
 
 def test_no_image_is_made_smaller_than_need_be(monkeypatch):
-    """24 replicates do not fit, but 8 do: one divisor less, and the image were larger than SMALL."""
+    """24 replicates do not fit, but 8 do.
+
+    With one divisor less, the image would be larger than SMALL.
+    """
     found, _ = chosen(monkeypatch, 1920, 1080, 10.0, per=2e-6)
     assert 1920 * 1080 / found**2 <= SMALL < 1920 * 1080 / (found - 1) ** 2
 
@@ -74,7 +77,10 @@ def test_eight_replicates_come_before_the_size(monkeypatch):
 
 @pytest.mark.parametrize("divisor", [2, 4])
 def test_a_smaller_image_of_the_reference_shows_the_same(divisor):
-    """Its pixels are the means of the pixels that they cover, up to noise and the pixel filter."""
+    """Its pixels are the means of the pixels that they cover.
+
+    This holds up to noise and the pixel filter.
+    """
     camera = orthographic(64, 48, 1.5, (0.3, 0.1, 1.0))
     made = ReferenceRenderer(scene(floor(), diffuse(0.5), camera))
     large = made.render(0, 16).radiance

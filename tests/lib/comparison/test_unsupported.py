@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small object of an unsupported material in a closed room: most regions are judged, and none wrongly."""
+"""A small object of an unsupported material in a closed room.
+
+Most regions are judged, and none wrongly.
+"""
 
 from dataclasses import replace
 
@@ -31,7 +34,10 @@ LAMP = AreaLight(
 
 
 def room(of_cube, walls=0.6):
-    """A closed room under a lamp, seen from inside, with a small cube that stands near a corner."""
+    """A closed room under a lamp, seen from inside.
+
+    A small cube stands near a corner.
+    """
     inside = cube(2.0, (0.0, 0.0, 2.0), 0)
     small = cube(0.15, (-1.3, 1.4, 0.15), 1)
     view = perspective(24, 16, 1.2, (0.0, -1.8, 2.0), (0.0, 1.8, -0.9))
@@ -39,7 +45,10 @@ def room(of_cube, walls=0.6):
 
 
 def judged(truth, seed, options=OPTIONS):
-    """The comparison of a reference that lacks the cube's material with one that has all of `truth`."""
+    """The comparison of a reference without the cube's material.
+
+    The candidate has all of `truth`.
+    """
     partial = replace(truth, materials=(diffuse(0.6), HAIR))
     reference = ReferenceRenderer(partial, Options(seed=seed, threads=1))
     candidate = ReferenceRenderer(truth, Options(seed=seed + 1, threads=1))
@@ -73,7 +82,10 @@ def test_whatever_the_unsupported_material_is_nothing_differs(truth, seed):
 
 @pytest.mark.slow
 def test_a_darker_candidate_differs_and_a_brighter_one_stays_open(seed):
-    """Light that is missing from the reference can explain that the candidate is brighter, never that it is darker."""
+    """Light that is missing from the reference can explain a brighter candidate.
+
+    It can never explain a darker one.
+    """
     few = replace(OPTIONS, samples=24, replicates=8)
     darker = judged(room(diffuse(0.5), walls=0.45), seed, few)
     assert darker.verdict.outcome is Outcome.DIFFERENT
@@ -91,11 +103,12 @@ def test_a_darker_candidate_differs_and_a_brighter_one_stays_open(seed):
 
 
 def test_the_room_is_what_a_white_plate_sends_to_a_floor(seed):
-    """A plate at height h above the floor, under an even sky, and no light below: the floor sees the plate with a form factor F.
+    """A plate at height h above the floor, under a uniform sky, and no light below.
 
-    The floor beneath the middle of a square of half-width a gets F = 4 / pi (x / s) atan(x / s) of its light from there, x = a / h
-    and s = sqrt(1 + x^2) (a quarter of it: Howell, "A catalog of radiation configuration factors", B-3). Where light passes straight,
-    that is all the sky's; the reference has none of it, so the room is F / (1 - F).
+    The floor sees the plate with a form factor F. The floor beneath the middle of a square of half-width a gets F = 4
+    / pi (x / s) atan(x / s) of its light from there, x = a / h and s = sqrt(1 + x^2) (a quarter of it: Howell, "A
+    catalog of radiation configuration factors", B-3). Where light passes straight, that is all the sky's; the
+    reference has none of it, so the room is F / (1 - F).
     """
     plate = quad((-0.5, -0.5, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 1)
     view = perspective(8, 8, 0.02, (0.0, 0.0, 0.9), (0.0, 0.0, -1.0))

@@ -22,7 +22,10 @@ def run(*ways, **options):
     [pytest.param(1.0, 1.0, marks=pytest.mark.slow), (1.0, None), pytest.param(1.3, None, marks=pytest.mark.slow)],
 )
 def test_coverage(rate, known, seed):
-    """Seconds of a run to come, sixteen times as far as the pilots went, in 90 of 100 cases inside the interval."""
+    """Seconds of a run to come lie in the interval in 90 of 100 cases.
+
+    The run goes sixteen times as far as the pilots.
+    """
     hits = 0
     for k in range(RUNS):
         renderer = {"seed": seed + k, "rate": rate, "fixed": 5e-3, "jitter": 0.05}
@@ -45,7 +48,10 @@ def test_an_interval_says_something(seed):
 
 
 def test_floor(seed):
-    """A bias of 5 % cannot be rendered away: 10 % takes more samples than without it, 4 % is never reached."""
+    """A bias of 5 % cannot be rendered away.
+
+    10 % takes more samples than without it, 4 % is never reached.
+    """
     found = run(way("truth", seed=seed), way("biased", Bias.FLOOR, 1.0, seed=seed + 1, bias=0.05), most_samples=256)
     told = forecast(found["biased"], 0.1 * np.sqrt(RELATIVE))
     # 1 / N + 0.05^2 = 0.1^2
@@ -59,7 +65,10 @@ def test_floor(seed):
 
 
 def test_unknown_bias_is_not_extrapolated(seed):
-    """A way of which only measuring tells: inside what was measured it is read off, outside it is not reached."""
+    """A way whose bias only measuring tells.
+
+    Inside the measured range the error is read off, outside it is not reached.
+    """
     found = run(way("truth", seed=seed), way("denoised", Bias.UNKNOWN, seed=seed + 1))
     assert forecast(found["denoised"], 0.5).samples.median == pytest.approx(4.0, abs=1.0)
     assert not forecast(found["denoised"], 0.1).reached

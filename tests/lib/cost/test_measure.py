@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors, floors and ratios of renderers whose true ones are known, with intervals that cover at their rate."""
+"""Errors, floors and ratios of renderers whose true ones are known.
+
+Their intervals cover at their rate.
+"""
 
 import numpy as np
 import pytest
@@ -61,7 +64,10 @@ def test_variance_bias_and_ratio_cover(seed):
 
 
 def test_the_truth_s_own_noise_is_no_bias(rng):
-    """With a truth as noisy as the images an unbiased way's bias^2 is zero in the mean, where (mean - truth)^2 is not."""
+    """The truth is as noisy as the images.
+
+    An unbiased way's bias^2 is zero in the mean, where (mean - truth)^2 is not.
+    """
     bias, naive = [], []
     for _ in range(200):
         noisy = TRUTH * (1.0 + 0.5 * rng.standard_normal((10, HEIGHT, WIDTH, 3)))
@@ -74,7 +80,10 @@ def test_the_truth_s_own_noise_is_no_bias(rng):
 
 
 def test_trimmed_and_median(rng):
-    """Both are those of a Gaussian's square, and a single pixel that is off by a factor of thousand moves the mean alone."""
+    """Both are those of a Gaussian's square.
+
+    A single pixel that is off by a factor of thousand moves the mean alone.
+    """
     truths = [TRUTH * (1.0 + 1e-3 * rng.standard_normal(TRUTH.shape)) for _ in range(2)]
     yardstick = Yardstick(truths)
     grey = TRUTH * (1.0 + 0.1 * rng.standard_normal((4000, *TRUTH.shape[:2], 1))[:2].reshape(2, HEIGHT, WIDTH, 1))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The report of a measurement: complete files that agree with each other, names escaped, gaps told."""
+"""The report of a measurement.
+
+Its files are complete and agree with each other, names are escaped, and gaps are reported.
+"""
 
 import csv
 import json
@@ -50,7 +53,10 @@ def measurement(measured):
 
 
 def test_the_folder(measurement, tmp_path):
-    """JSON without NaN, CSV with its points, pictures, a page in which the scene's name is text."""
+    """The folder has JSON without NaN, CSV with its points, and pictures.
+
+    The scene's name is text on the page.
+    """
     forms = (Form("Fresnel", "Schlick", "exact", 0.1, 0.2, 1.0, 30.0),)
     figures = write_cost(measurement, Extras(forms, command="etalon cost <x>"), tmp_path)
     assert {p.name for p in tmp_path.iterdir()} == {"cost.html", "cost.json", "cost.csv", "cost.png", "cost.svg"}
@@ -159,7 +165,10 @@ def test_nothing_reaches_it(measurement):
 
 
 def test_forms_of_the_model():
-    """Known sizes: Walter's fit of Lambda is 0.3 % off in G1, Cook-Torrance is exact for glass, float32 has seven digits."""
+    """The forms have known errors.
+
+    Walter's fit of Lambda is 0.3 % off in G1, Cook-Torrance is exact for glass, float32 has seven digits.
+    """
     found = {(f.equation, f.form): f for f in measure_forms()}
     assert found["G1 of Beckmann", "rational Lambda"].largest_error == pytest.approx(3.1e-3, rel=0.1)
     assert found["Fresnel, glass", "Cook-Torrance"].largest_error < 1e-13

@@ -35,7 +35,10 @@ REPLICATES = 62
 
 
 def furnace():
-    """A white world over facets that see nothing of each other, and a sun that the middle ones mirror to the camera."""
+    """A white world over facets that do not see each other.
+
+    The middle ones mirror a sun to the camera.
+    """
     inside = (0.2, 0.2, 0.2, 1.0), (0.9, 0.9, 0.9, 1.0)
     ramp = ColorRamp(LayerWeight(Constant(0.5), output="FACING"), (0.5610, 0.5620), inside)
     checker = np.ones((2, 2, 4), np.float32)
@@ -57,7 +60,10 @@ def furnace():
 
 
 def coats():
-    """A rough coat over a white base, and a layer that is no coat, in a white world, as Blender 5.3 has them."""
+    """A rough coat over a white base, and a layer that is no coat, in a white world.
+
+    They are as Blender 5.3 has them.
+    """
     coat = BeneathLayer(Constant(1.5), WHITE, Constant(0.8), ONE, "MULTI_GGX", coat=True)
     layer = BeneathLayer(Constant(1.5), WHITE, Constant(0.6), ONE)
     materials = [
@@ -76,7 +82,10 @@ def early():
 
 
 def slope():
-    """Two floors: one smooth, under a sun below its face but above its normals, one rough, under another sun."""
+    """Two floors under two suns.
+
+    One is smooth, under a sun below its face but above its normals, the other rough.
+    """
     parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
     tilted = np.repeat(np.array([[np.sin(0.5)], [0.0], [np.cos(0.5)]]), 4, axis=1)
     parts[0] = scenes.Part(parts[0].vertices, parts[0].triangles, 0, tilted)
@@ -106,13 +115,19 @@ def documents():
 
 
 def phong():
-    """Facets by Ashikhmin and Shirley under grazing angles in a white world, and rough ones beside them."""
+    """Facets by Ashikhmin and Shirley under grazing angles in a white world.
+
+    Rough facets stand beside them.
+    """
     materials = [scenes.glossy(0.7**2, 0.9, distribution="ASHIKHMIN_SHIRLEY"), scenes.glossy(0.6, 0.9)]
     return scenes.scene(scenes.fan(ANGLES, 2), materials, scenes.fan_camera(ANGLES, 2), world=1.0)
 
 
 def window():
-    """Rough glass, a sun below it that only facets whose backs it sees refract to the camera, and a steep rough face without it."""
+    """Rough glass, and a steep rough face without it.
+
+    The sun is below the glass: only facets whose backs it sees refract it to the camera.
+    """
     low, steep = 0.2, np.radians(85.0)
     parts = [
         scenes.quad((-2.0, -1.0, 0.0), (2.0, 0.0, 2.0 * np.tan(low)), (0.0, 2.0, 0.0), 0),
@@ -151,7 +166,10 @@ def films():
 
 
 def curved():
-    """Facets whose colour a curve makes of values above its end, where its handle falls and its table is flat."""
+    """Facets whose colour a curve makes of values above its end.
+
+    Its handle falls there and its table is flat.
+    """
     curve = Curve(0.0, 1.0, (0.2, *(0.9,) * 256), (0.2, 0.0), (0.9, -0.8))
     facing = Math("ADD", LayerWeight(Constant(0.5), output="FACING"), ONE, Constant(0.0))
     materials = scenes.material(Diffuse(Curves(ONE, ValueToColor(facing), (curve,) * 3)))
@@ -159,7 +177,10 @@ def curved():
 
 
 def decal():
-    """A texture of even texels that cover half of what they lie on, shining and as a diffuse floor under a sun."""
+    """A texture of uniform texels that cover half of what they lie on.
+
+    It shines, and it is a diffuse floor under a sun.
+    """
     parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
     texture = ImageTexture(Coordinates("POSITION"), 0, interpolation="CLOSEST", association="MULTIPLIED")
     materials = [scenes.material(Emission(texture)), scenes.material(Diffuse(texture))]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Each switch against Cycles itself: with its departures on, the reference shows what Cycles shows; off, it does not where they act."""
+"""Each switch against Cycles itself.
+
+With its departures on, the reference shows what Cycles shows; off, it does not where they act.
+"""
 
 import bpy
 import numpy as np
@@ -84,7 +87,10 @@ def facets(materials):
 
 
 def furnace():
-    """Facets under three angles in a white world, and a sun that the middle ones mirror to the camera; a row for each material."""
+    """Facets under three angles in a white world, a row for each material.
+
+    The middle ones mirror a sun to the camera.
+    """
     columns, rows = len(ANGLES), 6
     building.start("furnace", TILE * columns, TILE * rows, 0)
     building.world((1.0, 1.0, 1.0))
@@ -104,7 +110,10 @@ def furnace():
 
 
 def layers():
-    """Glossy layers over a diffuse base, without and with compensation, a coat, and glass, in a white world under three angles."""
+    """Glossy layers over a diffuse base, in a white world under three angles.
+
+    They are without and with compensation, with a coat, and glass.
+    """
     columns, rows = len(ANGLES), 4
     building.start("layers", TILE * columns, TILE * rows, 0)
     building.world((1.0, 1.0, 1.0))
@@ -143,7 +152,10 @@ def soft_box():
 
 
 def window():
-    """Rough glass seen from above, and a sun below it that only facets whose backs it sees refract to the camera."""
+    """Rough glass seen from above, and a sun below it.
+
+    Only facets whose backs the sun sees refract it to the camera.
+    """
     building.start("window", TILE, TILE, 0)
     building.world((0.02, 0.02, 0.02))
     glass = rough("Glass", "GGX", 0.8)
@@ -216,7 +228,10 @@ def test_the_reference_departs_as_cycles_does(build):
     cycles = tiles(CyclesRenderer(bpy.context.scene, threads=2), samples)
 
     def apart(names):
-        """Relative difference from Cycles (rows, columns, 3) with the departures `names`, and its standard error."""
+        """Relative difference from Cycles (rows, columns, 3), and its standard error.
+
+        The reference has the departures `names`.
+        """
         shown = tiles(ReferenceRenderer(scene, Options(departures=frozenset(names))), samples)
         scale = shown.mean(axis=0)
         variance = cycles.var(axis=0, ddof=1) + shown.var(axis=0, ddof=1)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Planted cases: a candidate that is the reference with one or two departures on, under other seeds. Attribution must name exactly those.
+"""Planted cases: attribution must name exactly the departures that were planted.
 
-Each scene lets every departure act on cells of its own, well beyond the tolerance.
+The candidate is the reference with one or two departures on, under other seeds. Each scene lets every departure act on
+cells of its own, well beyond the tolerance.
 """
 
 from dataclasses import replace
@@ -66,7 +67,10 @@ def test_attribution_names_exactly_what_was_planted(make, names, seed):
 
 @pytest.mark.parametrize("make", list(SCENES))
 def test_departures_act_on_the_passes_that_the_catalogue_says(make):
-    """The same random numbers with and without: what may not change is the same bit by bit, and something else is not."""
+    """The same random numbers with and without the departure.
+
+    What may not change is the same bit for bit, and something else is not.
+    """
     scene = make()
     options = Options(threads=1, masking=masking(make))
     plain = ReferenceRenderer(scene, options, passes=tuple(LightPass)).render(0, 16).passes

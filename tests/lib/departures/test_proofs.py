@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which side is right: each departure against quadrature, a closed form or a law of conservation, never against a renderer."""
+"""Which side is right: proofs of departures.
+
+Each is tested against quadrature, a closed form or a law of conservation, never against a renderer.
+"""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -41,9 +44,10 @@ def towards(cos):
 
 @pytest.mark.parametrize("angle", [36.0, 60.0, 78.0])
 def test_what_microfacets_show_of_themselves_is_what_there_is_to_see(angle):
-    """The visible part of all facets projects onto wo as the surface itself does: integral of D max(o.m, 0) = (1 + Lambda) o.n.
+    """The visible part of all facets projects onto wo as the surface itself does.
 
-    Heitz 2014, eq. 5 and 14. Over slopes x, y of a Beckmann surface of alpha 1 it is a Gaussian integral, here to 30 digits.
+    The integral of D max(o.m, 0) is (1 + Lambda) o.n (Heitz 2014, eq. 5 and 14). Over slopes x, y of a Beckmann
+    surface of alpha 1 it is a Gaussian integral, here to 30 digits.
     """
     theta = mpmath.radians(angle)
     cos, sin = mpmath.cos(theta), mpmath.sin(theta)
@@ -58,9 +62,10 @@ def test_what_microfacets_show_of_themselves_is_what_there_is_to_see(angle):
 
 
 def test_masking_and_shadowing_share_the_height_of_the_facet():
-    """On Smith's surface a ray leaves unhindered with probability u^Lambda from the height that a share u of it lies below.
+    """On Smith's surface a ray leaves unhindered with probability u^Lambda.
 
-    Both directions leave from one height: the mean over u is 1 / (1 + sum), not the product of two means.
+    It starts at the height that a share u of the surface lies below. Both directions leave from one height: the mean
+    over u is 1 / (1 + sum), not the product of two means.
     """
     both, each = (np.array([0.3]), np.array([1.7])), [1.0 / 1.3, 1.0 / 2.7]
     mean = float(mpmath.quad(lambda u: u ** mpmath.mpf("0.3") * u ** mpmath.mpf("1.7"), [0, 1]))
@@ -70,7 +75,10 @@ def test_masking_and_shadowing_share_the_height_of_the_facet():
 
 
 def test_through_facets_seen_from_behind_glass_would_make_light():
-    """Over the sphere a density holds at most 1 and single scattering gives back at most what arrives; by quadrature, at 80 degrees."""
+    """A density holds at most 1, and scattering gives back at most what arrives.
+
+    Both are over the sphere, for single scattering; by quadrature, at 80 degrees.
+    """
     mu, weight = roots_legendre(600)
     phi = np.arange(400) * 2 * np.pi / 400
     sin = np.sqrt(1 - mu * mu)[:, None]
@@ -92,7 +100,10 @@ def test_through_facets_seen_from_behind_glass_would_make_light():
 
 
 def hemisphere(nodes, around):
-    """Directions (3, n) of the upper hemisphere at Gauss-Legendre nodes in the cosine, and their solid angles."""
+    """Directions (3, n) of the upper hemisphere, and their solid angles.
+
+    They lie at Gauss-Legendre nodes in the cosine.
+    """
     mu, weight = roots_legendre(nodes)
     mu, phi = np.meshgrid(0.5 + 0.5 * mu, 2.0 * np.pi * (np.arange(around) + 0.5) / around, indexing="ij")
     sine = np.sqrt(1.0 - mu * mu)
@@ -105,10 +116,10 @@ def hemisphere(nodes, around):
     [(0.5, 0.06), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.7, 0.35), (0.9, 0.6)))],
 )
 def test_half_vectors_that_face_away_from_the_viewer_give_no_light(roughness, least):
-    """In a uniform world the mean weight of samples is the integral of the lobe, Ashikhmin and Shirley 2000, eq. 4, over directions.
+    """In a uniform world the mean weight of samples is the integral of the lobe.
 
-    The departure adds the half vectors h of eq. 5 with h.o < 0, each by n.d / max(n.o, n.d) for d = -o - 2 (h.o) h. Both integrals
-    are written out here; at 80 degrees.
+    That is over directions (Ashikhmin and Shirley 2000, eq. 4). The departure adds the half vectors h of eq. 5 with
+    h.o < 0, each by n.d / max(n.o, n.d) for d = -o - 2 (h.o) h. Both integrals are written out here; at 80 degrees.
     """
     n, cos_o = 2.0 / roughness**4 - 2.0, np.cos(np.radians(80.0))
     o = towards(cos_o)
@@ -133,7 +144,10 @@ def test_half_vectors_that_face_away_from_the_viewer_give_no_light(roughness, le
 
 
 def test_what_glass_reflects_follows_its_index():
-    """At normal incidence ((n - 1) / (n + 1))^2 of the index at the wavelength, by Fresnel's equations; the departure has n_d's."""
+    """At normal incidence glass reflects ((n - 1) / (n + 1))^2 at the wavelength's index.
+
+    That is by Fresnel's equations; the departure has n_d's.
+    """
     wavelength = np.array([430.0, 587.56, 700.0])
     points = SimpleNamespace(backfacing=np.zeros(3, bool), wavelength=wavelength)
     glass = Glass(ior=Constant(1.5), dispersion=Constant(0.2))
@@ -150,7 +164,10 @@ def test_what_glass_reflects_follows_its_index():
 
 
 def test_a_film_looks_alike_from_both_sides():
-    """A lossless film reflects as much from outside as from inside at the refracted angle, wavelength by wavelength (Stokes)."""
+    """A lossless film reflects as much from outside as from inside (Stokes).
+
+    Inside the angle is the refracted one, and each wavelength is tested.
+    """
     read = lambda socket: np.asarray(socket.value)  # noqa: E731
     glass = Glass(ior=Constant(1.5), film_thickness=Constant(300.0), film_ior=Constant(1.8))
     outside = np.array([0.3, 0.6, 0.95])
@@ -167,7 +184,10 @@ def test_a_film_looks_alike_from_both_sides():
 
 
 def test_a_film_is_more_than_three_orders_of_interference():
-    """Under equal light of all wavelengths, by the reflectance of a film at each (Born and Wolf, sec. 1.6.4), near grazing on a metal."""
+    """Under equal light of all wavelengths, by the reflectance of a film at each.
+
+    See Born and Wolf, sec. 1.6.4. The view is near grazing on a metal.
+    """
     observer = np.loadtxt(Path(thin_film.__file__).with_name("observer.txt"))
     weights = thin_film._REC709 @ observer[:, 1:].T
     weights /= weights.sum(axis=1, keepdims=True)
@@ -210,9 +230,10 @@ def test_a_white_surface_loses_nothing_by_the_exact_albedo_alone():
 
 
 def test_a_layer_and_what_it_leaves_make_up_all_the_light():
-    """Over a white base that gives back whatever it gets, a layer without absorption and its base reflect 1 together.
+    """A layer without absorption and a white base reflect 1 together.
 
-    What the layer reflects is integrated over the lobe itself: D G F / (4 cos), F of the dielectric at the facet.
+    The base gives back whatever it gets. What the layer reflects is integrated over the lobe itself: D G F / (4 cos),
+    F of the dielectric at the facet.
     """
     cos, alpha = np.array([0.1, 0.3, 0.6, 0.9]), np.full(4, 0.6**2)
     white = np.ones((3, 1))
@@ -227,7 +248,10 @@ def test_a_layer_and_what_it_leaves_make_up_all_the_light():
 
 @pytest.mark.parametrize("ior", [0.8, 0.9])
 def test_a_layer_that_reflects_totally_leaves_nothing_there(ior):
-    """As above for an index below 1, at grazing, where nearly all is reflected totally: by Cycles' table the base gets it once more."""
+    """As above for an index below 1, at grazing, where nearly all is reflected totally.
+
+    By Cycles' table the base gets it once more.
+    """
     cos, alpha = np.array([0.1, 0.2]), np.full(2, 0.1**2)
     white = np.ones((3, 1))
     reflected = albedo.integrate_albedo(cos, alpha, reflectance=lambda c: dielectric(c, ior))
@@ -241,9 +265,10 @@ def test_a_layer_that_reflects_totally_leaves_nothing_there(ior):
 
 @pytest.mark.parametrize("roughness", [0.2, 0.4, 0.8])
 def test_a_coat_takes_from_below_what_it_reflects(roughness):
-    """A coat with its multiple scattering, by quadrature, and a white base under it reflect 1 together, to what its average costs.
+    """A coat with its multiple scattering and a white base under it reflect 1 together.
 
-    Multiple scattering gives back E + Fms (1 - E) of a layer that loses E; without that factor more is taken than is given.
+    This holds by quadrature, to what its average costs. Multiple scattering gives back E + Fms (1 - E) of a layer that
+    loses E; without that factor more is taken than is given.
     """
     cos, alpha, ior = np.array([0.1, 0.3, 0.6, 0.99]), roughness**2, 1.5
     white = np.ones((3, 1))
@@ -268,7 +293,10 @@ def test_a_coat_takes_from_below_what_it_reflects(roughness):
 
 @pytest.mark.parametrize("color", [0.1, 0.5, 0.8, 1.0])
 def test_light_carries_the_colour_once_for_each_scattering(color):
-    """A walk that leaves with probability E(o) at first and Eavg at every scattering after that, times the colour each time."""
+    """A walk that leaves with probability E(o) at first and Eavg at every later scattering.
+
+    The colour multiplies it each time.
+    """
     roughness, cos_o = 1.0, 0.4
     a = 1.0 / (np.pi + roughness * (np.pi / 2.0 - 2.0 / 3.0))
     average = np.pi * a + roughness * a * (2.0 * np.pi - 5.6) / 3.0
@@ -309,7 +337,10 @@ def test_a_narrow_light_sends_out_its_power(spread):
 
 @pytest.mark.parametrize("copies", [1, 2, 3])
 def test_a_face_in_the_place_of_another_adds_nothing(copies):
-    """Of a floor under a sun: irradiance times albedo over pi, however often it is there; with the departure nothing once it is there twice."""
+    """A floor under a sun shows irradiance times albedo over pi, however often it exists.
+
+    With the departure it shows nothing once it exists twice.
+    """
     sun = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (np.pi,) * 3)
     camera = scenes.orthographic(1, 1, 1.0, (0.1, 0.0, 5.0))
     scene = scenes.scene([scenes.floor()] * copies, scenes.diffuse(0.8), camera, (sun,))
@@ -323,9 +354,10 @@ def test_a_face_in_the_place_of_another_adds_nothing(copies):
 
 @pytest.mark.slow
 def test_how_light_is_sampled_does_not_matter_without_the_departure(seed):
-    """A floor whose normals lean by 0.5 in a uniform world that both strategies sample: every way gives (1 + cos 0.5) / 2.
+    """A floor whose normals lean by 0.5 in a uniform world: all ways give (1 + cos 0.5) / 2.
 
-    With light from below the face each way gives an answer of its own, light sampling the whole half-space of the normal.
+    Both strategies sample the world. With light from below the face each way gives an answer of its own, light
+    sampling the whole half-space of the normal.
     """
     lean = 0.5
     floor = scenes.floor()

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Proof that walks of any length belong to the model: what leaves a half space after each number of scatterings, by Chandrasekhar.
+"""Proof that walks of any length belong to the model, by Chandrasekhar.
 
-R(w) = 1 - sqrt(1 - w) H(w) is the generating function of the chances to leave after n scatterings, p_n: R = sum p_n w^n. Its values on
-a circle give each of them, without any walk.
+It gives what leaves a half space after each number of scatterings. R(w) = 1 - sqrt(1 - w) H(w) is the generating
+function of the chances to leave after n scatterings, p_n: R = sum p_n w^n. Its values on a circle give each of them,
+without any walk.
 """
 
 import numpy as np
@@ -20,7 +21,10 @@ MU, WEIGHT = 0.5 * (NODE + 1.0), 0.5 * WEIGHT
 
 
 def left_after(albedo, cosine=1.0):
-    """albedo^n p_n for n = 0 to POINTS - 1: what leaves after n scatterings of light that enters with a cosine."""
+    """albedo^n p_n for n = 0 to POINTS - 1.
+
+    It is what leaves after n scatterings of light that enters with a cosine.
+    """
     turn = albedo * np.exp(2j * np.pi * np.arange(POINTS // 2 + 1) / POINTS)
     root, h = np.sqrt(1.0 - turn), np.ones((turn.size, MU.size), complex)
     kernel = WEIGHT * MU / (MU[:, None] + MU)

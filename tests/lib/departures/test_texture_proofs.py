@@ -15,7 +15,10 @@ from scipy.special import roots_legendre
 
 
 def test_interpolation_keeps_the_light_of_a_texture():
-    """The mean over a repeated image is the mean of its texels' light, whatever lies between them; of code values it is not."""
+    """The mean over a repeated image is the mean of its texels' light.
+
+    It is so whatever lies between them; of code values it is not.
+    """
     codes = np.ones((2, 2, 4), np.float32)
     codes[..., :3] = np.array([[0.1, 1.0], [0.6, 0.3]])[..., None]
     image = Image("texels", codes, "SRGB")
@@ -31,9 +34,10 @@ def test_interpolation_keeps_the_light_of_a_texture():
 
 @pytest.mark.parametrize("interpolates_codes", [True, False])
 def test_half_covered_texels_reflect_half_the_light(interpolates_codes):
-    """Alpha is a share of an area: texels of alpha 1/2 give what every other texel being there gives, half of the decoded light.
+    """Alpha is a share of an area.
 
-    That is so wherever colours are interpolated; of code values halved before they are decoded it is not.
+    Texels of alpha 1/2 give half of the decoded light, as every other texel would. That is so wherever colours are
+    interpolated; of code values halved before they are decoded it is not.
     """
     solid = np.array([0.6, 0.6, 0.6, 1.0], np.float32)
     half = np.tile(np.array([0.6, 0.6, 0.6, 0.5], np.float32), (2, 2, 1))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Departures that a sun behind the camera shows without noise, on the Blender at hand: those that it has reproduce it, no other does.
+"""Departures that a sun behind the camera shows without noise, on the Blender at hand.
 
-One facet for each cosine, one row for each material, one sample per pixel. Both ends of a departure's range are tested by running this
-file on the releases beside them.
+Those that it has reproduce it, no other does. One facet for each cosine, one row for each material, one sample per
+pixel. Both ends of a departure's range are tested by running this file on the releases beside them.
 """
 
 import bpy
@@ -103,7 +103,10 @@ INNER_TABLES = Versions("5.3")
 
 @pytest.fixture(scope="module")
 def scene():
-    """All materials at all cosines, and a sun behind the camera: nothing that is seen lies in shadow."""
+    """All materials at all cosines, and a sun behind the camera.
+
+    Nothing that is seen lies in shadow.
+    """
     columns, rows = len(COSINES), len(CASES)
     building.start("facets", TILE * columns, TILE * rows, 0)
     slope = np.sqrt(1.0 - np.square(COSINES)) / COSINES
@@ -173,10 +176,10 @@ def test_the_departures_of_this_blender_reproduce_it_and_each_is_needed(name, sc
 
 
 def test_every_end_of_a_range_is_told():
-    """A departure that not all releases have is in a case above, so that it fails beyond its range.
+    """A departure that not all releases have is in a case above.
 
-    Dispersion is never without noise: test_proofs.py has the closed form of its departure. Films begin with 5.0 because what is before is
-    refused.
+    So it fails beyond its range. Dispersion is never without noise: test_proofs.py has the closed form of its
+    departure. Films begin with 5.0 because what is before is refused.
     """
     bounded = {d.name for d in DEPARTURES if str(d.versions) != "all versions"}
     untold = {"undispersed reflectance"} if FILMS else {"undispersed reflectance", FILM, INSIDE_FILM}

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bodies whose faces light cannot leave for another: proved where it holds, never claimed where a ray does."""
+"""Bodies whose faces light cannot leave for another.
+
+It is proved where it holds, and never claimed where a ray does.
+"""
 
 from dataclasses import replace
 
@@ -126,7 +129,10 @@ def test_a_panorama_outside():
 
 
 def _rays_that_hit(geometry, rng):
-    """How many of some thousand rays that leave faces, on the side of their normals, hit a face."""
+    """How many rays hit a face.
+
+    Some thousand rays leave faces on the side of their normals.
+    """
     caster = Raycaster(geometry)
     count = 4096
     triangle = rng.integers(0, geometry.triangle_count, count)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a plan leaves out was not needed: the planned image is that with every effect forced on."""
+"""What a plan leaves out was not needed.
+
+The planned image is that with every effect forced on.
+"""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar

@@ -105,7 +105,10 @@ def test_a_constant_behind_nodes_is_still_a_constant():
 
 
 def test_what_is_not_called_for_is_not_run(seed):
-    """The stage clock knows no stage that the plan leaves out, and no shadow ray is traced where none is asked for."""
+    """The stage clock has no stage that the plan leaves out.
+
+    No shadow ray is traced where none is needed.
+    """
 
     def stages(the_scene):
         return ReferenceRenderer(the_scene, Options(seed=seed, threads=1)).render(0, 4).stages

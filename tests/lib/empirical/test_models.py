@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The empirical models: samples against their densities, values against their definitions, and what each gets wrong."""
+"""The empirical models: samples against their densities, values against definitions.
+
+Also what each gets wrong.
+"""
 
 from pathlib import Path
 
@@ -159,7 +162,10 @@ def test_the_page_about_the_lecture_shows_what_is_measured():
 
 
 def test_light_that_grazes_phongs_surface_is_reflected_twice():
-    """What all observers get of a light at 85 degrees: modified Phong's albedo times (n + 1) / (n + 2) / cos."""
+    """What all observers get of a light at 85 degrees.
+
+    It is modified Phong's albedo times (n + 1) / (n + 2) / cos.
+    """
     n, cosine = (2.0 / 0.3**2 - 2.0) / 4.0, np.cos(np.radians(85.0))
     reflected = directional_albedo(FORMS["modified-phong"], cosine, 0.3, 0.3) * (n + 1.0) / (n + 2.0) / cosine
     assert reflected == pytest.approx(2.12, abs=0.02)

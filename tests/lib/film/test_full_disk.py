@@ -35,7 +35,10 @@ def write(folder, images):
 
 
 def cut(monkeypatch, share):
-    """Have image files end after a share of their bytes once they are closed, as on a full disk, with no error."""
+    """Have image files end after a share of their bytes once they are closed.
+
+    There is no error, as on a full disk.
+    """
     create = OpenImageIO.ImageOutput.create
 
     class Output:

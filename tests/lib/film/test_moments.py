@@ -29,7 +29,10 @@ def one_by_one(values):
 
 @pytest.mark.parametrize("offset", [0.0, 1.0, 1e8])
 def test_moments_are_exact_to_rounding(rng, offset):
-    """With an offset of 1e8, E[x^2] - E[x]^2 would have no digit left: 1e16 times 2^-53 is all of the variance."""
+    """With an offset of 1e8, E[x^2] - E[x]^2 would have no digit left.
+
+    1e16 times 2^-53 is all of the variance.
+    """
     values = offset + rng.standard_normal((200, 5))
     mean, m2 = exact(values)
     moments = one_by_one(values)

@@ -38,7 +38,10 @@ def test_dense_and_sparse_coverage_are_the_same(rng, form):
 
 
 def test_a_region_lies_in_another_if_none_of_its_pixels_is_outside(rng):
-    """By the definition, pixel by pixel: blocks lie in the image, those that an object covers lie in the object."""
+    """By the definition, pixel by pixel.
+
+    Blocks lie in the image, those that an object covers lie in the object.
+    """
     weights = np.zeros((20, 33))
     weights[:16, 4:] = rng.uniform(0.1, 1.0, (16, 29))
     regions = image_regions(20, 33, {"object": [("Sphere", weights)]})
@@ -104,7 +107,10 @@ def test_pixels_excluded_later_leave_the_exact_mean_and_no_less_variance(rng):
 
 
 def test_regions_that_are_not_rendered_keep_what_they_had(rng):
-    """Of a part of the image only the regions in it are added to, and only they lose a pixel that turns out bad there."""
+    """Of a part of the image only the regions in it are added to.
+
+    Only they lose a pixel that turns out bad there.
+    """
     regions = image_regions(16, 32, {})
     right = np.array([False, False, True])
     images = rng.random((5, 16, 32, 3))

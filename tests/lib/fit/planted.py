@@ -13,7 +13,10 @@ METAL = ((0.3, 3.0), (0.5, 2.7), (0.7, 2.4))
 
 
 def pairs(rng, count):
-    """Directions wi and wo, (3, n), with half vectors about the normal, all within 80 degrees of it."""
+    """Directions wi and wo, (3, n), with half vectors about the normal.
+
+    All lie within 80 degrees of it.
+    """
     cosine, phi = rng.uniform(0.25, 1.0, count), rng.uniform(-np.pi, np.pi, count)
     sine = np.sqrt(1.0 - cosine * cosine)
     wo = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Planted materials are identified, intervals hold the truth, and what is no candidate is called so."""
+"""Planted materials are identified, and intervals hold the truth.
+
+A material that is no candidate is reported as such.
+"""
 
 from dataclasses import replace
 

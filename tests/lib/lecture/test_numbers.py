@@ -36,7 +36,10 @@ def test_visible_normals_all_face_the_observer(seed):
 
 
 def test_every_strategy_estimates_the_integral_with_slope_one_half(seed):
-    """Every size has the error of one sample over sqrt(N), within the spread that 64 replicates leave; a mean is off by < 5 errors."""
+    """Every size has the error of one sample over sqrt(N).
+
+    It is so within the spread that 64 replicates leave; a mean is off by < 5 errors.
+    """
     truth = uniform.integrate_reflected()
     assert uniform.integrate_reflected(160) == pytest.approx(truth, rel=1e-8)
     u1, u2 = np.random.default_rng(seed).random((2, 1 << 17))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scattering sampled from the light's side integrates to what its weights integrate to over the sphere, lobe by lobe and together."""
+"""Scattering sampled from the light's side integrates to what its weights do.
+
+They are integrated over the sphere, lobe by lobe and together.
+"""
 
 from functools import partial
 
@@ -35,7 +38,10 @@ ROUGH |= {
 
 
 def points_seen_from(kernel, light, triangle=40):
-    """A point of a face of the ball, COUNT times, as seen from `light`, far from the face's middle, where the normals differ."""
+    """A point of a face of the ball, COUNT times, as seen from `light`.
+
+    It lies far from the face's middle, where the normals differ.
+    """
     light = np.array(light) / np.linalg.norm(light)
     repeat = [np.repeat(v[:, None], COUNT, axis=1) for v in (kernel.caster.planes[:3, triangle], light)]
     u, v = np.full(COUNT, 0.7), np.full(COUNT, 0.1)
@@ -43,7 +49,10 @@ def points_seen_from(kernel, light, triangle=40):
 
 
 def moments(direction, weight, normal):
-    """Integrals (3, n) whose means are compared: both sides of the face, and a slope across the sphere."""
+    """Integrals (3, n) whose means are compared.
+
+    They are both sides of the face, and a slope across the sphere.
+    """
     side = dot(normal, direction) > 0.0
     return weight[0] * np.stack([side, ~side, np.exp(direction[0])])
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light tracing and path tracing are estimators of one image: they agree in every block, light by light and lobe by lobe."""
+"""Light tracing and path tracing are estimators of one image.
+
+They agree in every block, light by light and lobe by lobe.
+"""
 
 from dataclasses import replace
 
@@ -87,7 +90,10 @@ def test_roulette_and_plain_random_numbers_give_the_same_image(seed):
 
 @pytest.mark.slow
 def test_light_through_a_glass_ball_makes_the_same_caustic(seed):
-    """A lamp wider than the ball, so that path tracing finds it: two refractions, then the floor."""
+    """A lamp wider than the ball, so that path tracing finds it.
+
+    There are two refractions, then the floor.
+    """
     the_scene = ball_on_floor(glass(1.5), [replace(AREA, radiance=(6.0,) * 3)], subdivisions=3, bounces=2)
     assert_agree(the_scene, seed, samples=512, precision=0.08)
 
@@ -133,7 +139,10 @@ def test_a_forgotten_factor_of_shading_normals_is_seen(monkeypatch, seed):
 
 @pytest.mark.slow
 def test_lobes_of_the_wrong_side_are_seen(monkeypatch, seed):
-    """Lobes are asked for the direction to the camera: those that are made for the light's side weigh something else."""
+    """Lobes are evaluated for the direction to the camera.
+
+    Those that are made for the light's side have other weights.
+    """
     the_scene = ball_on_floor(MATERIALS["rough_glass"])
     monkeypatch.setattr(adjoint, "see_from", lambda points, wo: points)
     assert_seen(the_scene, seed)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any scene that keeps its rules gives a finite film by light tracing, and can be scouted, or is refused by name."""
+"""Any scene that keeps its rules gives a finite film by light tracing.
+
+It can be scouted, or is refused by name.
+"""
 
 from dataclasses import replace
 

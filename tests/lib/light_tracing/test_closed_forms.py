@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light tracing against closed forms: irradiance on a Lambert plane, furnaces, a box of lamps."""
+"""Light tracing against closed forms.
+
+They are irradiance on a Lambert plane, furnaces, and a box of lamps.
+"""
 
 import numpy as np
 import pytest
@@ -46,13 +49,19 @@ def test_sun(angle, seed):
 
 @pytest.mark.slow
 def test_a_white_sphere_vanishes_in_a_white_world(seed):
-    """Radiance 1 everywhere: where the camera sees the sphere, and where it sees the world past it."""
+    """Radiance is 1 everywhere.
+
+    That is where the camera sees the sphere, and where it sees the world past it.
+    """
     sphere = scene(icosphere(1.5, 2), diffuse(1.0), perspective(6, 6, 0.8, (0.0, 0.0, 4.0)), world=1.0)
     assert_mean(light_traced(sphere, 12, 2048, seed=seed), 1.0, 0.02)
 
 
 def test_walls_that_shine_and_reflect_add_up_to_a_geometric_series(seed):
-    """A closed box of radiance L and albedo a: L (1 + a + a^2 + ...), one term for each scattering that the bounces allow."""
+    """A closed box of radiance L and albedo a: L (1 + a + a^2 + ...).
+
+    There is one term for each scattering that the bounces allow.
+    """
     albedo, radiance, bounces = 0.6, 2.0, 2
     walls = material(Diffuse(color(albedo)), Emission(color(radiance)))
     box = scene(cube(1.0), walls, perspective(4, 4, 0.8, (0.03, -0.9, 0.1), (0.1, 1.0, -0.2)), bounces=bounces)

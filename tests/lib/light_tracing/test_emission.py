@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What leaves a light: its flux in closed form, and the radiance that a ray which meets it finds."""
+"""The light that leaves a light.
+
+Tested are its flux in closed form, and the radiance that a ray which meets it finds.
+"""
 
 from dataclasses import replace
 
@@ -87,7 +90,10 @@ def flux_onto(rays, ball):
 
 @pytest.mark.parametrize("name", [name for name in ALL if isinstance(light_sampler(ALL[name], 1.0), Aimable)])
 def test_aimed_rays_bring_the_same_flux_to_every_target(name, rng):
-    """Two targets that overlap and one apart, within 5 standard errors of rays that are not aimed, where 100 of these meet it."""
+    """Two targets that overlap and one apart get the flux of rays that are not aimed.
+
+    They agree within 5 standard errors, where 100 of these rays meet the target.
+    """
     light = light_sampler(ALL[name], 1.0)
     direction, density = Aim(light.extent, TARGETS).sample(tuple(rng.random((2, COUNT))))
     aimed = light.emit_along(direction, density, tuple(rng.random((2, COUNT))))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scouting pass finds the light of caustics, no other, and says what a camera path that finds it is worth."""
+"""The scouting pass finds the light of caustics, and no other.
+
+It also gives the worth of a camera path that finds it.
+"""
 
 from dataclasses import replace
 
@@ -46,7 +49,10 @@ def test_it_finds_all_light_of_a_scene_without_other_light(alpha, seed):
 
 
 def test_a_plane_mirror_shows_the_floor_a_second_lamp(seed):
-    """A point at (0, 0, 1) of intensity I under a mirror at z = 2: I a cos / D^2 of its image at (0, 0, 3); nothing of the lamp itself."""
+    """A point at (0, 0, 1) of intensity I under a mirror at z = 2.
+
+    The floor gets I a cos / D^2 of its image at (0, 0, 3), and nothing of the lamp itself.
+    """
     mirror = quad((-9.0, -9.0, 2.0), (0.0, 18.0, 0.0), (18.0, 0.0, 0.0), 0)
     lamp = PointLight("point", (0.0, 0.0, 1.0), (2.0, 2.0, 2.0))
     camera = perspective(2, 2, 0.4, (0.0, 0.0, 1.5))  # sees 1.2 m of the floor
@@ -73,7 +79,10 @@ def test_a_mirror_without_wide_lobes_or_bounces_casts_no_caustic(seed):
 
 
 def test_only_the_narrow_lobe_of_a_mixture_is_counted(seed):
-    """A lobe that shares a material with a diffuse one sends as much light to the floor as alone."""
+    """A lobe that shares a material with a diffuse one.
+
+    It sends as much light to the floor as alone.
+    """
     alone = scouted(lit_by_a_ball(glossy(0.0, 0.5)), seed).replicates(LABELS)
     mixed = scouted(lit_by_a_ball(material(Diffuse(color(0.3)), Glossy("GGX", color(0.5)))), seed).replicates(LABELS)
     np.testing.assert_allclose(mixed, alone, rtol=1e-12)

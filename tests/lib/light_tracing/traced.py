@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Replicates by light tracing, and the scenes that light tracing and path tracing must agree on."""
+"""Replicates by light tracing.
+
+Also the scenes that light tracing and path tracing must agree on.
+"""
 
 from dataclasses import replace
 
@@ -33,7 +36,10 @@ def light_traced(the_scene, count, samples, **options):
 
 
 def assert_agree(the_scene, seed, samples=256, precision=0.05, size=5, **options):
-    """Path tracing and light tracing have the same mean in every block, at the level of tests/replicates.py."""
+    """Path tracing and light tracing have the same mean in every block.
+
+    The level is that of tests/replicates.py.
+    """
     traced = replicates(the_scene, 10, 128, seed=seed, **options)
     lit = light_traced(the_scene, 10, samples, seed=seed + 1, **options)
     assert_same(blocks(traced, size), blocks(lit, size), precision)

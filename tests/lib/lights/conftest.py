@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests of lights share: one light of every kind that has an extent, and two checks of sampling."""
+"""Fixtures of the tests of lights.
+
+They are one light of every kind that has an extent, and two checks of sampling.
+"""
 
 import math
 
@@ -18,7 +21,10 @@ def extended(request):
 
 @pytest.fixture
 def assert_mean():
-    """Assert that independent `values` (replicates, ...) have the mean `exact`: two-sided t test, level 1e-4 over all components."""
+    """Assert that independent `values` (replicates, ...) have the mean `exact`.
+
+    Two-sided t test, level 1e-4 over all components.
+    """
 
     def check(values, exact):
         values = np.asarray(values).reshape(len(values), -1)
@@ -37,10 +43,11 @@ def assert_mean():
 
 @pytest.fixture
 def assert_directions():
-    """Chi-square test, level 1e-4: of `count` samples these `directions` were in the light, and they follow `pdf(direction)`.
+    """Chi-square test, level 1e-4, that `directions` follow `pdf(direction)`.
 
-    Midpoints on a fine grid of the cone about `axis`: tests/chi2.py wants a density without an outline. The samples that missed
-    the light are a cell of their own, so that a wrong integral of the density is found too.
+    Of `count` samples these were in the light. Midpoints on a fine grid of the cone about `axis`: tests/chi2.py needs
+    a density without an outline. The samples that missed the light are a cell of their own, so that a wrong integral
+    of the density is found too.
     """
 
     def check(directions, count, pdf, axis, half_angle, bins=(8, 12), fine=48):

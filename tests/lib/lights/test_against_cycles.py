@@ -83,7 +83,10 @@ CASES = {
 
 @pytest.fixture
 def cycles(tmp_path):
-    """Irradiance in the pixels of a 1 mm patch about the origin, (64, 3), from one lamp over a white plane."""
+    """Irradiance in the pixels of a 1 mm patch about the origin, (64, 3).
+
+    It comes from one lamp over a white plane.
+    """
 
     def render(kind, place, properties):
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

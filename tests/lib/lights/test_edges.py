@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights at the edge of their domain (hard cases 15, 16 and 22): finite, defined, and no floating-point warning."""
+"""Lights at the edge of their domain (hard cases 15, 16 and 22).
+
+They are finite, defined, and give no floating-point warning.
+"""
 
 import math
 from dataclasses import replace
@@ -113,7 +116,10 @@ def test_normal_says_which_side_shines_whatever_the_order_of_the_edges(shape, rn
 
 @pytest.mark.parametrize("gap", [1e8, 1e3, 1.0, 1e-3, 1e-9])
 def test_solid_angle_of_a_sphere(gap):
-    """Hard case 16, from `gap` outside a sphere of 1 m: 2 pi (1 - cos) by 50 digits, given the distance as a double."""
+    """Hard case 16, from `gap` outside a sphere of 1 m.
+
+    The truth is 2 pi (1 - cos) by 50 digits, given the distance as a double.
+    """
     distance = 1.0 + gap
     sampler = light_sampler(SphereLight("sphere", (0.0, 0.0, 0.0), 1.0, WHITE), 1.0)
     origin = np.array([[0.0], [0.0], [-distance]])

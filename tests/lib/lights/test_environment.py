@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world as a light (hard case 21): a texel of 1e6, NaN texels, black, 1 x 1, the poles."""
+"""The world as a light (hard case 21).
+
+It has a texel of 1e6, NaN texels, is black, 1 x 1, and has poles.
+"""
 
 import numpy as np
 import pytest
@@ -119,7 +122,10 @@ def test_irradiance_of_a_gradient(rng, assert_mean):
 
 
 def test_light_that_the_probes_miss_is_still_found(rng, assert_mean):
-    """A cap between the probes of cells that look black: the floor keeps the estimate unbiased."""
+    """A cap between the probes of cells that look black.
+
+    The floor keeps the estimate unbiased.
+    """
     sampler = EnvironmentSampler(
         lambda w: np.broadcast_to(((w[2] > 0.8) | (w[2] < 0.0)).astype(float), w.shape), (4, 2)
     )

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Irradiance from each light, as the mean of radiance cos / pdf, against closed forms and quadrature.
+"""Irradiance from each light against closed forms and quadrature.
 
-16 replicates of 4096 random samples; each case is tested at level 1e-4.
+It is the mean of radiance cos / pdf. 16 replicates of 4096 random samples; each case is tested at level 1e-4.
 """
 
 import math
@@ -40,7 +40,10 @@ def irradiance(rng):
 
 
 def polygon_irradiance(corners, normal):
-    """Lambert's formula for a polygon above the horizon, seen from the origin, per unit radiance; at 40 digits."""
+    """Lambert's formula for a polygon above the horizon, per unit radiance.
+
+    It is seen from the origin; at 40 digits.
+    """
     with mpmath.workdps(40):
         corners = [mpmath.matrix([mpmath.mpf(float(c)) for c in corner]) for corner in corners]
         total = mpmath.mpf(0)
@@ -106,7 +109,10 @@ def test_disk(irradiance, assert_mean):
 @pytest.mark.parametrize("spread", [1e-3, 0.02, 0.5, 2.5])
 @pytest.mark.parametrize("shape", ["RECTANGLE", "ELLIPSE"])
 def test_spread_keeps_the_flux(irradiance, assert_mean, shape, spread):
-    """So near to a wide light that the rim is out of the spread's reach: pi L, as from an infinite plane without spread."""
+    """The rim of a wide light is out of the spread's reach.
+
+    The irradiance is pi L, as from an infinite plane without spread.
+    """
     light = AreaLight("area", (0.2, 0.1, 0.1), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0), DOWN, shape, tuple(RADIANCE), spread)
     assert_mean(irradiance(light), math.pi * RADIANCE)
 
@@ -147,7 +153,10 @@ def test_no_spread_is_a_parallel_beam(irradiance, assert_mean):
 
 @pytest.mark.parametrize("half_angle", [0.0, 1e-9, 0.0046, 0.5])
 def test_sun(irradiance, assert_mean, half_angle):
-    """The irradiance on a facing plane, times the cosine: a cap above the horizon has pi sin^2 a cos."""
+    """The irradiance on a facing plane, times the cosine.
+
+    A cap above the horizon has pi sin^2 a cos.
+    """
     toward = unit(0.3, 0.2, 1.0)
     light = SunLight("sun", tuple(toward), half_angle, tuple(RADIANCE))
     assert_mean(irradiance(light), RADIANCE * toward[2])
@@ -182,7 +191,10 @@ def test_spot(irradiance, assert_mean, x_axis, blend):
 
 
 def test_spot_with_radius(irradiance, assert_mean):
-    """On the axis: the integral over the cone that the sphere fills, each ray dimmed by its own angle."""
+    """On the axis, the integral over the cone that the sphere fills.
+
+    Each ray is dimmed by its own angle.
+    """
     half, blend, radius, distance = 0.3, 0.6, 0.5, 2.0
     cone = Cone(DOWN, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), math.cos(half), blend)
     light = SpotLight("spot", (0.0, 0.0, distance), radius, tuple(RADIANCE), cone)

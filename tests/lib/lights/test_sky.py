@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A world with small suns in it: its samples are those that its density says, and find all of its light."""
+"""A world with small suns in it.
+
+Its samples have the density that it states, and find all of its light.
+"""
 
 import numpy as np
 import pytest

@@ -20,7 +20,10 @@ def exact(x0, x1, y0, y1, height):
 
 
 def anywhere(rng, count):
-    """Rectangles of 1e-6 to 100 m, up to 10 km aside and from 1e-8 to 1e6 m away, half of them over the foot."""
+    """Rectangles of 1e-6 to 100 m, half of them over the foot.
+
+    They are up to 10 km aside and from 1e-8 to 1e6 m away.
+    """
     size = 10.0 ** rng.uniform(-6.0, 2.0, (2, count))
     aside = rng.choice(SIGN, (2, count)) * 10.0 ** rng.uniform(-6.0, 4.0, (2, count))
     start = np.where(rng.random((2, count)) < 0.5, aside, -size * rng.random((2, count)))

@@ -8,7 +8,10 @@ from etalon.lib.lights.triangles import EmissiveTriangles
 
 @pytest.fixture
 def box():
-    """A 1 x 2 x 3 box of 12 triangles about the origin's neighbourhood, corners, edges, indices in a larger scene."""
+    """A 1 x 2 x 3 box of 12 triangles near the origin.
+
+    It has corners, edges, and indices in a larger scene.
+    """
     corners = np.array([[x, y, z] for x in (1.0, 2.0) for y in (-1.0, 1.0) for z in (1.0, 4.0)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
@@ -17,7 +20,10 @@ def box():
 
 
 def test_a_box_seen_from_outside_and_inside(box, rng, assert_mean):
-    """Both faces shine: from inside the solid angles add to 4 pi, from outside every direction that hits counts twice."""
+    """Both faces shine.
+
+    From inside the solid angles add to 4 pi, from outside every direction that hits counts twice.
+    """
     first, edge1, edge2, index = box
     light = EmissiveTriangles(first, edge1, edge2, index, rng.random(12) + 0.1)
     for point, crossings in (((1.5, 0.0, 2.0), 1.0), ((1.5, 0.0, -50.0), 2.0)):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights in all units: quadrature of what they send out, rays that leave them, and the definition of the lumen."""
+"""Lights in all units.
+
+Tested are quadrature of what they send out, rays that leave them, and the definition of the lumen.
+"""
 
 import math
 
@@ -90,7 +93,10 @@ def test_a_spread_keeps_the_flux_and_gathers_it(shape, size, spread):
 
 
 def test_a_lamp_of_one_watt_of_luminance_at_the_maximum_has_683_lumens():
-    """A candela is 1/683 W/sr, so that 1/683 W/sr of luminance in all directions are 4 pi lumens."""
+    """A candela is 1/683 W/sr.
+
+    So 1/683 W/sr of luminance in all directions are 4 pi lumens.
+    """
     found = light_units(PointLight("one", PLACE, (1.0 / 683.0,) * 3))
     assert found.candela == pytest.approx(1.0, rel=1e-12)
     assert found.lumens == pytest.approx(4.0 * math.pi, rel=1e-12)

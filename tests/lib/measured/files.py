@@ -10,7 +10,10 @@ _KINDS = {"u1": 1, "f4": 10}
 
 
 def write_tensors(path, fields):
-    """Write a tensor file of `fields`, arrays of bytes and of floats in single precision, by name."""
+    """Write a tensor file of `fields` by name.
+
+    They are arrays of bytes and of floats in single precision.
+    """
     arrays = {name: np.ascontiguousarray(a, "<u1" if a.dtype == np.uint8 else "<f4") for name, a in fields.items()}
     head = 18 + sum(2 + len(name) + 2 + 1 + 8 + 8 * a.ndim for name, a in arrays.items())
     out, body = [struct.pack("<12sBBI", b"tensor_file", 1, 0, len(arrays))], []

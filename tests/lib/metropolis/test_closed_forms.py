@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Metropolis light transport against closed forms and path tracing, by the errors that its replicates tell."""
+"""Metropolis light transport against closed forms and path tracing.
+
+Errors are those of its replicates.
+"""
 
 import numpy as np
 import pytest
@@ -60,7 +63,10 @@ def test_chains_that_accept_every_proposal_are_seen(monkeypatch, seed):
 
 
 def test_small_steps_are_symmetric(seed):
-    """Forward and back are as likely, across the ends too: the mean of the step is 0, and uniform numbers stay uniform."""
+    """Forward and back are as likely, across the ends too.
+
+    The mean of the step is 0, and uniform numbers stay uniform.
+    """
     chains = ChainUniforms(np.random.default_rng(seed), 20000, 1, 1)
     chain = np.arange(20000)
     chains.pair(0, chain, chain)

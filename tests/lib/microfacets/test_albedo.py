@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The directional albedo against adaptive quadrature in another chart, its closed forms, and the coarser table of Cycles."""
+"""The directional albedo against adaptive quadrature in another chart.
+
+Also its closed forms, and the coarser table of Cycles.
+"""
 
 import numpy as np
 import pytest
@@ -16,7 +19,10 @@ PLACES = [
 
 
 def by_quadrature(mu, alpha):
-    """E over the tangent angle psi, tan(theta_m) = alpha tan(psi), by Gauss-Legendre, and over the azimuth by an adaptive rule."""
+    """E over the tangent angle psi, tan(theta_m) = alpha tan(psi), and the azimuth.
+
+    Gauss-Legendre in the former, an adaptive rule in the latter.
+    """
     mu, alpha = mu[:, None], alpha[:, None]
     wo = np.stack([np.sqrt((1.0 - mu) * (1.0 + mu)), np.zeros_like(mu), mu])
     node, weight = roots_legendre(300)
@@ -46,7 +52,10 @@ def test_directional_albedo_against_adaptive_quadrature():
 
 
 def test_between_the_places(rng):
-    """The table between its nodes: uniformly, at small alpha and grazing, and where mu is near alpha."""
+    """The table between its nodes.
+
+    Places are uniform, at small alpha and grazing, and where mu is near alpha.
+    """
     alpha = np.concatenate([rng.random(1000), 10.0 ** rng.uniform(-7.0, 0.0, 2000)])
     mu = np.concatenate(
         [rng.random(1000), 10.0 ** rng.uniform(-7.0, 0.0, 1000), alpha[2000:] * 10.0 ** rng.uniform(-2, 2, 1000)]

@@ -10,7 +10,10 @@ from etalon.lib.sampling.tables import LARGEST_UNIFORM
 
 
 def arguments(rng, grazing):
-    """x, s, c and what is wanted, as `visible_tangent` hands them on, for views down to `grazing` cosines."""
+    """x, s, c and what is wanted, as `visible_tangent` passes them on.
+
+    Views go down to `grazing` cosines.
+    """
     cosine = 10.0 ** rng.uniform(np.log10(grazing), 0.0, 4000)
     wo = np.stack([np.sqrt((1.0 - cosine) * (1.0 + cosine)), np.zeros(4000), cosine])
     alpha = 10.0 ** rng.uniform(-4.0, 0.0, 4000)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cauchy's index against the definition of the Abbe number, and against a glass of the catalogue."""
+"""Cauchy's index against the definition of the Abbe number.
+
+Also against a glass of the catalogue.
+"""
 
 import numpy as np
 import pytest

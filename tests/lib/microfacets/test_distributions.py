@@ -54,7 +54,10 @@ def test_d_cos_integrates_to_one(distribution, alpha_x, alpha_y):
 @pytest.mark.parametrize(("alpha_x", "alpha_y"), ALPHAS)
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 80.0, 89.9, 89.9999])
 def test_visible_normals_integrate_to_one(distribution, alpha_x, alpha_y, degrees):
-    """The weak white furnace: G1 is what makes the visible area that of the flat surface, to every observer."""
+    """The weak white furnace.
+
+    G1 makes the visible area that of the flat surface, for every observer.
+    """
     wo = directions(np.radians(degrees), 0.7)
     # x along the view of the stretched surface, beginning where wo.m is zero; y across.
     along = np.array([alpha_x * wo[0], alpha_y * wo[1]])

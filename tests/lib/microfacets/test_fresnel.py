@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fresnel's equations to 50 digits from their definition, their closed forms, and how far the approximations stray."""
+"""Fresnel's equations to 50 digits from their definition, and their closed forms.
+
+Also how far the approximations stray.
+"""
 
 import mpmath as mp
 import numpy as np
@@ -17,7 +20,10 @@ METALS = {
 
 
 def by_definition(cos_i, index):
-    """Mean of |r_s|^2 and |r_p|^2 with the refracted cosine from Snell, complex where it must be."""
+    """Mean of |r_s|^2 and |r_p|^2.
+
+    The refracted cosine is Snell's, complex where it must be.
+    """
     c = mp.mpf(float(cos_i))
     refracted = mp.sqrt(mp.mpc(1 - (1 - c * c) / index**2))
     s = (c - index * refracted) / (c + index * refracted)
@@ -125,7 +131,10 @@ def test_approximations_keep_both_ends():
 
 
 def test_how_far_the_approximations_stray():
-    """What the exact forms are for: Schlick is 0.03 off for glass, Cook-Torrance's real index more than that for gold."""
+    """The reason for the exact forms.
+
+    Schlick is 0.03 off for glass, Cook-Torrance's real index more than that for gold.
+    """
     cosines = np.linspace(0.0, 1.0, 2001)
     glass = fresnel.schlick(cosines, 0.04) - fresnel.dielectric(cosines, 1.5)
     assert 0.02 < np.abs(glass).max() < 0.04

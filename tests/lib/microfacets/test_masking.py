@@ -32,9 +32,10 @@ def test_torrance_sparrow_as_printed(rng):
 @BOTH
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 70.0, 89.0])
 def test_torrance_sparrow_conserves_the_visible_area(distribution, degrees):
-    """V-shaped grooves are a surface: whatever D, what an observer sees of them is the flat surface's area.
+    """V-shaped grooves are a surface.
 
-    With the light at the normal, the light's own bound is 2 and the form is the masking of one direction.
+    For any D, what an observer sees of them is the flat surface's area. With the light at the normal, the light's own
+    bound is 2 and the form is the masking of one direction.
     """
     node, weight = np.polynomial.legendre.leggauss(400)
     angle, weight_t = 0.25 * np.pi * (1.0 + node), 0.25 * np.pi * weight

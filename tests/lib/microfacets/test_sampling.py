@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The samplers against the densities they claim (chi-square), the documents' inversions, and Beckmann's visible slopes."""
+"""The samplers against the densities they claim (chi-square).
+
+Also the documents' inversions, and Beckmann's visible slopes.
+"""
 
 from functools import partial
 
@@ -56,7 +59,10 @@ def test_visible_chi_square(distribution, alpha_x, alpha_y, degrees, rng):
 
 @BOTH
 def test_chi_square_sees_planted_errors(distribution, rng):
-    """5 % more roughness, a factor 1.02, G1 left out, axes changed, the wrong sampler, samples thrown away: each is seen."""
+    """Each planted error is seen.
+
+    They are 5 % more roughness, a factor 1.02, G1 left out, axes changed, the wrong sampler, and samples thrown away.
+    """
     u = rng.random((2, COUNT))
     chart = Tangents(0.3, 0.1)
     m = distribution.sample_visible(observer(70.0, COUNT), 0.3, 0.1, *u)
@@ -114,7 +120,10 @@ def test_the_documents_angles(rng):
 
 
 def mass_above(x, sine, cosine):
-    """The share of visible normals with a tangent above x, in floating point: exact to some 1e-15."""
+    """The share of visible normals with a tangent above x, in floating point.
+
+    Exact to some 1e-15.
+    """
     cot = cosine / sine
     whole = cosine * np.sqrt(np.pi) * (1.0 + erf(cot)) + sine * np.exp(-(np.minimum(cot, 30.0) ** 2))
     return (cosine * np.sqrt(np.pi) * erfc(x) + sine * np.exp(-x * x)) / whole

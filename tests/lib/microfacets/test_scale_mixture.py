@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mixtures of Beckmann's distributions: closed forms, Smith's Lambda and the mixtures themselves, against quadrature and 50 digits."""
+"""Mixtures of Beckmann's distributions against quadrature and 50 digits.
+
+Tested are closed forms, Smith's Lambda and the mixtures themselves.
+"""
 
 import mpmath as mp
 import numpy as np
@@ -44,7 +47,10 @@ def test_d_cos_integrates_to_one(distribution):
 @EVERY
 @pytest.mark.parametrize("cot", [0.05, 0.5, 1.5])
 def test_lambda_is_smiths_integral_over_the_slopes(distribution, cot):
-    """Lambda(a) = 1/a times the integral of (x - a) over all slopes x > a (Smith 1967; Heitz 2014, eq. 61)."""
+    """Lambda(a) = 1/a times the integral of (x - a) over all slopes x > a.
+
+    See Smith 1967; Heitz 2014, eq. 61.
+    """
     x, weight_x = half_line()
     y, weight_y = half_line()
     along, across = np.repeat(cot + x, y.size), np.tile(y, x.size)
@@ -57,7 +63,10 @@ def test_lambda_is_smiths_integral_over_the_slopes(distribution, cot):
 
 @EVERY
 def test_the_mixture_has_the_moments_of_its_closed_form(distribution):
-    """The mean squared slope, which the largest scales rule, and the mean inverse slope, which the smallest do."""
+    """The mean squared slope, and the mean inverse slope.
+
+    The largest scales determine the former, the smallest the latter.
+    """
     r, weight = half_line()
     density = 2.0 * np.pi * slopes(distribution, r, np.zeros_like(r)) * r * weight
     parts = distribution.components
@@ -75,7 +84,10 @@ def test_the_factor_of_the_shifted_gamma_distribution_is_an_incomplete_gamma_fun
 
 
 def test_bagher_writes_it_with_one_roughness(rng):
-    """D = exp(-x) / (pi Gamma(1 - p, a) a x^p cos^4), x = a + tan^2 / a, up to his own factor: shift a, alpha sqrt(a)."""
+    """D = exp(-x) / (pi Gamma(1 - p, a) a x^p cos^4), x = a + tan^2 / a.
+
+    This is up to his own factor: shift a, alpha sqrt(a).
+    """
     a, p = 0.04, 0.6
     m = normal_from_tangents(rng.normal(size=50) * 0.3, rng.normal(size=50) * 0.3)
     x = a + (m[0] ** 2 + m[1] ** 2) / m[2] ** 2 / a

@@ -40,7 +40,10 @@ def test_slip_1_beckmann_as_on_the_model_slide_integrates_to_two(sigma, rng):
 
 @BOTH
 def test_slip_2_the_denominator_is_four_cosines_without_pi(distribution):
-    """White and masked on the way out alone, the facets reflect all that they show: f cos integrates to 1 over wi."""
+    """White and masked on the way out alone, the facets reflect all that they show.
+
+    f cos integrates to 1 over wi.
+    """
     chart = Reflections(WO, Tangents(0.3, 0.3))
     lambda_o = distribution.smith_lambda(observers(1), 0.3, 0.3)[0]
 
@@ -131,7 +134,10 @@ def printed_density():
 
 
 def printed_weight():
-    """D cos over D cos of the normal that xi2 = 1 gives: theta = atan(sqrt(-sigma^2 log(1 - xi2)))."""
+    """D cos over D cos of the normal that xi2 = 1 gives.
+
+    theta = atan(sqrt(-sigma^2 log(1 - xi2))).
+    """
     theta = np.arctan(np.sqrt(-(0.3**2) * np.log(1.0 - np.ones(1))))
     pdf = np.exp(-(np.tan(theta) ** 2) / 0.3**2) / (np.pi * 0.3**2 * np.cos(theta) ** 3)
     return pdf / pdf

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Student-t slopes: against their definitions by quadrature, their two limits, Phong's, and the fits that papers print."""
+"""Student-t slopes against their definitions by quadrature.
+
+Also their two limits, Phong's, and the fits that papers print.
+"""
 
 import numpy as np
 import pytest
@@ -17,7 +20,10 @@ COT = np.array([1e-3, 0.05, 0.4, 1.0, 3.0])
 
 
 def half_line(step=1.0 / 16.0, end=4.5):
-    """Nodes and weights of an integral over (0, inf) of anything that ends as a power: exp(pi/2 sinh t)."""
+    """Nodes and weights of an integral over (0, inf), exp(pi/2 sinh t).
+
+    It is for anything that ends as a power.
+    """
     node = np.arange(-end, end + 0.5 * step, step)
     x = np.exp(0.5 * np.pi * np.sinh(node))
     return x, x * 0.5 * np.pi * np.cosh(node) * step
@@ -47,7 +53,10 @@ def test_d_cos_integrates_to_one(g, alphas):
 
 @pytest.mark.parametrize("g", [1.8, 2.0, 2.5, 8.0, 100.0])
 def test_lambda_is_smiths_integral_over_the_slopes(g):
-    """Lambda(a) = 1/a times the integral of (x - a) over all slopes x > a (Smith 1967; Heitz 2014, eq. 61)."""
+    """Lambda(a) = 1/a times the integral of (x - a) over all slopes x > a.
+
+    See Smith 1967; Heitz 2014, eq. 61.
+    """
     x, weight_x = half_line()
     y, weight_y = half_line()
     for cot, value in zip(COT, StudentT(g).smith_lambda(directions(COT), 1.0, 1.0), strict=True):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What holds of every distribution in the table, whatever its formulas: a new row is tested as it stands."""
+"""Facts that hold for every distribution in the table, whatever its formulas.
+
+A new row is tested as it stands.
+"""
 
 import numpy as np
 import pytest
@@ -43,7 +46,10 @@ def test_projected_facets_cover_the_surface(distribution, alphas):
 @ALPHAS
 @ANGLES
 def test_lambda_is_smiths_integral(distribution, alphas, degrees):
-    """Visible normals integrate to 1 for every view, by which Smith's Lambda is defined (Heitz 2014, eq. 18)."""
+    """Visible normals integrate to 1 for every view.
+
+    That defines Smith's Lambda (Heitz 2014, eq. 18).
+    """
     total = integrals(lambda m: visible(distribution, alphas, degrees, m), Tangents(*alphas), (16, 24))
     assert total.sum() == pytest.approx(1.0, abs=3e-4)
 

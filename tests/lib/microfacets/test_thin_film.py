@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thin films: colours against the wave optics of one wavelength after another, limits that are known, and how far Cycles' series is off."""
+"""Thin films: colours against the wave optics of single wavelengths.
+
+Also known limits, and how far Cycles' series is off.
+"""
 
 import numpy as np
 import pytest
@@ -16,7 +19,10 @@ FILMS = [(1.33, 60.0), (1.33, 480.0), (2.2, 150.0), (1.8, 2500.0)]
 
 
 def slab(cosine, index, thickness, substrate, wavelength):
-    """Reflectance of a film by the characteristic matrix of a layer (Born and Wolf, sec. 1.6.2), mean of both polarisations."""
+    """Reflectance of a film by the characteristic matrix of a layer.
+
+    See Born and Wolf, sec. 1.6.2. Mean of both polarisations.
+    """
     sine2 = (1.0 - cosine) * (1.0 + cosine)
     inside, beyond = (n * np.sqrt(1.0 - sine2 / n**2 + 0j) for n in (index, substrate))
     turn = 2.0 * np.pi / wavelength * inside * thickness
@@ -95,14 +101,20 @@ def test_a_film_of_the_substrates_index_is_no_film():
 
 
 def test_all_is_reflected_beyond_the_substrates_critical_angle():
-    """From glass of index 1.5 through a film of 1.33 into air: beyond 41.8 degrees everything, whatever the film."""
+    """From glass of index 1.5 through a film of 1.33 into air.
+
+    Beyond 41.8 degrees everything is reflected, whatever the film.
+    """
     cosines = np.linspace(0.0, 0.745, 50)
     found = curve(1.33 / 1.5, 300.0, 1.0 / 1.5, exact_sensitivity())(cosines)
     np.testing.assert_allclose(found, 1.0, atol=2e-5)
 
 
 def test_a_film_is_seen_alike_from_both_sides():
-    """Reflectances of a lossless film are equal from outside, and from inside at the refracted angle (Stokes)."""
+    """Reflectances of a lossless film are equal from both sides (Stokes).
+
+    From inside the angle is the refracted one.
+    """
     cosine = np.array([0.2, 0.5, 0.9])
     inside = np.sqrt(1.0 - (1.0 - cosine**2) / 1.5**2)
     there = curve(1.8, 400.0, 1.5, exact_sensitivity())(cosine)
@@ -112,7 +124,10 @@ def test_a_film_is_seen_alike_from_both_sides():
 
 @pytest.mark.parametrize("substrate", SUBSTRATES)
 def test_cycles_series_stays_near_the_integral(substrate):
-    """What is left out after the third order and between the table's entries: at most 2 % of white on metals, 0.4 % on dielectrics."""
+    """The error is what is left out after the third order and between the table's entries.
+
+    It is at most 2 % of white on metals, 0.4 % on dielectrics.
+    """
     for index, thickness in FILMS:
         exact, series = (
             curve(index, thickness, substrate, to)(COSINES) for to in (exact_sensitivity(), cycles_sensitivity())
@@ -144,7 +159,10 @@ def test_the_mean_of_a_curve_is_its_integral(rng):
 
 
 def test_a_film_over_the_horizon_of_a_texture_has_parts(rng):
-    """Where thickness differs from point to point, each point has the reflectance of its own film."""
+    """Where thickness differs from point to point, each point has its own film.
+
+    It has the reflectance of that film.
+    """
     thickness, cosines = np.array([0.0, 250.0, 600.0]), np.array([0.3, 0.6, 0.9])
     metal = FilmConductor(
         Film(thickness, np.float64(1.4), exact_sensitivity()), np.full((3, 1), 0.2), np.full((3, 1), 3.0)

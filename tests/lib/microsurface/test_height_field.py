@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Height fields have the statistics that Beckmann's distribution assumes, and rays on them keep areas and energy."""
+"""Height fields have the statistics that Beckmann's distribution assumes.
+
+Rays on them keep areas and energy.
+"""
 
 import numpy as np
 import pytest
@@ -55,7 +58,10 @@ def test_the_mesh_repeats_the_field_and_has_no_gaps(rng):
 
 @pytest.mark.parametrize("angle", ANGLES)
 def test_what_a_direction_sees_of_the_facets_projects_as_the_mean_plane_does(rng, angle):
-    """The sum of visible facets times (o.m) is the plane's area times (o.n) (Heitz 2014, eq. 14); of all that face o it is more."""
+    """The sum of visible facets times (o.m) is the plane's area times (o.n).
+
+    See Heitz 2014, eq. 14. Of all that face o it is more.
+    """
     o, seen, facing = at(angle), [], []
     for _ in range(8):
         normal, area, (visible,) = TracedField(rng, 96, 6.0, ALPHA).seen([o], 30_000)
@@ -83,14 +89,20 @@ def test_a_field_that_is_nearly_flat_hides_nothing(rng):
 
 
 def test_formulas_at_82_degrees():
-    """1 / (1 + L)^2, 1 / (1 + 2 L) with L = 0.7698, and cavities that hide nothing from a mirror's two sides."""
+    """1 / (1 + L)^2, 1 / (1 + 2 L) with L = 0.7698, and cavities.
+
+    The latter hide nothing from a mirror's two sides.
+    """
     shared = shared_by_mirror(at(np.radians(82.0)), ALPHA)
     assert [shared[name] for name in FORMULAS] == pytest.approx([0.31926, 0.39376, 1.0], abs=1e-5)
 
 
 @pytest.mark.parametrize("name", FORMULAS)
 def test_what_is_reflected_once_is_the_integral_over_slopes(name):
-    """Over slopes x, y of the facets, whose density is exp(-(x^2 + y^2) / alpha^2) / (pi alpha^2)."""
+    """Over slopes x, y of the facets.
+
+    Their density is exp(-(x^2 + y^2) / alpha^2) / (pi alpha^2).
+    """
     node, weight = hermgauss(180)
     x, y = (one.ravel() for one in np.meshgrid(ALPHA * node, ALPHA * node))
     weight = np.multiply.outer(weight, weight).ravel() / np.pi

@@ -72,7 +72,10 @@ def test_every_part_is_read_in_the_pixels_that_are_asked_for():
 
 
 def test_errors_are_those_of_the_means(rng):
-    """Noise of one sample of 5 %: the error of the image is that over the root of all samples and pixels."""
+    """Noise of one sample of 5 %.
+
+    The error of the image is that over the root of all samples and pixels.
+    """
     found = read((0, 0, 1, 1))
     expected = 0.05 / np.sqrt(4 * found.samples * found.replicates)
     assert found.readings[0].reference_error[0] == pytest.approx(expected, rel=0.6)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A headless Chromium that tests drive: its DevTools protocol over two pipes, as --remote-debugging-pipe has it."""
+"""A headless Chromium that tests drive.
+
+Its DevTools protocol runs over two pipes, as --remote-debugging-pipe has it.
+"""
 
 import base64
 import itertools

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page in a browser: what it opens with, what a click does, and that it stays within its window."""
+"""The page in a browser.
+
+Tested are what it opens with, what a click does, and that it stays within its window.
+"""
 
 import re
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The functions of the report's script, run by Node.js: against the Python ones where there are two, else against values by hand."""
+"""The functions of the report's script, run by Node.js.
+
+They are compared with the Python ones where there are two, else with values by hand.
+"""
 
 import json
 from pathlib import Path

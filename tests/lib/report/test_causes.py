@@ -92,7 +92,10 @@ def test_departures_that_do_the_same_are_rivals():
 
 
 def test_what_explains_some_regions_is_named_beside_those_that_differ_for_no_known_reason():
-    """The left half has the departure, a corner of the right one is brighter for a reason of its own."""
+    """The left half has the departure.
+
+    A corner of the right one is brighter for a reason of its own.
+    """
     other = BRIGHTER.copy()
     other[16:, 16:] *= 1.1
     found = made(other=other, coverage={}, effects={"known": 0.05}, sigma=0.01)
@@ -133,7 +136,10 @@ def test_every_difference_has_a_reason_in_the_figures(case, reasons):
 
 
 def test_what_rounding_decides_is_put_down_to_the_scene():
-    """A difference of 5 % where a departure of which rounding decides how much acts would do 12 %."""
+    """A difference of 5 % where rounding decides how much of a departure acts.
+
+    The whole departure would make 12 %.
+    """
     found = made(other=BRIGHTER, effects={"known": 0.12}, sigma=0.01, by_rounding=True)
     assert found.verdict.outcome is Outcome.EXPLAINED
     figures = document(found, PLAN, "")

@@ -19,7 +19,10 @@ def _hunt(linear):
 
 
 def _flip_of_uniform(one, other):
-    """FLIP of two images without any feature: HyAB to the power 0.7, its lower 0.4 spread over 0.95 (Andersson et al. 2020, section 3.3)."""
+    """FLIP of two images without any feature.
+
+    HyAB to the power 0.7, its lower 0.4 spread over 0.95 (Andersson et al. 2020, section 3.3).
+    """
 
     def hyab(a, b):
         d = _hunt(a) - _hunt(b)

@@ -62,7 +62,10 @@ def test_an_image_without_a_finite_pixel_has_no_bound():
 
 
 def limits(*factors):
-    """Parts for images with up to 0, 1, 2, ... bounces, of which Cycles has so many times the light."""
+    """Parts for images with up to 0, 1, 2, ... bounces.
+
+    Cycles has `factors` times their light.
+    """
     return {BounceLimit(k): (0.4 + 0.3 * k, (0.4 + 0.3 * k) * factor) for k, factor in enumerate(factors)}
 
 

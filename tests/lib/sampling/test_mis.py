@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The heuristics: their own formula in exact arithmetic, and that two strategies share each contribution."""
+"""The heuristics: their own formula in exact arithmetic.
+
+Two strategies share each contribution.
+"""
 
 from fractions import Fraction
 

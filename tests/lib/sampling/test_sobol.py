@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sobol' pairs: nets where nets are promised, uniform and independent wherever samples are averaged."""
+"""Sobol' pairs are nets where nets are promised.
+
+They are uniform and independent wherever samples are averaged.
+"""
 
 import math
 
@@ -24,7 +27,10 @@ def pairs(sampler, pixels, dimension):
 
 
 def is_net(u1, u2):
-    """Whether every elementary interval of area 1 / n holds one of each row's n points: a (0, m, 2)-net in base 2."""
+    """Whether each row's n points are a (0, m, 2)-net in base 2.
+
+    Every elementary interval of area 1 / n then holds one of them.
+    """
     count = u1.shape[1]
     log2 = count.bit_length() - 1
     for k in range(log2 + 1):
@@ -72,7 +78,10 @@ def common_bits(x, y):
 
 @pytest.mark.parametrize("depth", [1, 6, 11])
 def test_owen_scrambling_keeps_what_bits_share(depth, rng):
-    """Two points that agree in their first k bits, and not in the next, do so after nested scrambling too."""
+    """Two points that agree in their first k bits, and not in the next.
+
+    They do so after nested scrambling too.
+    """
     a, b = rng.integers(0, 2**depth, (2, 3000), dtype=np.uint64)
     a, b = a[a != b], b[a != b]
     scrambled = owen_scramble(depth, np.array([987654321], np.uint64))
@@ -90,7 +99,10 @@ def test_owen_scrambling_makes_any_point_uniform(depth, rng):
 
 
 def test_owen_scrambling_makes_bits_independent(rng):
-    """Over keys, the flips of three levels and three bits below them are fair coins and go together by chance only."""
+    """Over keys, the flips of three levels and three bits below them are fair coins.
+
+    They go together by chance only.
+    """
     keys = rng.integers(0, 2**63, 20_000, dtype=np.uint64)
     u = owen_scramble(3, keys[:, None])
     columns = []
@@ -107,7 +119,10 @@ def test_owen_scrambling_makes_bits_independent(rng):
 @pytest.mark.parametrize("sampler", [SobolSampler, RandomSampler])
 @pytest.mark.parametrize("samples", [1, 5, 16])
 def test_each_sample_is_uniform_over_replicates(sampler, samples, seed):
-    """What makes a pixel unbiased: any one sample of any one pixel, over scramblings, is uniform in the square."""
+    """The fact that makes a pixel unbiased.
+
+    Any one sample of any one pixel, over scramblings, is uniform in the square.
+    """
     drawn = np.array(
         [[pairs(sampler(seed, r, samples), [17, 18], d) for d in (0, 5)] for r in range(300)]
     )  # (replicates, dimensions, 2, pixels, samples)
@@ -125,7 +140,10 @@ def test_each_sample_is_uniform_over_replicates(sampler, samples, seed):
 
 
 def largest_correlation(columns):
-    """The probability of so large a rank correlation between any two of these (n, k) columns, all pairs together."""
+    """The probability of so large a rank correlation between any two columns.
+
+    Columns are (n, k), all pairs together.
+    """
     n, k = columns.shape
     rho = np.abs(np.corrcoef(stats.rankdata(columns, axis=0).T)[np.triu_indices(k, 1)]).max()
     one = 2.0 * stats.norm.sf(rho * math.sqrt(n - 1.0))
@@ -134,7 +152,10 @@ def largest_correlation(columns):
 
 @pytest.mark.parametrize("samples", [1, 16, 24])
 def test_dimensions_are_independent(samples, seed):
-    """Of one path: every coordinate against every other of six dimensions, over pixels and replicates."""
+    """Every coordinate of one path against every other of six dimensions.
+
+    They are tested over pixels and replicates.
+    """
     drawn = []
     for r in range(8):
         sampler = SobolSampler(seed, r, samples)
@@ -144,7 +165,10 @@ def test_dimensions_are_independent(samples, seed):
 
 
 def test_dimensions_are_independent_jointly(seed):
-    """First coordinates of two dimensions in 8 x 8 cells: padding by independent random orders, not the same one."""
+    """First coordinates of two dimensions in 8 x 8 cells.
+
+    Dimensions are padded by independent random orders, not the same one.
+    """
     sampler = SobolSampler(seed, 0, 16)
     for a, b in ((0, 1), (2, 3), (3, 7)):
         x, y = (pairs(sampler, np.arange(2000), d)[0].ravel() for d in (a, b))
@@ -153,7 +177,10 @@ def test_dimensions_are_independent_jointly(seed):
 
 
 def test_dimensions_are_padded_within_a_pixel(seed):
-    """In one pixel two dimensions are paired at random: mean products scatter by 1 / (144 n), as for independent orders, not as on a curve."""
+    """In one pixel two dimensions are paired at random.
+
+    Mean products scatter by 1 / (144 n), as for independent orders, not as on a curve.
+    """
     sampler = SobolSampler(seed, 0, 64)
     for a, b in ((0, 1), (2, 5), (3, 7)):
         for k in range(2):
@@ -180,7 +207,10 @@ def test_replicates_are_independent(seed):
 
 @pytest.mark.parametrize("samples", [3, 6, 12, 37])
 def test_any_number_of_samples_is_unbiased(samples, seed):
-    """Part of a net, in random order: the mean of a rough function over replicates is its integral."""
+    """Part of a net, in random order.
+
+    The mean of a rough function over replicates is its integral.
+    """
     means = []
     for r in range(150):
         u1, u2 = pairs(SobolSampler(seed, r, samples), np.arange(64), 1)
@@ -203,7 +233,10 @@ def test_a_net_integrates_better_than_random_points(seed):
 
 
 def test_uniforms_never_reach_the_ends():
-    """The largest and smallest points, whatever the shift: within (0, 1), so that log(1 - u) is finite."""
+    """The largest and smallest points, whatever the shift.
+
+    They lie within (0, 1), so that log(1 - u) is finite.
+    """
     for samples in (1, 2**12):
         u = np.concatenate([v.ravel() for v in pairs(SobolSampler(0, 0, samples), np.arange(64), 0)])
         assert u.min() >= 2.0**-33
@@ -211,7 +244,10 @@ def test_uniforms_never_reach_the_ends():
 
 
 def test_a_tile_sees_the_same_points_as_the_image(seed):
-    """A pixel's pairs depend on its place in the image, not on the tile it is rendered in, nor on the other samples asked for."""
+    """A pixel's pairs depend on its place in the image.
+
+    They depend neither on the tile it is rendered in nor on the other samples.
+    """
     sampler = SobolSampler(seed, 0, 16)
     whole = pairs(sampler, np.arange(100), 3)
     alone = pairs(sampler, [57], 3)

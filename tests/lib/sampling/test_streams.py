@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Uses of random numbers share no replicate and no key, and nobody numbers replicates on their own."""
+"""Uses of random numbers share no replicate and no key.
+
+No code numbers replicates on its own.
+"""
 
 import ast
 from itertools import combinations, product
@@ -54,7 +57,10 @@ def test_a_number_beyond_the_range_is_refused():
 
 
 def test_what_cycles_renders_has_seeds_of_its_own():
-    """A chunk of an image's samples adds CYCLES_REPLICATES to the seed, so every replicate must stay below it."""
+    """A chunk of an image's samples adds CYCLES_REPLICATES to the seed.
+
+    So every replicate must stay below it.
+    """
     on_both_sides = set(streams.STREAMS) - {
         streams.COVERAGE,
         streams.REACH,
@@ -78,14 +84,20 @@ def test_dimensions_of_a_path_are_distinct():
 
 
 def test_keys_at_both_ends_of_every_stream_differ():
-    """64-bit keys of every dimension, of seeds beside each other: a collision by chance has a probability of 1e-12."""
+    """64-bit keys of every dimension, of seeds beside each other.
+
+    A collision by chance has a probability of 1e-12.
+    """
     ends = sorted({k for stream in streams.STREAMS for k in (numbers(stream)[0], numbers(stream)[-1])})
     keys = [int(stream_key(*parts)) for parts in product((-1, 0, 1, 2**32), ends, range(-2, 40))]
     assert len(set(keys)) == len(keys)
 
 
 def replicates_of_their_own(source):
-    """Lines of calls .render(...) and Sampler(...) whose replicate is written out as a number or summed up from numbers."""
+    """Lines of calls .render(...) and Sampler(...) with a replicate of their own.
+
+    It is written out as a number or summed up from numbers.
+    """
     found = []
     for node in ast.walk(ast.parse(source)):
         if not isinstance(node, ast.Call):

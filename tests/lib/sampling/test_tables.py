@@ -47,7 +47,10 @@ def test_probability_is_proportional_to_the_weights(rng):
 
 
 def test_cells_are_as_frequent_as_their_weights(rng):
-    """A stratified grid of uniforms lands in each cell in proportion, to the grid's own resolution."""
+    """A stratified grid of uniforms lands in each cell in proportion.
+
+    It does so to the grid's own resolution.
+    """
     weights = rng.random((5, 7))
     weights[2] = 0.0
     weights[1, 3] = 0.0

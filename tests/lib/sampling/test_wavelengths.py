@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The observer's table against what the CIE publishes of it, and wavelengths against their density."""
+"""The observer's table against what the CIE publishes of it.
+
+Also wavelengths against their density.
+"""
 
 import numpy as np
 import pytest
@@ -51,7 +54,10 @@ def test_the_mean_over_samples_is_the_integral_over_the_spectrum():
 
 
 def test_wavelengths_come_where_colour_is(rng):
-    """By Kolmogorov and Smirnov, against the mean of the magnitudes of red, green and blue in each interval of the table."""
+    """By Kolmogorov and Smirnov, for each interval of the table.
+
+    They follow the mean of the magnitudes of red, green and blue there.
+    """
     light = np.abs(COLORS).mean(axis=0)
     steps = np.append(0.0, np.cumsum(light[1:] + light[:-1]))
     drawn = sample_wavelength(rng.random(20_000))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The medium below a surface: its mappings against transport in a half space, which Chandrasekhar's H function solves."""
+"""The medium below a surface: its mappings against transport in a half space.
+
+Chandrasekhar's H function solves it.
+"""
 
 import mpmath
 import numpy as np
@@ -107,7 +110,10 @@ def test_backward_scattering_has_one_mapping():
 
 
 def test_dark_colours_fade_to_black_without_a_step():
-    """Below an albedo of 0.2 the light is scaled, so that the product of the two goes on as the albedo would."""
+    """Below an albedo of 0.2 the light is scaled.
+
+    The product of the two goes on as the albedo would.
+    """
     for color in (0.0, 1e-6, 0.01, 0.04, 0.05):
         one = medium("VAN_DE_HULST", color)
         expected = np.clip(albedo_van_de_hulst(np.float64(color), np.float64(0.0)), 0.0, None)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walks in a medium: free paths against their distributions, and what leaves a half space and a slab against transport theory."""
+"""Walks in a medium: free paths against their distributions.
+
+What leaves a half space and a slab is compared with transport theory.
+"""
 
 import numpy as np
 import pytest
@@ -64,7 +67,10 @@ def test_free_paths_are_exponential_in_the_channel_that_was_chosen(rng):
 
 
 def test_weighed_by_all_channels_each_has_its_own_free_paths(rng):
-    """The mean length of scattered light is the mean free path of each channel, whichever channel was sampled."""
+    """The mean length of scattered light is the mean free path of each channel.
+
+    It is so whichever channel was sampled.
+    """
     of = medium((0.9, 0.5, 0.7), COUNT)
     length, chance = sample_free_path(walks(1.0, of), rng.random(COUNT))
     weight = free_path_weight(of, length, np.zeros(COUNT, bool), chance)
@@ -88,7 +94,10 @@ def test_a_half_space_reflects_what_chandrasekhar_says(cosine, rng):
 
 
 def analog_walks(cosine, albedo, g, thickness, rng, count):
-    """Reflected and transmitted shares by a plain walk in depth: cosines from the tabulated phase function, absorption by chance."""
+    """Reflected and transmitted shares by a plain walk in depth.
+
+    Cosines come from the tabulated phase function, absorption is by chance.
+    """
     edge = np.cos(np.linspace(0.0, np.pi, 20_001))[::-1]
     middle = 0.5 * (edge[1:] + edge[:-1])
     table = np.append(0.0, np.cumsum((1.0 - g * g) / (1.0 + g * g - 2.0 * g * middle) ** 1.5 * np.diff(edge)))
@@ -138,7 +147,10 @@ def test_walks_that_end_at_random_far_away_leave_the_mean_as_it_is(rng):
 
 
 def test_walks_that_are_ended_early_lose_what_is_still_inside(rng):
-    """From inside a half space half of the light leaves by the first free path, if it is isotropic."""
+    """From inside a half space half of the light leaves by the first free path.
+
+    It does if it is isotropic.
+    """
     of = medium((0.9,) * 3, COUNT)
     whole, _ = walk(slab(np.inf), nowhere, walks(1.0, of), keys(rng))
     short, rays = walk(slab(np.inf), nowhere, walks(1.0, of), keys(rng), most=2)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Overlapping faces are found with their area, for any triangles in one plane, and nothing else is."""
+"""Overlapping faces are found with their area, for any triangles in one plane.
+
+Nothing else is found.
+"""
 
 import numpy as np
 import pytest
@@ -7,7 +10,10 @@ from etalon.lib.scene.overlaps import find_overlaps
 
 
 def shared_by_sections(first, second, sections=5_000):
-    """The area that two triangles (2, 3) share, as the integral of the lengths that sections across both have in common."""
+    """The area that two triangles (2, 3) share.
+
+    It is the integral of the lengths that sections across both have in common.
+    """
     x = np.linspace(max(first[0].min(), second[0].min()), min(first[0].max(), second[0].max()), sections + 1)
     if x[-1] <= x[0]:
         return 0.0

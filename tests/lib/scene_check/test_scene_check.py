@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene check finds what is likely not meant, names where it is, and finds nothing in a sound scene."""
+"""The scene check finds what is likely not meant, and names where it is.
+
+It finds nothing in a sound scene.
+"""
 
 from dataclasses import replace
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the atlas writes: one line a case, JSON that any parser reads, HTML that no name can break."""
+"""The output of the atlas.
+
+It is one line a case, JSON that any parser reads, and HTML that no name can break.
+"""
 
 import json
 import math

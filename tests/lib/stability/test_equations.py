@@ -44,7 +44,10 @@ def test_last_digits_at_many_places(name):
 
 @pytest.mark.parametrize("name", CYCLES_LOSES_ALL)
 def test_float32_as_cycles_writes_it_loses_its_digits_somewhere(name):
-    """Hard cases 1, 3, 5, 8, 10: what the reference's arrangement of the same equations is for."""
+    """Hard cases 1, 3, 5, 8, 10.
+
+    The reference's arrangement of the same equations serves for them.
+    """
     assert measure(FUNCTIONS[name], 150).cycles > 1e6
 
 

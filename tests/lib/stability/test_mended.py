@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Four places at which the equations as printed keep no digits: the reference against mpmath, beside the printed form."""
+"""Four places at which the equations as printed keep no digits.
+
+The reference is compared with mpmath, beside the printed form.
+"""
 
 import mpmath as mp
 import numpy as np
@@ -24,7 +27,10 @@ def exactly(truth, *arguments):
 
 @pytest.mark.parametrize("cosine", [1e-2, 1e-5, 1e-8])
 def test_ashikhmin_shirley_between_opposite_grazing_directions(cosine):
-    """At alpha 1 the lobe is 1 / (8 pi h.o max(i.n, o.n)): 4e6 at cosines of 1e-8, where the scalar product h.o rounds to 0."""
+    """At alpha 1 the lobe is 1 / (8 pi h.o max(i.n, o.n)).
+
+    It is 4e6 at cosines of 1e-8, where the scalar product h.o rounds to 0.
+    """
     sine = np.sqrt((1.0 - cosine) * (1.0 + cosine))
     wi, wo = np.array([[sine], [0.0], [cosine]]), np.array([[-sine], [0.0], [cosine]])
     value, pdf = AshikhminShirley(wo, np.float64(1.0), np.float64(1.0)).evaluate(wi)
@@ -35,7 +41,10 @@ def test_ashikhmin_shirley_between_opposite_grazing_directions(cosine):
 
 @pytest.mark.parametrize("below", [1e-8, 1e-6, 1e-3, 0.3, 0.6])
 def test_a_metal_without_absorption_reflects_all_at_the_critical_angle(below):
-    """Next to it F = 1 - 2 g (1 + 1 / eta^2) / c, with g the root of what rounding leaves of c^2."""
+    """Next to the critical angle F = 1 - 2 g (1 + 1 / eta^2) / c.
+
+    g is the root of what rounding leaves of c^2.
+    """
     eta = 1.0 - below
     critical = np.sqrt((1.0 - eta) * (1.0 + eta))
     cosines = critical * np.array([0.5, 1.0 - 1e-12, 1.0 - 2.0**-52, 1.0])

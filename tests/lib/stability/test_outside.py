@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every public function and class of the rooms that hold equations has a row in the atlas, or stands in the list that says why not."""
+"""Every public function and class of the equations has a row in the atlas.
+
+Otherwise it stands in the list that says why not. The rooms that hold equations are covered.
+"""
 
 import ast
 import sys

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Another model in place of Glossy nodes: which lobes it reaches, and that the picture is the one of that model."""
+"""Another model in place of Glossy nodes.
+
+Tested are which lobes it reaches, and that the picture is the one of that model.
+"""
 
 import numpy as np
 import pytest
@@ -81,7 +84,10 @@ def test_a_mirror_reflects_by_the_term(term, expected, seed):
 
 @pytest.mark.parametrize("term", ["schlick", "cook-torrance"])
 def test_white_stays_white_under_multiple_scattering(term, seed):
-    """A white surface of Multiscatter GGX reflects all light, with an approximation of Fresnel as without it."""
+    """A white surface of Multiscatter GGX reflects all light.
+
+    It does with an approximation of Fresnel as without it.
+    """
     image = render(plane(Glossy("MULTI_GGX", roughness=ROUGH)), seed, 4096, fresnel=term)
     np.testing.assert_allclose(image, 1.0, atol=0.02)
 

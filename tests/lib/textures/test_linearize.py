@@ -15,7 +15,10 @@ P3 = ((0.680, 0.320), (0.265, 0.690), (0.150, 0.060))
 
 
 def to_xyz(primaries):
-    """The matrix from linear RGB to XYZ with Y = 1 for white, from chromaticities (SMPTE RP 177)."""
+    """The matrix from linear RGB to XYZ with Y = 1 for white.
+
+    It comes from chromaticities (SMPTE RP 177).
+    """
     x, y = np.array(primaries).T
     columns = np.stack([x / y, np.ones(3), (1 - x - y) / y])
     white = np.array([WHITE[0] / WHITE[1], 1.0, (1 - sum(WHITE)) / WHITE[1]])

@@ -72,7 +72,10 @@ def test_whole_and_broken_octaves_meet(rng):
 
 @pytest.mark.parametrize("dimensions", [2, 3, 4])
 def test_the_nearest_point_is_nearest_among_more_cells(dimensions, rng):
-    """By trying every cell two steps around: Blender looks one step far, which suffices for the nearest point of random ones, mostly."""
+    """The truth comes from trying every cell two steps around.
+
+    Blender looks one step far, which suffices for the nearest point of random ones, mostly.
+    """
     shape = Shape("EUCLIDEAN", ONE, ONE, ONE * 0.0)
     at = np.array(points(rng, dimensions, 300))
     base = np.floor(at)
@@ -87,7 +90,10 @@ def test_the_nearest_point_is_nearest_among_more_cells(dimensions, rng):
 
 
 def test_at_a_wall_the_two_nearest_are_as_far(rng):
-    """Where the distance to the edge is small, so is the difference between first and second distance."""
+    """Where the distance to the edge is small, so is that between the two nearest points.
+
+    The latter is the difference between first and second distance.
+    """
     shape = Shape("EUCLIDEAN", ONE, ONE, ONE * 0.0)
     at = np.array(points(rng, 2, 20000))
     edge = _to_edge(at, shape)

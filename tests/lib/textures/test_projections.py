@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Projections of images against their definitions: angles, a mirror, and the faces of a box."""
+"""Projections of images against their definitions.
+
+They are angles, a mirror, and the faces of a box.
+"""
 
 from itertools import permutations
 
@@ -36,7 +39,10 @@ def test_the_axis_and_the_centre_have_the_places_that_blender_gives_them():
 
 
 def test_mirror_ball_inverts_the_reflection(rng):
-    """A ray along +y meets the unit ball at (x, -sqrt(1 - x^2 - z^2), z) and is mirrored there."""
+    """A ray along +y meets the unit ball and is mirrored there.
+
+    It meets it at (x, -sqrt(1 - x^2 - z^2), z).
+    """
     radius, turn = np.sqrt(rng.random(500)), rng.uniform(0, 2 * np.pi, 500)
     x, z = radius * np.cos(turn), radius * np.sin(turn)
     normal = np.stack([x, -np.sqrt(1 - radius**2), z])
@@ -73,7 +79,10 @@ def test_box_weights_share_one_and_treat_the_axes_alike(blend, rng):
 
 @pytest.mark.parametrize("blend", [0.05, 0.3, 0.7, 1.0])
 def test_box_weights_between_two_faces_grow_linearly(blend):
-    """By their definition, with the third part of the normal 0: from (1 - blend) / 2 to (1 + blend) / 2 of |x| + |y|."""
+    """By their definition, with the third part of the normal 0.
+
+    Weights grow from (1 - blend) / 2 to (1 + blend) / 2 of |x| + |y|.
+    """
     share = np.linspace(0.001, 0.999, 400)
     weights = box_weights(np.stack([share, share - 1, np.zeros(400)]), blend)
     np.testing.assert_allclose(weights[0], np.interp(share, [0.5 - blend / 2, 0.5 + blend / 2], [0, 1]), atol=1e-12)
@@ -84,7 +93,10 @@ def test_box_weights_where_three_faces_meet_are_a_third():
 
 
 def test_each_face_of_a_box_is_seen_the_right_way_round():
-    """Seen from outside with z up (for the faces across z: with x up), u grows to the right and v upwards."""
+    """Seen from outside with z up, u grows to the right and v upwards.
+
+    For the faces across z it is seen with x up.
+    """
     point = np.array([[0.3], [0.4], [0.7]])
     axes = np.eye(3)
     for k, up in ((0, axes[2]), (1, axes[2]), (2, axes[0])):

@@ -55,7 +55,10 @@ def test_no_jumps(interpolation):
 
 @pytest.mark.parametrize(("hue", "middle"), [("NEAR", 0.0), ("FAR", 0.5), ("CW", 0.0), ("CCW", 0.5)])
 def test_hue_takes_the_way_it_is_told(hue, middle):
-    """From magenta-red (hue 11/12) to orange-red (hue 1/12): near and growing through red, else through cyan."""
+    """From magenta-red (hue 11/12) to orange-red (hue 1/12).
+
+    Near and growing go through red, the others through cyan.
+    """
     stops = ((1.0, 0.0, 0.5, 1.0), (1.0, 0.5, 0.0, 1.0))
     got = color_ramp(ColorRamp(ZERO, (0.0, 1.0), stops, mode="HSV", hue=hue), np.array([0.5]))
     expected = (1.0, 0.0, 0.0) if middle == 0.0 else (0.0, 1.0, 1.0)

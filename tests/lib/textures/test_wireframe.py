@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wireframe: the share of a square that lies within half the width of its edges and its diagonal."""
+"""Wireframe: the share of a square that its lines cover.
+
+They lie within half the width of its edges and its diagonal.
+"""
 
 import numpy as np
 import pytest
@@ -15,7 +18,10 @@ COUNT = 1 << 14
 @pytest.mark.parametrize("size", [0.1, -0.1, 0.3, 0.7])
 @pytest.mark.parametrize("slope", [0.0, 1.0])
 def test_the_wire_covers_what_it_should(size, slope, seed):
-    """A triangle, moved inward by d, keeps (1 - d / r)^2 of its area, r being the radius of its inscribed circle; five standard errors."""
+    """A triangle, moved inward by d, keeps (1 - d / r)^2 of its area.
+
+    r is the radius of its inscribed circle; five standard errors.
+    """
     sides = np.array([1.0, np.hypot(1.0, slope), np.sqrt(2.0 + slope**2)])
     radius = sides[0] * sides[1] / sides.sum()
     share = 1.0 - max(1.0 - 0.5 * abs(size) / radius, 0.0) ** 2

@@ -14,7 +14,10 @@ def gaussian(rng, rows, count):
 
 
 def fireflies(rng, rows, count):
-    """Mean zero: a normal body, and in one replicate out of ten a flash from a Pareto tail of index 2.2, which barely has a variance."""
+    """Mean zero: a normal body, with a flash in one replicate out of ten.
+
+    The flash has a Pareto tail of index 2.2, which barely has a variance.
+    """
     flash = (rng.random((rows, count, 1)) < 0.1) * (1 + rng.pareto(2.2, (rows, count, 1)))
     flash -= 0.1 * (1 + 1 / (2.2 - 1))
     return np.repeat(0.5 * rng.standard_normal((rows, count, 1)) + flash, 3, axis=2)
@@ -27,9 +30,10 @@ def rows_of(values):
 
 
 def decided(rng, candidate, noise, sigma=0.02, tolerance=0.01, confidence=0.99, last=139, look=None):
-    """The test at its end: references of mean 1, candidates of means `candidate` (K,), noise `sigma` of a replicate.
+    """The test at its end, on normal noise.
 
-    `look(test, n, reference, candidate)` is called after each look.
+    References have mean 1, candidates means `candidate` (K,), and a replicate the noise `sigma`. `look(test, n,
+    reference, candidate)` is called after each look.
     """
     count = candidate.size
     test = SequentialTest(count, tolerance, confidence, expected=count_looks(last))
@@ -47,9 +51,10 @@ def decided(rng, candidate, noise, sigma=0.02, tolerance=0.01, confidence=0.99, 
 
 
 def decided_on_series(draw, count, samples, tolerance, last, confidence=0.99, room=True):
-    """The test at its end on what `draw(rows)` gives: two arrays (rows, K) of replicate means, each over so many `samples`.
+    """The test at its end on what `draw(rows)` gives.
 
-    With `room`, the claims leave it for rare light.
+    That is two arrays (rows, K) of replicate means, each over `samples` samples. With `room`, the claims leave it for
+    rare light.
     """
     test = SequentialTest(count, tolerance, confidence, expected=count_looks(last))
     series = [np.empty((0, count)), np.empty((0, count))]
@@ -67,9 +72,10 @@ def decided_on_series(draw, count, samples, tolerance, last, confidence=0.99, ro
 
 
 def decided_on_samples(rng, share, worth, smooth, room=True, count=280, samples=8192, sigma=0.5):
-    """The test at its end at a tolerance of 1 %: regions of mean 1, replicates of so many `samples` of noise `sigma` each.
+    """The test at its end at a tolerance of 1 %, on samples.
 
-    The reference has a `share` of its light in samples of `worth` times the mean; the candidate has `smooth` instead, in all samples.
+    Regions have mean 1, and replicates `samples` samples of noise `sigma` each. The reference has a `share` of its
+    light in samples of `worth` times the mean; the candidate has `smooth` instead, in all samples.
     """
 
     def draw(rows):
@@ -90,9 +96,10 @@ HEAVY = {
 
 
 def decided_on_heavy_tails(rng, kind, gap, noisy, count=100, samples=256):
-    """The test at its end at a tolerance of 10 %: samples of a HEAVY `kind`, the candidate's means greater by the part `gap`.
+    """The test at its end at a tolerance of 10 %, on heavy tails.
 
-    Unless both sides are `noisy`, the candidate has hardly any noise.
+    Samples are of a HEAVY `kind`, and the candidate's means are greater by the part `gap`. Unless both sides are
+    `noisy`, the candidate has hardly any noise.
     """
 
     def draw(rows):

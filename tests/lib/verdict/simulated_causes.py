@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Region means and effects of departures drawn from known distributions, and the whole search for causes on them."""
+"""Region means and effects of departures drawn from known distributions.
+
+The whole search for causes runs on them.
+"""
 
 import numpy as np
 from etalon.lib.departures.catalogue import Departure

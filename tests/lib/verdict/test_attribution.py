@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attribution on simulated regions, where the truth is known: how often it claims what is not so, and how often it finds what is."""
+"""Attribution on simulated regions, where the truth is known.
+
+Tested are how often it claims what is false, and how often it finds what is true.
+"""
 
 from dataclasses import replace
 from math import comb
@@ -26,7 +29,10 @@ def test_all_sets_together_spend_no_more_than_the_level():
 @pytest.mark.parametrize("runs", [5, pytest.param(100, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("tails", [None, 3])
 def test_agreement_on_the_very_edge_is_claimed_no_more_often_than_allowed(rng, tails, runs):
-    """Region 0 lies on the edge of the tolerance with every set of departures, region 1 far outside, which starts the search."""
+    """Region 0 lies on the edge of the tolerance with every set of departures.
+
+    Region 1 lies far outside, which starts the search.
+    """
     confidence = 0.5
     effects = {name: np.zeros(4) for name in NAMES}
     truth = np.array([1.0 + TOLERANCE, 2.0, 1.0, 1.0])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of causes on simulated regions, where the truth is known: cause, partial cause, likely cause, rivals, no known reason."""
+"""Statements on causes of simulated regions, where the truth is known.
+
+They are cause, partial cause, likely cause, rivals, and no known reason.
+"""
 
 from types import SimpleNamespace
 
@@ -23,7 +26,10 @@ RUNS = 20
 
 
 def found(rng, effects, gap=GAP, **how):
-    """What is said of departures with these `effects` (name -> (5,)) where the candidate differs by `gap` (5,)."""
+    """The statements on departures with these `effects` (name -> (5,)).
+
+    The candidate differs by `gap` (5,).
+    """
     return simulated(
         rng, {"a": NOTHING, "b": NOTHING, "c": NOTHING} | effects, 1.0 + gap, inside=lambda: INSIDE, **how
     )[2]
@@ -40,7 +46,10 @@ def moments(rows):
 
 
 def drawn_sides(rng, count, noise=0.02, rows=12, part=1.0):
-    """Sides that differ by 0.1 in `count` regions, in the first channel most, and an effect with this true share in that channel."""
+    """Sides that differ by 0.1 in `count` regions, in the first channel most.
+
+    An effect has the true share `part` in that channel.
+    """
     gap = np.array([0.1, 0.01, 0.0])
     reference, candidate = (moments(m + noise * rng.standard_normal((rows, count, 3))) for m in (1.0, 1.0 + gap))
     effect = moments(part * gap + 0.2 * noise * rng.standard_normal((8, count, 3)))
@@ -83,7 +92,10 @@ def test_a_true_cause_is_named_alone_and_in_pairs(rng):
 
 @pytest.mark.slow
 def test_a_wrong_departure_with_a_similar_pattern_is_never_the_cause(rng):
-    """Within the tolerance it agrees everywhere, and in the whole image its share is 1: only the pattern speaks against it."""
+    """Within the tolerance it agrees everywhere, and in the whole image its share is 1.
+
+    Only the pattern speaks against it.
+    """
     wrong = share_of([1.0, 1.3, 0.7, 1.3, 0.7])
     said = [found(rng, wrong) for _ in range(RUNS)]
     assert not any(why.state is State.CAUSE or any(why.causes) for why in said)
@@ -95,7 +107,10 @@ def test_a_wrong_departure_with_a_similar_pattern_is_never_the_cause(rng):
 
 @pytest.mark.slow
 def test_the_wrong_departure_is_the_cause_where_its_share_is_not_asked_for(rng, monkeypatch):
-    """The test above can fail: by agreement within the tolerance alone, as it used to be, it is named."""
+    """The test above can fail.
+
+    By agreement within the tolerance alone, as it used to be, the departure is named.
+    """
     monkeypatch.setattr(attribution, "BAND", (1e-3, 1e3))
     monkeypatch.setattr(causes, "EXACT", 1e3)
     said = [found(rng, share_of([1.0, 1.3, 0.7, 1.3, 0.7])) for _ in range(10)]

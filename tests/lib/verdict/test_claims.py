@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""p-values and intervals of one look, against scipy.stats and against the answers that bad input must have."""
+"""p-values and intervals of one look, against scipy.stats.
+
+Also the answers that bad input must have.
+"""
 
 import numpy as np
 import pytest

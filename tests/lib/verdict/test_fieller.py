@@ -25,7 +25,10 @@ def test_it_is_unbounded_where_the_denominator_is_not_distinct_from_zero_or_no_v
 
 
 def test_it_covers_the_true_ratio_as_often_as_it_says(rng):
-    """Correlated estimates of 0.7 and 1, with a denominator as noisy as 4 standard errors: where the delta method fails."""
+    """Correlated estimates of 0.7 and 1, where the delta method fails.
+
+    The denominator is as noisy as 4 standard errors.
+    """
     runs, rho, q = 20000, 0.7, norm.isf(0.025)
     covariance = np.array([[0.04, 0.02], [0.02, 0.0625]])
     a, b = rng.multivariate_normal([rho, 1.0], covariance, runs).T

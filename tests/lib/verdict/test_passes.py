@@ -19,7 +19,10 @@ REGIONS = image_regions(2, 2, {"material": [("Left", LEFT)]}, (16,)).named
 
 
 def false_claims(rng, off, wrong):
-    """How many of RUNS comparisons make a claim that is `wrong` of any pass, whose truth is `off` by so much everywhere."""
+    """In how many of RUNS comparisons a claim is made that is `wrong` of any pass.
+
+    The truth of each is off by `off` everywhere.
+    """
     count = 0
     for _ in range(RUNS):
         test = PassTest(NAMES, REGIONS.families, TOLERANCE, CONFIDENCE, 3)

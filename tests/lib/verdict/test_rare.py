@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light in rare samples: what is said of it, and that verdicts are not wrong because of it."""
+"""Light in rare samples.
+
+Tested are the statements on it, and that verdicts are not wrong because of it.
+"""
 
 import numpy as np
 import pytest
@@ -69,7 +72,10 @@ def test_replicates_that_were_not_sampled_do_not_count(rng):
 
 
 def test_what_was_not_met_may_be_missing_with_its_probability():
-    """A sample of worth v met with probability p each: a region that misses all of N owes v p of its light."""
+    """A sample of worth v is met with probability p each.
+
+    A region that misses all of N owes v p of its light.
+    """
     worth, samples, level = 1e4, 1e6, 0.01
     room = float(room_for_rare_light(worth, np.array([samples]), level)[0])
     missed = (1.0 - room / worth) ** samples
@@ -143,6 +149,9 @@ def test_without_room_for_rare_light_both_mistakes_are_made(rng, worth, smooth, 
 
 
 def test_tame_light_is_decided_as_before(rng):
-    """Safety is not bought by never deciding: without rare samples all regions are found to agree."""
+    """Safety does not come from never deciding.
+
+    Without rare samples all regions are found to agree.
+    """
     found = decided_on_samples(rng, 0.0, 1.0, 0.0)
     assert (found.outcomes == Outcome.EQUIVALENT).all()

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sequential decision on simulated regions: how often it is wrong, and what it finds at which cost."""
+"""The sequential decision on simulated regions.
+
+Tested are how often it is wrong, and what it finds at which cost.
+"""
 
 import numpy as np
 import pytest
@@ -66,10 +69,10 @@ def test_looks_that_are_not_paid_for_raise_false_alarms(rng, monkeypatch, noise)
 @pytest.mark.parametrize("runs", [5, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("bias", [0.005, 0.01, 0.02, 0.05])
 def test_a_planted_bias_on_one_material_is_found(rng, runs, bias):
-    """At half its size as tolerance, in at least 95 of 100 runs, at the cost that the normal distribution foretells.
+    """A bias is found at half its size as tolerance, in at least 95 of 100 runs.
 
-    A claim must meet its part of the level / (N regions x 6 ways) and its look's share: about 5 standard errors, and two more for a power
-    of 97.5 %.
+    It is found at the cost that the normal distribution forecasts. A claim must meet its part of the level / (N
+    regions x 6 ways) and its look's share: about 5 standard errors, and two more for a power of 97.5 %.
     """
     truth = np.ones(20)
     truth[3] += bias
@@ -117,7 +120,10 @@ def test_a_region_that_is_not_sampled_on_keeps_its_claim():
 
 
 def test_all_regions_are_tested_together_at_the_level_of_one(rng):
-    """The number of regions costs nothing: with 1,000 regions the bound is that of the worst one at the plain level."""
+    """The number of regions costs nothing.
+
+    With 1,000 regions the bound is that of the worst one at the plain level.
+    """
     sigma, n = 0.008, 64
     noise = 1.0 + sigma * gaussian(rng, n, 1000), 1.0 + sigma * gaussian(rng, n, 1000)
     reference, candidate = (rows_of(values) for values in noise)
@@ -182,7 +188,10 @@ def test_the_bound_is_wrong_no_more_often_than_its_level(rng):
 
 
 def test_the_floor_is_that_of_what_does_not_emit():
-    """A lamp in a few cells does not lift it, black cells do not lower it, and every channel has its own."""
+    """A lamp in a few cells does not lift it, and black cells do not lower it.
+
+    Every channel has its own.
+    """
     means = np.ones((100, 3)) * [1.0, 0.5, 1e-4]
     means[:10] = 1e6
     means[90:] = 0.0

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Versions whose images, noise and departures are known: what changed, why, and which is nearer to the reference."""
+"""Versions whose images, noise and departures are known.
+
+Tested are what changed, why, and which is nearer to the reference.
+"""
 
 import json
 import math
@@ -128,7 +131,10 @@ def test_the_light_pass_that_changed_is_named(clock, seed):
 
 
 def test_independent_noise_without_a_change_is_no_change(clock, seed):
-    """The level holds for all regions and pairs together: 1 %, so that none of 20 runs may err more than once."""
+    """The level holds for all regions and pairs together.
+
+    It is 1 %, so that none of 20 runs may err more than once.
+    """
     wrong = 0
     for k in range(20):
         contestants = [

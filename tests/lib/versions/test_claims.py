@@ -9,7 +9,10 @@ ROUNDS, TRIALS, LEVEL = 8, 4000, 0.05
 
 
 def series(rng, first, second, shared=0.3, own=(0.2, 0.2)):
-    """Differences to the truth of two versions with these means, in TRIALS regions, with noise that they share and noise of their own."""
+    """Differences to the truth of two versions with these means, in TRIALS regions.
+
+    They have noise that they share and noise of their own.
+    """
     common = shared * rng.standard_normal((ROUNDS, TRIALS, 1))
     return [
         mean + common + s * rng.standard_normal((ROUNDS, TRIALS, 1))

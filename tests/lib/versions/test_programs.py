@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finding the Blenders that --blender names, with scripts that stand in for Blender, Python, pip and uv."""
+"""Finding the Blenders that --blender names.
+
+Scripts stand in for Blender, Python, pip and uv.
+"""
 
 import sys
 from pathlib import Path
@@ -33,7 +36,10 @@ def program(path, version="5.2.1", kind="Blender", lacks=False, answers=True):
 
 @pytest.fixture(autouse=True)
 def nothing_installed(monkeypatch, tmp_path):
-    """No Blender on this machine, no Blender in this Python, and a cache folder of the test's own."""
+    """No Blender on this machine and no Blender in this Python.
+
+    The cache folder is the test's own.
+    """
     monkeypatch.setattr(programs, "_installed", list)
     monkeypatch.setattr(programs, "_has_module", lambda release: False)
     monkeypatch.setattr(environments, "cache_folder", lambda: tmp_path / "cache")

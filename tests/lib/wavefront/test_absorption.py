@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes that absorb: Beer and Lambert's law along camera rays, refracted rays and shadow rays."""
+"""Volumes that absorb: Beer and Lambert's law.
+
+It is tested along camera rays, refracted rays and shadow rays.
+"""
 
 from dataclasses import replace
 
@@ -42,7 +45,10 @@ def together(*parts):
 
 
 def assert_exact(the_scene, exact, seed, **options):
-    """Up to what single precision leaves of the lengths of rays, which set out a little off the faces."""
+    """The image is exact up to what single precision leaves of the lengths of rays.
+
+    Rays set out a little off the faces.
+    """
     images = replicates(the_scene, 1, 4, seed=seed, **options)
     np.testing.assert_allclose(images, np.broadcast_to(exact, images.shape), rtol=2e-5)
 
@@ -109,7 +115,10 @@ def test_a_glass_block_absorbs_at_every_pass(seed):
 
 @pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
 def test_fog_between_lamp_floor_and_camera(direct, seed):
-    """A point light at 2 m over the floor, the camera at 3 m: Lambert's law, and exp(-5 sigma)."""
+    """A point light at 2 m over the floor, the camera at 3 m.
+
+    Lambert's law, and exp(-5 sigma).
+    """
     lamp = PointLight("lamp", (0.0, 0.0, 2.0), (3.0, 3.0, 3.0))
     camera = orthographic(2, 2, 1e-3, (0.0, 0.0, 3.0))
     misty = scene(floor(5.0), diffuse(0.8), camera, [lamp], FOG)
@@ -127,7 +136,10 @@ def test_fog_hides_the_sky_and_the_sun(seed):
 
 
 def test_lamps_are_seen_through_what_is_before_them(seed):
-    """Spheres of light at 3 m and 7 m before the camera, the nearer in a cube: each by what lies before it, not by what is behind."""
+    """Spheres of light at 3 m and 7 m before the camera, the nearer in a cube.
+
+    Each is dimmed by what lies before it, not by what is behind.
+    """
     camera = orthographic(1, 1, 1e-3, (0.0, 0.0, 10.0))
     near, far = (
         SphereLight(name, (0.0, 0.0, z), 0.5, (1.0,) * 3, rays=SEEN) for name, z in (("near", 6.5), ("far", 2.5))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many times light scatters: the closed box, whose radiance is a finite geometric series."""
+"""How many times light scatters.
+
+The radiance of the closed box is a finite geometric series.
+"""
 
 import numpy as np
 import pytest
@@ -22,7 +25,10 @@ def test_glowing_box(direct, bounces, exact, seed):
 
 
 def test_glowing_box_is_exact_by_bsdf_sampling(seed):
-    """Every path sees emission 1 at every hit and keeps exactly its colour: no noise at all, and colours apart."""
+    """Every path sees emission 1 at every hit and keeps exactly its colour.
+
+    There is no noise at all, and colours differ.
+    """
     box = scene(icosphere(), material(Diffuse(color(0.9, 0.5, 0.1)), Emission(color(1.0, 2.0, 3.0))), INSIDE, bounces=5)
     image = replicates(box, 1, 16, direct="bsdf", seed=seed)[0]
     albedo, glow = np.array([0.9, 0.5, 0.1]), np.array([1.0, 2.0, 3.0])
@@ -38,7 +44,10 @@ def test_a_mirror_box_counts_the_same(seed):
 
 
 def test_no_lobes_is_black_and_the_world_is_behind(seed):
-    """A black square before a white sky: rays that meet nothing see the world, whatever `max_bounces`."""
+    """A black square before a white sky.
+
+    Rays that meet nothing see the world, whatever `max_bounces`.
+    """
     black = scene(cube(0.5), material(), orthographic(4, 4, 2.0, (0.0, 0.0, 5.0)), world=0.7)
     image = replicates(black, 1, 16, seed=seed)[0]
     assert np.all(image[1:3, 1:3] == 0.0)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera: where rays begin and go, the lens, the clip planes, and which way up the image is."""
+"""The camera: where rays begin and go, the lens, and the clip planes.
+
+Also which way up the image is.
+"""
 
 from dataclasses import replace
 
@@ -118,7 +121,10 @@ def test_lens_rays_meet_in_the_plane_of_focus(kind, blades, rng):
 @KINDS
 @pytest.mark.parametrize("ratio", [1.0, 2.0])
 def test_moments_of_the_lens(kind, ratio, rng):
-    """Uniform on a disk of radius R, squeezed in x: E x^2 = (R / ratio)^2 / 4, E y^2 = R^2 / 4, E xy = 0."""
+    """Uniform on a disk of radius R, squeezed in x.
+
+    E x^2 = (R / ratio)^2 / 4, E y^2 = R^2 / 4, E xy = 0.
+    """
     camera = make(kind, replace(LENS, ratio=ratio))
     count = 200_000
     rays = camera_rays(camera, np.full(count, 4.0), np.full(count, 3.0), tuple(rng.random((2, count))))
@@ -133,7 +139,10 @@ def test_moments_of_the_lens(kind, ratio, rng):
 
 
 def test_blades_have_their_corners_where_blender_has_them(rng):
-    """Vertices at rotation + (2 k + 1) pi / n from +x: the farthest points of the lens lie there."""
+    """Vertices at rotation + (2 k + 1) pi / n from +x.
+
+    The farthest points of the lens lie there.
+    """
     blades, rotation = 5, 0.2
     camera = make("PERSPECTIVE", replace(LENS, blades=blades, rotation=rotation))
     count = 100_000
@@ -153,8 +162,11 @@ def test_blades_have_their_corners_where_blender_has_them(rng):
 @KINDS
 @pytest.mark.parametrize("depth", [2.0, 3.0])
 def test_circle_of_confusion_rendered(kind, depth, seed):
-    """A small patch at `depth` is smeared over a disk of radius R |f - d| / d (R |f - d| / f orthographic), measured in the plane of focus
-    (perspective: seen from the pinhole) : total light and second moments of the image."""
+    """A small patch at `depth` is smeared over a disk of radius R |f - d| / d.
+
+    It is R |f - d| / f for orthographic cameras, measured in the plane of focus (perspective: seen from the pinhole).
+    Tested are the total light and second moments of the image.
+    """
     size, half = 0.07, 0.6
     if kind == "PERSPECTIVE":
         camera = perspective(60, 60, half / LENS.focus_distance, (0.0, 0.0, 0.0), aperture=LENS)

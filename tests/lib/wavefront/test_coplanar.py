@@ -51,7 +51,10 @@ def test_a_face_that_overlaps_nothing_is_as_without_the_departure():
 
 
 def test_a_transparent_copy_lets_through_what_its_colour_does():
-    """The floor is seen through its copy or beside it: either way shadow rays pass the copy once more."""
+    """The floor is seen through its copy or beside it.
+
+    Either way shadow rays pass the copy once more.
+    """
     found = shown([scenes.floor(), half(-1.0, 1), half(0.0)], [scenes.diffuse(0.8), scenes.transparent(0.5)], [HIDING])
     plain = shown([scenes.floor(), half(-1.0, 1)], [scenes.diffuse(0.8), scenes.transparent(0.5)])
     assert plain[0] == pytest.approx(LIT, rel=1e-12) or plain[0] == pytest.approx(0.0)
@@ -60,7 +63,10 @@ def test_a_transparent_copy_lets_through_what_its_colour_does():
 
 
 def test_emission_is_not_hidden():
-    """A face that shines is met at distance 0, too: a white one of two adds what the other sends out, again and again."""
+    """A face that shines is met at distance 0, too.
+
+    A white one of two adds what the other sends out, again and again.
+    """
     found = shown([scenes.floor(), scenes.floor()], scenes.emission(0.3), [HIDING], 4)
     assert found == pytest.approx([0.3, 0.3], rel=1e-12)
 

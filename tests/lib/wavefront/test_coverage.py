@@ -15,7 +15,10 @@ def found(the_scene, seed, samples=16):
 
 
 def test_shares_are_areas(seed):
-    """Two quads of different materials that meet a third of the way through a pixel, over half of the image's height."""
+    """Two quads of different materials over half of the image's height.
+
+    They meet a third of the way through a pixel.
+    """
     parts = [
         quad((-2.0, 0.0, 0.0), (2.0 + 1.0 / 3.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0),
         quad((1.0 / 3.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 1.0, 0.0), 1),
@@ -45,7 +48,10 @@ def test_objects_and_materials_fill_what_is_covered(seed):
 
 
 def test_bands_split_a_material_by_angle(seed):
-    """Of a sphere seen from afar, the part with angles below t covers sin^2 t of its disk; bands sum to the material."""
+    """The part of a distant sphere with angles below t covers sin^2 t of its disk.
+
+    Bands sum to the material.
+    """
     parts = icosphere(1.0, 5, 0)
     shares = found(scene(parts, [material(name="ball")], orthographic(32, 32, 2.2, (0.0, 0.0, 3.0))), seed, 64)
     whole = shares["material"]["ball"]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Lambert plane under one light of each kind: irradiance in closed form, averaged over each pixel's footprint."""
+"""A Lambert plane under one light of each kind.
+
+The irradiance has a closed form, averaged over each pixel's footprint.
+"""
 
 import numpy as np
 import pytest
@@ -36,7 +39,10 @@ def lit(lights=(), parts=(), materials=(), **more):
 
 
 def over_pixels(irradiance, nodes=8):
-    """Mean of irradiance(x, y) over each pixel, times albedo / pi: the image (PIXELS, PIXELS, 3), row 0 at the largest y."""
+    """Mean of irradiance(x, y) over each pixel, times albedo / pi.
+
+    It is the image (PIXELS, PIXELS, 3), row 0 at the largest y.
+    """
     x, w = np.polynomial.legendre.leggauss(nodes)
     step = SIZE / PIXELS
     at = -0.5 * SIZE + step * (np.arange(PIXELS)[:, None] + 0.5 * (x + 1.0))
@@ -47,7 +53,10 @@ def over_pixels(irradiance, nodes=8):
 
 
 def from_polygon(corners):
-    """Irradiance on a plane of normal +z from a polygon of radiance 1, by Lambert's sum over its edges; corners (k, 3) seen from x, y, 0."""
+    """Irradiance on a plane of normal +z from a polygon of radiance 1.
+
+    It is Lambert's sum over its edges; corners (k, 3) are seen from x, y, 0.
+    """
 
     def irradiance(x, y):
         ray = np.array(corners, float)[:, :, None, None] - np.stack([x, y, np.zeros_like(x)])
@@ -86,7 +95,10 @@ def test_rectangle(direct, tilted, seed):
 
 @DIRECT
 def test_disk(direct, seed):
-    """Howell's configuration factor C-12: a disk of radius r at height h, seen from a parallel element at distance d off its axis."""
+    """Howell's configuration factor C-12.
+
+    It is a disk of radius r at height h, seen from a parallel element at distance d off its axis.
+    """
     r, h = 0.6, 1.2
     light = AreaLight(
         "disk", (0.2, -0.3, h), (2 * r, 0.0, 0.0), (0.0, -2 * r, 0.0), (0, 0, -1.0), "ELLIPSE", (2.0,) * 3, np.pi
@@ -140,7 +152,10 @@ def test_spot(seed):
 @DIRECT
 @pytest.mark.parametrize("angle", [0.0, 0.01, 0.4])
 def test_sun(direct, angle, seed):
-    """Irradiance times the cosine to the middle of the disk, however wide: the disk is above the horizon."""
+    """Irradiance times the cosine to the middle of the disk, however wide.
+
+    The disk is above the horizon.
+    """
     towards = np.array([0.6, 0.2, 0.7])
     towards /= np.linalg.norm(towards)
     light = SunLight("sun", tuple(towards), angle, (2.0,) * 3)
@@ -202,7 +217,10 @@ def test_half_shadow(direct, seed):
 @DIRECT
 @pytest.mark.parametrize("tilted", [False, True])
 def test_mesh_light_is_the_area_light(direct, tilted, seed):
-    """An emissive quad, of which the floor sees one face, against the closed form of the area light."""
+    """An emissive quad, against the closed form of the area light.
+
+    The floor sees one of its faces.
+    """
     light, corners = rectangle(tilted=tilted)
     lamp = quad(corners[0], np.array(light.edge_u), np.array(light.edge_v), 1)
     images = replicates(lit((), [lamp], [emission(3.0)]), 10, 256, direct=direct, seed=seed)
@@ -211,7 +229,10 @@ def test_mesh_light_is_the_area_light(direct, tilted, seed):
 
 @DIRECT
 def test_lamp_that_is_nearly_edge_on(direct, seed):
-    """A vertical emissive strip whose face the floor sees at grazing angles only: it must not hide behind itself."""
+    """A vertical emissive strip whose face the floor sees at grazing angles only.
+
+    It must not hide behind itself.
+    """
     corners = [np.array([-3.0, -0.02, h]) for h in (0.0, 2.0)] + [np.array([3.0, 0.0, h]) for h in (2.0, 0.0)]
     lamp = quad(corners[0] + [0.0, 0.0, 1e-4], (0.0, 0.0, 2.0), (6.0, 0.02, 0.0), 1)
     above = [np.array([c[0], c[1], max(c[2], 1e-4)]) for c in corners]
@@ -224,7 +245,10 @@ def test_lamp_that_is_nearly_edge_on(direct, seed):
 
 
 def test_visible_lights_are_seen_and_seen_through(seed):
-    """Seen by the camera: the light's own radiance on top of what lies behind it, as in Cycles; nothing of it otherwise."""
+    """Seen by the camera, the light's radiance adds to what lies behind it, as in Cycles.
+
+    Otherwise nothing of it is seen.
+    """
     light, _ = rectangle(visible=True)
     camera = orthographic(1, 1, 0.01, (0.3, 0.2, 2.0), (0.0, 0.0, -1.0))
     below = orthographic(1, 1, 0.01, (0.3, 0.2, 0.1), (0.0, 0.0, 1.0))
@@ -259,7 +283,10 @@ def test_sloped_sky(direct, seed):
 
 @DIRECT
 def test_environment_map(direct, seed, rng):
-    """Texels at random, one of them a thousand times brighter: against a fine midpoint sum over directions, by Blender's mapping."""
+    """Random texels, one of them a thousand times brighter.
+
+    They are compared with a fine midpoint sum over directions, by Blender's mapping.
+    """
     width, height = 16, 8
     pixels = np.ones((height, width, 4), np.float32)
     pixels[..., :3] = rng.random((height, width, 3)) ** 4

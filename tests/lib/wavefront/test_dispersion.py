@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dispersion in whole images: one face and a prism under a sky that varies, against quadrature over the spectrum."""
+"""Dispersion in whole images, against quadrature over the spectrum.
+
+One face and a prism stand under a sky that varies.
+"""
 
 from types import SimpleNamespace
 
@@ -30,7 +33,10 @@ def sky(direction):
 
 
 def bend(direction, normal, eta):
-    """Snell's direction beyond a face whose `normal` looks against `direction`, and the share that passes; (3, n), (n,)."""
+    """Snell's direction beyond a face, and the share that passes; (3, n), (n,).
+
+    The face's `normal` points against `direction`.
+    """
     cos = -(normal[:, None] * direction).sum(axis=0)
     sine2 = (1.0 - cos * cos) / eta**2
     beyond = direction / eta + normal[:, None] * (cos / eta - np.sqrt(1.0 - sine2))
@@ -42,7 +48,10 @@ def mirror(direction, normal):
 
 
 def spectral(value):
-    """The colour of `value`, a function of the wavelength, by a fine trapezoid rule over the observer's table."""
+    """The colour of `value`, a function of the wavelength.
+
+    It is a fine trapezoid rule over the observer's table.
+    """
     fine = np.linspace(380.0, 780.0, 40_001)
     density = np.stack([np.interp(fine, NODES, one) for one in COLORS])
     return trapezoid(density * value(fine), fine, axis=1)
@@ -81,9 +90,10 @@ def test_one_face_spreads_the_light(seed):
 
 
 def test_a_prism_keeps_the_wavelength_from_face_to_face(seed):
-    """Light takes its colour once, at the first face, and bends by the same index at the second.
+    """Light takes its colour once, at the first face.
 
-    Two scatterings at most: what the second face mirrors meets the first from below and ends there.
+    It bends by the same index at the second. Two scatterings at most: what the second face mirrors meets the first from
+    below and ends there.
     """
     up, tilt = np.array([0.0, 0.0, 1.0]), np.radians(12.0)
     out = np.array([np.sin(tilt), 0.0, np.cos(tilt)])  # the second face's normal, against the light that comes to it
@@ -142,7 +152,10 @@ def test_roulette_spares_colours_that_are_negative(tint, seed):
 
 @pytest.mark.slow
 def test_lost_light_is_given_back_at_each_wavelength():
-    """Multiscatter GGX, white, from outside: 1 / E of the index at the wavelength, E by quadrature over visible normals."""
+    """Multiscatter GGX, white, from outside.
+
+    1 / E of the index at the wavelength, E by quadrature over visible normals.
+    """
     wavelength = np.array([400.0, 460.0, 520.0, 590.0, 660.0, 750.0])
     cos, alpha = np.repeat([0.1, 0.4, 0.9], 6), np.full(18, 0.5)
     wo = np.stack([np.sqrt(1.0 - cos * cos), np.zeros_like(cos), cos])

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""White furnace: under a white sky a surface shows its directional albedo, which quadrature knows.
+"""White furnace: under a white sky a surface shows its directional albedo.
 
-E(wo) = integral of F |cos| over wi; over the microfacet m its integrand is D G (wo.m) / cos_o. D, Lambda and G are written here once
-more, from the papers, so that the integrator's own are not their own judges.
+Quadrature gives the truth. E(wo) = integral of F |cos| over wi; over the microfacet m its integrand is
+D G (wo.m) / cos_o. D, Lambda and G are written here once more, from the papers, so that the integrator's own are not
+their own judges.
 """
 
 from functools import cache
@@ -49,7 +50,10 @@ def shadowing(masking, distribution, alpha, cos_i, cos_o, m_z, cos_om):
 
 @cache
 def albedo(distribution, alpha, masking, nodes=(300, 300)):
-    """E at ANGLES, (angles,): slopes in polar form, t = tan theta_m up to where the reflection meets the horizon."""
+    """E at ANGLES, (angles,).
+
+    Slopes are in polar form, t = tan theta_m up to where the reflection meets the horizon.
+    """
     cos_o, sin_o = np.cos(ANGLES)[:, None, None], np.sin(ANGLES)[:, None, None]
     (node, weight), (turn, turn_weight) = (roots_legendre(n) for n in nodes)
     node, weight = 0.5 * (node + 1.0), 0.5 * weight
@@ -147,7 +151,10 @@ def test_directional_albedo(distribution, masking, strategy, seed):
 
 
 def test_no_sample_gains_energy(seed):
-    """A visible normal's weight is G2 / G1 <= 1: one sample a pixel, and none is brighter than the sky."""
+    """A visible normal's weight is G2 / G1 <= 1.
+
+    There is one sample a pixel, and none is brighter than the sky.
+    """
     for distribution in ("GGX", "BECKMANN"):
         for masking in ("correlated", "separable"):
             images = replicates(furnace(distribution, ALPHAS), 40, 1, masking=masking, seed=seed)

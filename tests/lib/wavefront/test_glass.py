@@ -34,7 +34,10 @@ def reflectance(degrees, ior):
 
 @pytest.mark.parametrize("degrees", [0.0, 45.0, 75.0])
 def test_clear_glass_in_a_furnace(degrees, seed):
-    """Every interaction has weight 1 and both ways out see the same sky: 1 exactly, as soon as no path is cut off."""
+    """Every interaction has weight 1 and both ways out see the same sky.
+
+    The image is 1 exactly, as soon as no path is cut off.
+    """
     images = replicates(slab(1.5, (1.0,), degrees, 60), 1, 256, seed=seed)
     np.testing.assert_allclose(images, 1.0, rtol=1e-12)
 
@@ -42,7 +45,10 @@ def test_clear_glass_in_a_furnace(degrees, seed):
 @pytest.mark.parametrize("degrees", [0.0, 45.0, 75.0])
 @pytest.mark.parametrize("bounces", [0, 1, 2, 20])
 def test_coloured_glass_in_a_furnace(degrees, bounces, seed):
-    """Each interaction tints by c: c R + c^2 (1 - R)^2 sum over k of (c R)^k, k + 2 interactions for the k-th, at most bounces + 1."""
+    """Each interaction tints by c.
+
+    c R + c^2 (1 - R)^2 sum over k of (c R)^k, k + 2 interactions for the k-th, at most bounces + 1.
+    """
     c = np.array([0.9, 0.5, 0.2])
     r = reflectance(degrees, 1.5)
     inner = sum(((c * r) ** k for k in range(bounces)), np.zeros(3))
@@ -52,7 +58,10 @@ def test_coloured_glass_in_a_furnace(degrees, bounces, seed):
 
 
 def test_refraction_goes_where_snell_says(seed):
-    """Through the upper face only, without Fresnel, onto a wall of emission that a straight ray would miss."""
+    """Through the upper face only, without Fresnel, onto a wall of emission.
+
+    A straight ray would miss the wall.
+    """
     degrees, ior = 60.0, 1.5
     inside = np.arcsin(np.sin(np.radians(degrees)) / ior)
     forward = np.array([np.sin(np.radians(degrees)), 0.0, -np.cos(np.radians(degrees))])
@@ -70,7 +79,10 @@ def test_refraction_goes_where_snell_says(seed):
 
 
 def test_glass_casts_a_shadow_on_light_sampling(seed):
-    """A delta light is not found through refraction: the floor under a plate of glass is dark, as in Cycles."""
+    """A delta light is not found through refraction.
+
+    The floor under a plate of glass is dark, as in Cycles.
+    """
     plate = quad((-5.0, -5.0, 0.5), (10.0, 0.0, 0.0), (0.0, 10.0, 0.0), 1)
     sun = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0, 1.0))
     camera = orthographic(2, 2, 0.1, (0.01, 0.02, 0.4))

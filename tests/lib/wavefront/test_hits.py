@@ -32,7 +32,10 @@ CARD = scenes.quad((-0.5, -0.5, 1e-4), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 def assert_card_shades_floor(caster):
-    """A card 0.1 mm above a floor, the first two of the mesh, is met where it is and shades the floor."""
+    """A card 0.1 mm above a floor is met where it is and shades the floor.
+
+    The two are the first of the mesh.
+    """
     x = np.linspace(-0.95, 0.95, 20)
     origin, down = np.stack([x, 0.3 * x, np.full(20, 2.0)]), np.tile([[0.0], [0.0], [-1.0]], 20)
     found = caster.closest(origin, down)

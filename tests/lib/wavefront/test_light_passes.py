@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light passes of the reference: scenes whose passes have closed forms, and the sum that is the whole image."""
+"""Light passes of the reference.
+
+Scenes have passes with closed forms, and the passes' sum is the whole image.
+"""
 
 from dataclasses import replace
 
@@ -96,7 +99,10 @@ def test_glowing_room_is_a_series_by_passes(closure, family, seed):
 
 
 def test_mixed_surface_is_parted_by_colour(seed):
-    """Under a sky of 1 a mirror gives its colour to the glossy pass, and a diffuse lobe its own to the diffuse one."""
+    """Under a sky of 1 each lobe gives its own colour to its own pass.
+
+    A mirror gives it to the glossy pass, a diffuse lobe to the diffuse one.
+    """
     red, blue = color(0.4, 0.2, 0.0), color(0.0, 0.1, 0.6)
     plane = scene(floor(), material(Diffuse(red), Glossy("GGX", blue)), ABOVE, world=1.0)
     passes = render(plane, seed, samples=4096).passes
@@ -141,7 +147,10 @@ def test_glass_is_glossy_on_the_near_side_and_transmission_on_the_far_one(seed):
 
 
 def test_transparent_faces_pass_the_passes_on(seed):
-    """Behind a filter of 0.5, emission, the sky and the first scattering count as if it were not there."""
+    """Faces behind a filter of 0.5 count as if it were not there.
+
+    These are emission, the sky and the first scattering.
+    """
     filter_ = floor(0.6, 1.0, material=1)
     plane = scene(
         [floor(), filter_], [material(Diffuse(color(0.8))), material(Transparent(color(0.5)))], ABOVE, world=1.0

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and shadow linking against closed forms: what is linked is lit or hidden as if the rest were not there, and parts add up."""
+"""Light and shadow linking against closed forms.
+
+What is linked is lit or hidden as if the rest were not there, and parts add up.
+"""
 
 from dataclasses import replace
 
@@ -46,7 +49,10 @@ def test_a_lamp_lights_what_is_linked_to_it_and_nothing_else(direct, seed):
 
 @DIRECT
 def test_faces_light_what_is_linked_to_them(direct, seed):
-    """Two panels, one for each of two sets: a floor of either set is lit as by one of them alone."""
+    """Two panels, one for each of two sets.
+
+    A floor of either set is lit as by one of them alone.
+    """
     lower = quad((-0.3, -0.2, 1.4), (1.2, 0.0, 0.0), (0.0, 0.8, 0.0), 2)
 
     def render(parts, *facts):
@@ -63,7 +69,10 @@ def test_faces_light_what_is_linked_to_them(direct, seed):
 
 @pytest.mark.parametrize("source", ["lamp", pytest.param("faces", marks=pytest.mark.slow)])
 def test_sets_that_part_the_objects_part_the_light(source, seed):
-    """Two walls of different sets, a glossy floor and two bounces: the light of the three sets adds up to all of it."""
+    """Two walls of different sets, a glossy floor and two bounces.
+
+    The light of the three sets adds up to all of it.
+    """
     walls = [
         quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0)),
         quad((-1.0, -1.0, 0.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0)),

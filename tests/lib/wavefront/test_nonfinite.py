@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is not finite is counted and shown, never zeroed: the pixels that met it are NaN, all others are as they were."""
+"""What is not finite is counted and shown, never zeroed.
+
+The pixels that met it are NaN, all others are as they were.
+"""
 
 import numpy as np
 import pytest

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panoramic cameras: each projection by what defines it, the lens, and what a lens does not see."""
+"""Panoramic cameras: each projection by what defines it.
+
+Also the lens, and what a lens does not see.
+"""
 
 from dataclasses import replace
 
@@ -24,7 +27,10 @@ def make(kind, half=0.9, **fields):
 
 
 def seen(camera, rng, count=400):
-    """Points of the camera plane (2, k) and unit directions of camera space (3, k) of rays at random."""
+    """Points of the camera plane (2, k) and unit directions of camera space (3, k).
+
+    They belong to random rays.
+    """
     raster = rng.uniform(0.0, 8.0, (2, count))
     rays = camera_rays(camera, *raster, None)
     if rays.index is not None:
@@ -55,7 +61,10 @@ def test_a_face_of_an_equiangular_cube_has_equal_angles(rng):
 
 
 def test_a_mirror_ball_reflects(rng):
-    """The half vector between the direction and the one back along the axis is the ball's normal; the rim sees what is behind."""
+    """The half vector between the direction and the one back along the axis is the normal.
+
+    It is the ball's normal; the rim sees what is behind.
+    """
     (x, y), direction = seen(make("MIRRORBALL", 1.0), rng)
     half = np.array([[0.0], [0.0], [-1.0]]) + direction
     half /= np.linalg.norm(half, axis=0)

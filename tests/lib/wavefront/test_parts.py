@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limits of bounces and the light of each emitter, from one render: closed forms, and sums that are the whole image."""
+"""Limits of bounces and the light of each emitter, from one render.
+
+Tested are closed forms, and sums that are the whole image.
+"""
 
 from dataclasses import replace
 
@@ -53,7 +56,10 @@ def test_the_light_of_all_emitters_is_the_image(effect, seed):
 
 @pytest.mark.parametrize("albedo", [0.8, 0.5])
 def test_a_closed_room_that_glows_has_a_geometric_series(albedo, seed):
-    """Every path meets a wall of radiance 1 at each step: 1 + a + a^2 + ... with one term more than bounces plus one."""
+    """Every path meets a wall of radiance 1 at each step.
+
+    1 + a + a^2 + ... has one term more than bounces plus one.
+    """
     room = scene(
         cube(4.0),
         material(Diffuse(color(albedo)), Emission(color(1.0))),
@@ -94,7 +100,10 @@ def cards():
 
 
 def test_emitting_objects_are_told_apart(seed):
-    """Cards in mirror symmetry about the camera: the light of the one is three times that of the other."""
+    """Cards in mirror symmetry about the camera.
+
+    The light of the one is three times that of the other.
+    """
     the_scene = cards()
     names = [one.name for one in the_scene.mesh.objects]
     reference = ReferenceRenderer(the_scene, Options(seed=seed, threads=1)).with_passes((EmitterLight(names[1]),))

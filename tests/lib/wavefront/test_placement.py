@@ -87,7 +87,10 @@ def placed(the_scene, size=1.0, offset=(0.0, 0.0, 0.0)):
 
 
 def assert_alike(here, there):
-    """The same random numbers: pixels agree but for single rays at edges, and these do not add up to anything."""
+    """The same random numbers give the same pixels, except for single rays at edges.
+
+    These do not add up to anything.
+    """
     scale = here.mean()
     different = np.abs(here - there) > 1e-4 * scale
     assert different.mean() < 0.02
@@ -140,7 +143,10 @@ BOXES = {"cube": cube(), "icosphere": icosphere(1.0, 3)}
 @pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), *FAR])
 @pytest.mark.parametrize("walls", ["black", "diffuse", "glossy"])
 def test_nothing_leaks_into_a_closed_box(box, offset, walls, seed):
-    """Lights and a sky of 1000 outside: exactly nothing inside, by camera rays, scattered rays or shadow rays."""
+    """Lights and a sky of 1000 outside give exactly nothing inside.
+
+    That holds for camera rays, scattered rays and shadow rays.
+    """
     coat = {"black": material(), "diffuse": diffuse(0.9), "glossy": glossy(0.1)}[walls]
     closed = placed(scene(BOXES[box], coat, INSIDE, OUTSIDE, 1e3, bounces=4), 1.0, offset)
     assert not replicates(closed, 1, 8, seed=seed).any()
@@ -167,14 +173,20 @@ def test_nothing_leaks_in_ten_million_rays(box, seed):
     ids=["edge", "corner", "diagonal", "low_edge"],
 )
 def test_camera_rays_through_edges_and_corners(offset, size, towards, seed):
-    """Every ray of the image runs into an edge, a corner or the diagonal of a side, to within rounding: none slips through."""
+    """Every ray of the image runs into an edge, a corner or the diagonal of a side.
+
+    It does to within rounding: none slips through.
+    """
     camera = perspective(32, 32, 1e-7, (0.0, 0.0, 0.0), towards)
     closed = placed(scene(cube(), material(), camera, world=1e3), size, offset)
     assert not replicates(closed, 1, 4, seed=seed).any()
 
 
 def test_edges_between_visible_quads_show_no_line(seed):
-    """A floor of many sheets that share edges, over a bright world: nowhere does the world shine through."""
+    """A floor of many sheets that share edges, over a bright world.
+
+    The world shines through nowhere.
+    """
     x = np.linspace(-1.0, 1.0, 23)
     vertices = np.stack([*(g.ravel() for g in np.meshgrid(x, x, indexing="ij")), np.zeros(23 * 23)])
     i = (np.arange(22)[:, None] * 23 + np.arange(22)).ravel()

@@ -102,7 +102,10 @@ def test_a_renderer_repeats_itself_and_nobody_else(seed):
 
 @pytest.mark.parametrize("sampler", ["sobol", "random"])
 def test_replicates_and_pixels_are_uncorrelated(sampler, seed):
-    """What the verdict's statistics assume: residuals of one pixel in two replicates, and of two pixels in one, share nothing."""
+    """The verdict's statistics assume this.
+
+    Residuals of one pixel in two replicates, and of two pixels in one, share nothing.
+    """
     images = replicates(stage(), 40, 4, sampler=sampler, seed=seed)[..., 1]
     scatter = images.std(axis=0, ddof=1)
     lit = scatter > 1e-6
@@ -122,7 +125,10 @@ def test_replicates_and_pixels_are_uncorrelated(sampler, seed):
 
 @pytest.mark.slow
 def test_standard_errors_are_honest(seed):
-    """The scatter of means of replicates is what the replicates' own variance says: replicates are independent."""
+    """The scatter of means of replicates is what the replicates' own variance says.
+
+    Replicates are independent.
+    """
     images = blocks(replicates(stage(), 48, 4, seed=seed)[:, :8, :12], 4)
     groups = images.reshape(8, 6, -1).mean(axis=1)
     ratio = (groups.var(axis=0, ddof=1) * 6.0 / images.reshape(48, -1).var(axis=0, ddof=1)).mean()

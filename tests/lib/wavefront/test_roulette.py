@@ -41,7 +41,10 @@ def test_the_same_image_with_fewer_rays(veil, seed):
 
 
 def test_it_does_not_touch_short_paths(seed):
-    """Up to the third scattering nothing is at stake: with two bounces the image is the same, sample by sample, but for the last ray."""
+    """Up to the third scattering there is no roulette.
+
+    With two bounces the image is the same, sample by sample, except for the last ray.
+    """
     box = scene(cube(), material(Diffuse(color(0.3)), Emission(color(1.0))), INSIDE, bounces=1)
     images = [replicates(box, 1, 16, russian_roulette=r, seed=seed) for r in (False, True)]
     np.testing.assert_array_equal(*images)
@@ -56,7 +59,10 @@ def test_white_paths_are_never_stopped(seed):
 
 
 def test_what_is_not_finite_is_not_stopped(seed):
-    """Every path in the box carries NaN from its first scattering on, and is counted when it meets the lamp, however late."""
+    """Every path in the box carries NaN from its first scattering on.
+
+    It is counted when it meets the lamp, however late.
+    """
     parts = [cube(), quad((-0.4, -0.4, 0.9), (0.0, 0.8, 0.0), (0.8, 0.0, 0.0), 1)]
     box = scene(parts, [diffuse(np.nan), emission(3.0)], INSIDE, bounces=6)
     counts = [

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Masks of rays against closed forms: what is hidden from a kind of ray is as if it were not there, and parts add up to the whole."""
+"""Masks of rays against closed forms.
+
+What is hidden from a kind of ray is as if it were not there, and parts add up to the whole.
+"""
 
 from dataclasses import replace
 
@@ -69,7 +72,10 @@ def test_a_screen_without_shadow_hides_no_lamp(seed):
 @DIRECT
 @pytest.mark.parametrize("rays", [SCATTERED, DIFFUSE])
 def test_broad_lamps_shine_through_a_screen_without_shadow(direct, rays, seed):
-    """Whatever strategy is asked for: scattered rays would meet the screen, so shadow rays alone decide."""
+    """This holds for any strategy.
+
+    Scattered rays would meet the screen, so shadow rays alone decide.
+    """
     screened = masked(under([AREA], [SCREEN], [diffuse(0.5)]), EVERY, rays)
     exact = 3.0 * over_pixels(from_polygon(CORNERS))
     assert_mean(replicates(screened, 8, 256, direct=direct, seed=seed), exact, PRECISION[direct], rounding=1e-3)
@@ -139,7 +145,10 @@ def test_a_lamp_seen_by_one_kind_of_ray_lights_the_lobes_of_that_kind(name, dire
 
 @pytest.mark.parametrize("source", ["lamp", "faces", "world"])
 def test_masks_that_part_the_rays_part_the_light(source, seed):
-    """Light that each kind of ray alone finds adds up to all of it: a rough glass pane over a floor, from above."""
+    """The light that each kind of ray alone finds adds up to all of it.
+
+    The scene is a rough glass pane over a floor, from above.
+    """
     pane = material(Glass(ior=Constant(1.4), roughness=Constant(0.9)), Diffuse(color(0.3)))
     geometry = [quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0))]
     if source == "faces":
@@ -159,7 +168,10 @@ def test_masks_that_part_the_rays_part_the_light(source, seed):
 
 
 def test_faces_hidden_from_diffuse_rays_light_no_diffuse_lobe(seed):
-    """But a rough mirror shows them: the weights of multiple importance sampling stay one in sum for each kind."""
+    """A rough mirror shows them.
+
+    The weights of multiple importance sampling still sum to one for each kind.
+    """
     panel = quad((-0.3, -0.2, 1.5), (1.2, 0.0, 0.0), (0.0, 0.8, 0.0), 1)
 
     def render(below, rays):
@@ -258,7 +270,10 @@ def test_a_sky_that_only_rays_of_a_kind_see(name, seed):
 
 @pytest.mark.parametrize(("coat", "shown"), [(glass(1.0), "GLOSSY"), (material(Translucent()), "DIFFUSE")])
 def test_transmitted_rays_are_glossy_or_diffuse_too(coat, shown, seed):
-    """Below a pane the sky shows by transmission, and by the family of the lobe that transmits."""
+    """Below a pane the sky shows by transmission.
+
+    It also shows by the family of the lobe that transmits.
+    """
     below = orthographic(1, 1, 0.01, (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
     for name in ("TRANSMISSION", "GLOSSY", "DIFFUSE", "REFLECTION"):
         image = replicates(scene(floor(3.0), coat, below, world=World(flag(name), (8, 4))), 2, 64, seed=seed)
@@ -267,7 +282,10 @@ def test_transmitted_rays_are_glossy_or_diffuse_too(coat, shown, seed):
 
 @DIRECT
 def test_shadow_rays_pass_what_is_transparent_to_them_alone(direct, seed):
-    """The way in which glass is often made clear to lamps: opaque to all other rays, it takes nothing from the light below."""
+    """Glass is often made clear to lamps in this way.
+
+    Opaque to all other rays, it takes nothing from the light below.
+    """
     pane = Material(
         "pane",
         (
@@ -291,7 +309,10 @@ def test_a_face_that_only_the_camera_sees_shine_lights_nothing(seed):
 
 
 def test_colours_by_the_ray_that_meets_them(seed):
-    """A wall that is white to diffuse rays and black to the camera lights the floor as a white one does."""
+    """A wall that is white to diffuse rays and black to the camera.
+
+    It lights the floor as a white one does.
+    """
     room = [floor(3.0), quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0), 1)]
 
     def render(coat):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colours below 0 and above 1: emission of any sign is light of that sign, and what would reflect less than nothing reflects nothing."""
+"""Colours below 0 and above 1.
+
+Emission of any sign is light of that sign, and what would reflect less than nothing reflects nothing.
+"""
 
 import numpy as np
 import pytest
@@ -29,7 +32,10 @@ def test_emission_of_both_signs_adds_up():
 
 @pytest.mark.parametrize("direct", ["mis", "bsdf", "lights"])
 def test_a_negative_emitter_takes_light_away(direct, seed):
-    """A point of a Lambert floor of albedo 0.8 under a square of radiance -1 and half-width 1 at height 1: E = -0.554..."""
+    """A point of a Lambert floor of albedo 0.8 under a square of radiance -1.
+
+    The square has half-width 1 and stands at height 1: E = -0.554...
+    """
     a = 1.0
     # Form factor of a square above the middle, Siegel and Howell: (4 / 2 pi) sum over the corner, X = Y = a / height.
     side = a / np.sqrt(1.0 + a * a)

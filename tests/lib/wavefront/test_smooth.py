@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Smooth shading: normals mix over the triangle, and light below the face's horizon is rejected by every way of sampling alike."""
+"""Smooth shading: normals mix over the triangle.
+
+Light below the face's horizon is rejected by every way of sampling alike.
+"""
 
 from dataclasses import replace
 
@@ -34,7 +37,10 @@ ABOVE = orthographic(2, 2, 0.5, (0.03, 0.02, 2.0))
 @pytest.mark.parametrize("tilt", [0.0, 10.0, 30.0])
 @pytest.mark.parametrize("sun", [-60.0, 0.0, 40.0, 80.0, 95.0, 110.0])
 def test_a_sun_shows_the_shading_normal(tilt, sun, seed):
-    """albedo / pi times the cosine to the shading normal, and nothing at all from below the face or the shading normal."""
+    """albedo / pi times the cosine to the shading normal.
+
+    Nothing at all comes from below the face or the shading normal.
+    """
     light = SunLight("sun", towards(sun), 0.0, (1.0, 1.0, 1.0))
     image = replicates(scene(tilted_floor(tilt), diffuse(0.8), ABOVE, [light]), 1, 4, seed=seed)
     cos = np.cos(np.radians(sun - tilt)) if abs(sun) < 90.0 and abs(sun - tilt) < 90.0 else 0.0
@@ -45,9 +51,10 @@ def test_a_sun_shows_the_shading_normal(tilt, sun, seed):
 @pytest.mark.parametrize("world", [1.0, SAMPLED_SKY], ids=["constant", "sampled"])
 @pytest.mark.parametrize("tilt", [10.0, 30.0, 60.0])
 def test_the_part_of_the_sky_that_both_normals_see(direct, world, tilt, seed):
-    """Lambert under a white sky: the integral of the cosine over the common hemisphere, (1 + cos tilt) / 2, by any way of sampling.
+    """Lambert under a white sky: (1 + cos tilt) / 2, by any way of sampling.
 
-    (Cycles rejects by BSDF sampling only: its sampled sky gives more.)
+    It is the integral of the cosine over the common hemisphere. (Cycles rejects by BSDF sampling only: its sampled sky
+    gives more.)
     """
     images = replicates(scene(tilted_floor(tilt), diffuse(1.0), ABOVE, world=world), 10, 128, direct=direct, seed=seed)
     assert_mean(images.mean(axis=(1, 2), keepdims=True), (1.0 + np.cos(np.radians(tilt))) / 2.0, 0.01, rounding=1e-6)
@@ -55,7 +62,10 @@ def test_the_part_of_the_sky_that_both_normals_see(direct, world, tilt, seed):
 
 @pytest.mark.parametrize("ground", [diffuse(0.8), glossy(0.2), glossy(0.5)], ids=["diffuse", "glossy", "rough"])
 def test_lights_and_bsdf_agree(ground, seed):
-    """A low sphere light, half of it below the shading horizon, and an area light, on a leaning normal; seen at a slant."""
+    """A low sphere light and an area light, on a leaning normal; seen at a slant.
+
+    Half of the sphere light is below the shading horizon.
+    """
     lights = [
         SphereLight("low", (-2.5, 0.0, 0.6), 0.5, (3.0, 3.0, 3.0)),
         AreaLight(
@@ -78,7 +88,10 @@ def test_lights_and_bsdf_agree(ground, seed):
 
 
 def test_normals_mix_over_the_triangle(seed):
-    """One triangle with three corner normals under a sun: the normalised barycentric mix, averaged over each pixel."""
+    """One triangle with three corner normals under a sun.
+
+    The normal is the normalised barycentric mix, averaged over each pixel.
+    """
     vertices = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]).T
     normals = np.array([[0.0, 0.0, 1.0], [0.5, 0.0, 1.0], [-0.2, 0.6, 1.0]]).T
     normals = normals / np.sqrt((normals**2).sum(axis=0))
@@ -100,7 +113,10 @@ def test_normals_mix_over_the_triangle(seed):
 
 
 def test_a_smooth_sphere_is_the_sphere_s_own_normals(seed):
-    """Corner normals of a fine icosphere: a Lambert ball under a sun along the view shows cos = sqrt(1 - r^2) / R."""
+    """Corner normals of a fine icosphere.
+
+    A Lambert ball under a sun along the view shows cos = sqrt(1 - r^2) / R.
+    """
     sun = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0, 1.0))
     camera = orthographic(8, 8, 1.6, (0.0, 0.0, 5.0))
     images = replicates(scene(icosphere(1.0, 5, smooth=True), diffuse(1.0), camera, [sun]), 8, 64, seed=seed)

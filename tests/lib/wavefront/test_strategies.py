@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""However it is sampled, it is the same image: strategies, direct light, samplers, and their product."""
+"""However it is sampled, it is the same image.
+
+Tested are strategies, direct light, samplers, and their product.
+"""
 
 import numpy as np
 import pytest
@@ -37,7 +40,10 @@ CAMERA = perspective(10, 10, 0.5, (0.01, -3.0, 3.5), (0.0, 3.0, -3.1))
 
 
 def stage(lights=(), world=0.0, alpha=0.3, bounces=2, lamp=False, veil=False, distribution="GGX"):
-    """A sphere on a floor, a mixed material on one and a glossy one on the other, and if wanted a glowing patch."""
+    """A sphere on a floor, and if wanted a glowing patch.
+
+    One has a mixed material, the other a glossy one.
+    """
     ball = icosphere(0.9, 2)
     ball = type(ball)(ball.vertices + np.array([[0.0], [0.0], [1.0]]), ball.triangles, 0)
     parts = [ball, floor(4.0, material=1)]
@@ -87,7 +93,10 @@ LIGHTINGS = {
     ],
 )
 def test_direct_light_agrees(lighting, seed):
-    """Every kind of light by light sampling alone and by BSDF sampling alone, against both together."""
+    """Every kind of light by light sampling alone and by BSDF sampling alone.
+
+    Both are compared with the two together.
+    """
     the_scene = stage(**LIGHTINGS[lighting])
     both = image(the_scene, seed, 0)
     assert_same(both, image(the_scene, seed, 1, direct="lights"), 0.03, level=LEVEL / 2)
@@ -106,7 +115,10 @@ def test_a_number_of_samples_that_is_no_power_of_two(seed):
 
 @pytest.mark.slow
 def test_direct_light_inside_a_box(seed):
-    """All light is indirect but for what the lamp shows: the strategies agree after many scatterings too."""
+    """All light is indirect except for what the lamp shows.
+
+    The strategies agree after many scatterings too.
+    """
     box = scene(
         [cube(1.0, material=0), quad((-0.4, -0.4, 0.9), (0.0, 0.8, 0.0), (0.8, 0.0, 0.0), 1)],
         [material(Diffuse(color(0.7, 0.5, 0.3))), emission(3.0)],

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subsurface scattering: furnaces, half spaces solved by Chandrasekhar, and who takes part in a walk."""
+"""Subsurface scattering: furnaces, and half spaces solved by Chandrasekhar.
+
+Also which objects take part in a walk.
+"""
 
 from dataclasses import replace
 
@@ -48,7 +51,10 @@ def expected(cosine):
 
 @pytest.mark.parametrize("cosine", [1.0, 0.4])
 def test_a_half_space_in_a_furnace_shows_what_chandrasekhar_says(cosine, seed):
-    """Each channel has its own free path, and the walks of all channels are one: the interface bends the view, and takes nothing."""
+    """Each channel has its own free path, and the walks of all channels are one.
+
+    The interface bends the view, and takes nothing.
+    """
     forward = (np.sqrt(1.0 - cosine**2), 0.0, -cosine)
     camera = orthographic(2, 2, 0.5, tuple(-5.0 * np.array(forward)), forward)
     images = replicates(scene(floor(20.0), WAX, camera, world=1.0), 8, 256, seed=seed)
@@ -69,7 +75,10 @@ def test_a_white_body_in_a_furnace_loses_nothing(body, seed):
 
 
 def test_light_that_gets_out_by_an_opening_is_lost(seed):
-    """A square has no other side: half of what a white one scatters once goes down for good, and the walk ends."""
+    """A square has no other side.
+
+    Half of what a white one scatters once goes down for good, and the walk ends.
+    """
     white = material(Subsurface(color(1.0), color(0.5), **SMOOTH))
     images = replicates(scene(floor(), white, ABOVE, world=1.0), 4, 64, seed=seed)
     assert 0.5 < images.mean() < 0.95
@@ -150,7 +159,10 @@ def test_what_enters_is_chosen_beside_the_other_lobes(seed):
 
 
 def test_light_from_below_is_diffuse_to_the_passes(seed):
-    """Direct where it scatters once below the surface, walk and exit together, and indirect after that."""
+    """It is direct where it scatters once below the surface, walk and exit together.
+
+    After that it is indirect.
+    """
     passes = tuple(LightPass)
     wax = material(Subsurface(color(0.8), color(0.1), **SMOOTH))
     rendering = ReferenceRenderer(lit(cube(), wax, world=1.0), Options(seed=seed, threads=1), passes=passes).render(
@@ -176,7 +188,10 @@ def test_light_is_linked_to_the_object_that_light_leaves(seed):
 
 
 def test_an_object_that_rays_do_not_meet_still_keeps_walks_inside(seed):
-    """Ray visibility is about rays from outside: hidden from all but the camera, the body looks as before."""
+    """Ray visibility is about rays from outside.
+
+    Hidden from all but the camera, the body looks as before.
+    """
     the_scene = lit(cube(), WAX)
     hidden = tuple(replace(one, rays=CAMERA) for one in the_scene.mesh.objects)
     other = replace(the_scene, mesh=replace(the_scene.mesh, objects=hidden))

@@ -29,7 +29,10 @@ def test_stack_before_the_sky(limit, seed):
 
 @pytest.mark.parametrize("limit", [0, 1, 2, 4, 5])
 def test_the_next_surface_gives_its_emission_only(limit, seed):
-    """Every sheet glows by 1: from the top down, 1 + c1 (1 + c2 (...)), up to the surface after the last that is passed."""
+    """Every sheet glows by 1: from the top down, 1 + c1 (1 + c2 (...)).
+
+    The series goes up to the surface after the last that is passed.
+    """
     glowing = [material(Transparent(color(*c)), Emission(color(1.0))) for c in COLORS]
     stack = scene(sheets(first=0), glowing, ABOVE, world=2.0, transparent_max_bounces=limit)
     exact, through = np.zeros(3), np.ones(3)
@@ -91,7 +94,10 @@ def test_area_light_through_coloured_sheets(direct, roughness, seed):
 
 
 def test_half_transparent_half_diffuse(seed):
-    """A white sheet that lets half of the light pass and scatters the other half loses nothing in a white furnace."""
+    """A white sheet lets half of the light pass and scatters the other half.
+
+    It loses nothing in a white furnace.
+    """
     half = Material("half", (WeightedClosure(Transparent(), Constant(0.5)), WeightedClosure(Diffuse(), Constant(0.5))))
     furnace = scene(
         [floor(5.0, 1.0), floor(5.0, 2.0)], [half], ABOVE, world=1.0, bounces=200, transparent_max_bounces=1000

@@ -41,7 +41,10 @@ def run(action, tuned):
 
 @pytest.mark.parametrize(("action", "tuned"), [(RENDER, False), (COMMAND, True)], ids=["a script", "the command"])
 def test_only_the_command_sets_up_its_process(action, tuned):
-    """A script that renders stands for the user's Blender, where the extension renders just so."""
+    """A script that renders stands for the user's Blender.
+
+    There the extension renders in the same way.
+    """
     done = run(action, tuned)
     assert done.returncode == 0, done.stderr
 

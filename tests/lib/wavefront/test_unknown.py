@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that are not known: the pixels whose paths met none are what they would be with any material in its place."""
+"""Unknown materials.
+
+The pixels whose paths met none are what they would be with any material in its place.
+"""
 
 from dataclasses import replace
 
@@ -24,7 +27,10 @@ STAND_INS = {
 
 
 def room(sheet, bounces=2):
-    """A floor, a mirror that stands on it at the left, a sheet that hovers at the right, and a veil before a part of them."""
+    """A floor, a mirror, a sheet, and a veil before a part of them.
+
+    The mirror stands on the floor at the left, the sheet hovers at the right.
+    """
     parts = [
         floor(4.0, material=0),
         quad((-2.0, -3.0, 0.0), (0.0, 6.0, 0.0), (0.0, 0.0, 2.0), 1),
@@ -42,9 +48,10 @@ def render(of, seed):
 
 @pytest.mark.parametrize("stand_in", STAND_INS)
 def test_pixels_that_met_none_are_as_with_any_material_there(stand_in, seed):
-    """Seen by the camera, in the mirror, by rays off the floor, by shadow rays, behind the veil: to the last bit.
+    """The pixels are exactly the same, whatever way a path may take.
 
-    Light that is not known to be one is sampled by nobody, so that an emitter is found by rays alone.
+    Ways are by the camera, in the mirror, by rays off the floor, by shadow rays, and behind the veil. Light that is not
+    known to be a light source is never sampled, so that an emitter is found by rays alone.
     """
     known = room(material(STAND_INS[stand_in]))
     if stand_in == "emission":
@@ -60,7 +67,10 @@ def test_pixels_that_met_none_are_as_with_any_material_there(stand_in, seed):
 
 
 def test_what_might_shine_is_met_by_the_last_rays(seed):
-    """In the dark and without bounces nothing calls for rays off the floor, but the sheet may be a light."""
+    """In the dark and without bounces nothing needs rays off the floor.
+
+    The sheet may still be a light.
+    """
     dark = replace(room(Material("sheet", (), "a node"), bounces=0), lights=())
     met = render(dark, seed).unknown > 0
     seen = (

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes that scatter: furnaces, single scattering by quadrature, half-spaces by Chandrasekhar's H, and limits of bounces."""
+"""Volumes that scatter, against closed forms.
+
+They are furnaces, single scattering by quadrature, half-spaces by Chandrasekhar's H, and limits of bounces.
+"""
 
 from dataclasses import replace
 
@@ -46,7 +49,10 @@ def wide(part, factor):
     [(0.0,), (0.8,), (-0.5, 0.9)],
 )
 def test_a_white_furnace(phases, seed):
-    """Nothing is absorbed: a cube is not to be seen, in whatever colours and directions it scatters."""
+    """Nothing is absorbed.
+
+    A cube is invisible, in whatever colours and directions it scatters.
+    """
     coefficients = ((0.5, 1.0, 2.0), (0.5, 0.2, 0.1))
     volume = Volume(phases=tuple(map(Phase, coefficients, phases)))
     furnace = scene(cube(), bounds(volume), ABOVE, world=1.0, bounces=200)
@@ -66,7 +72,10 @@ def test_emission_that_is_absorbed_again(seed):
 @pytest.mark.parametrize("g", [0.0, 0.7, -0.4])
 @pytest.mark.parametrize(("beside", "end"), [(0.05, 6.0), (1.0, 6.0), (1.0, np.inf)])
 def test_a_lamp_in_fog(g, beside, end, seed):
-    """Light that is scattered once: the integral along a ray that passes a point light and ends on a black floor, or nowhere."""
+    """Light that is scattered once.
+
+    It is the integral along a ray that passes a point light and ends on a black floor, or nowhere.
+    """
     lamp = PointLight("lamp", (beside, 0.0, 2.0), (3.0, 3.0, 3.0))
     camera = orthographic(1, 1, 1e-4, (0.0, 0.0, 6.0))
     fog = World(color(0.0), volume=smoke(ABSORBED, SCATTERED, g))
@@ -108,7 +117,10 @@ def test_all_ways_of_finding_a_lamp_in_smoke_agree(g, seed):
 
 @pytest.mark.parametrize("bounces", [(0, 1024), (5, 0)], ids=["of the path", "in volumes"])
 def test_scattered_once_by_either_limit(bounces, seed):
-    """An infinite slab of depth tau under a white sky: exp(-tau) + albedo / 2 times integrals of the exponential integral E2."""
+    """An infinite slab of depth tau under a white sky.
+
+    exp(-tau) + albedo / 2 times integrals of the exponential integral E2.
+    """
     tau, albedo = 1.2, 0.8
     layer = wide(cube(0.5), 400.0)
     volume = smoke(((1.0 - albedo) * tau,) * 3, (albedo * tau,) * 3)
@@ -119,7 +131,10 @@ def test_scattered_once_by_either_limit(bounces, seed):
 
 
 def chandrasekhar(albedo, mu):
-    """H of isotropic scattering, by its integral equation (Chandrasekhar 1960, section 37, eq. 40, in the form that converges)."""
+    """H of isotropic scattering, by its integral equation.
+
+    See Chandrasekhar 1960, section 37, eq. 40, in the form that converges.
+    """
     node, weight = np.polynomial.legendre.leggauss(60)
     node, weight = 0.5 * (node + 1.0), 0.5 * weight
     h, root = np.ones(60), np.sqrt(1.0 - albedo)
@@ -175,7 +190,10 @@ def test_masks_and_links_beside_scattering_are_refused():
 
 
 def test_a_way_of_less_than_nothing_loses_no_light():
-    """To an emissive face that is seen edge-on: the shadow ray is shortened at both ends by what single precision resolves there."""
+    """An emissive face that is seen edge-on.
+
+    The shadow ray to it is shortened at both ends by what single precision resolves there.
+    """
     kernel = ReferenceRenderer(
         scene(floor(), diffuse(0.5), ABOVE, world=World(color(1.0), volume=smoke()), bounces=1), Options()
     ).kernel
