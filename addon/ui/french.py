@@ -193,6 +193,13 @@ FRENCH: dict[str, str] = {
     "Resolution": "Résolution",
     "Passes": "Passes",
     "Light passes": "Passes de lumière",
+    "Light": "Lumière",
+    "All of the light": "Toute la lumière",
+    "Show Light": "Afficher une lumière",
+    "Show this part of the light in the images of the comparison": (
+        "Montrer cette partie de la lumière dans les images de la comparaison"
+    ),
+    "The parts of the light that were compared": "Les parties de la lumière qui ont été comparées",
     (
         "Light passes to compare beside the image, which say in which light it differs; auto: all, where they cost Cycles less than "
         f"10 % of its time: {', '.join(PASSES)}"

@@ -14,6 +14,7 @@ import bpy
 from ...lib.comparison.compare import Comparison
 from ...lib.comparison.interim import Interim
 from ...lib.errors import EtalonError
+from ...lib.film.parts import Part
 from ...lib.report.views import View, write_interim, write_views
 
 LABELS = {
@@ -30,11 +31,12 @@ class Writer:
     """Writes the images of one comparison into `folder`, in threads.
 
     `count` grows when they have changed. `error` says why they could not be written the last time; it is empty where
-    they could.
+    they could. `part` is the part of the light that the next images show; None: all of it.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.part: Part | None = None
         self.count = 0
         self.error = ""
         self._thread: threading.Thread | None = None
@@ -46,22 +48,24 @@ class Writer:
 
     def write(self, comparison: Comparison) -> None:
         """Start to write all images of a comparison that is concluded."""
-        self._thread = threading.Thread(target=self._write, args=(comparison,), name="etalon images", daemon=True)
+        self._thread = threading.Thread(
+            target=self._write, args=(comparison, self.part), name="etalon images", daemon=True
+        )
         self._thread.start()
 
     def write_interim(self, interim: Interim) -> None:
         """Write the images as they are now; called by the thread of the job."""
         self.error = ""
         try:
-            write_interim(interim, self.folder)
+            write_interim(interim, self.folder, self.part)
         except (EtalonError, OSError) as error:
             self.error = str(error)
         self.count += 1
 
-    def _write(self, comparison: Comparison) -> None:
+    def _write(self, comparison: Comparison, part: Part | None) -> None:
         self.error = ""
         try:
-            write_views(comparison, self.folder)
+            write_views(comparison, self.folder, part)
         except (EtalonError, OSError) as error:
             self.error = str(error)
         self.count += 1

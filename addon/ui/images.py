@@ -14,6 +14,8 @@ import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
+from ...lib.film.light_passes import LightPass
+from ...lib.film.parts import Part, decode_part, encode_part
 from ...lib.report.ranking import RankedRegion
 from ...lib.report.views import View
 from ...lib.verdict.outcome import Outcome
@@ -37,7 +39,8 @@ DESCRIPTIONS = {
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE")
 
 _writers: dict[int, Writer] = {}
-_written: dict[int, Result] = {}
+# The result whose images were written last, and the part of the light that they show.
+_written: dict[int, tuple[Result, Part | None]] = {}
 _seen: dict[int, int] = {}
 # The view that each Image editor waits for, by the editor's address.
 _waiting: dict[int, tuple[int, View]] = {}
@@ -61,13 +64,26 @@ def have_images_written(uid: int) -> None:
     running, result = session.running, session.results.get(uid)
     if running is not None and running.uid == uid and running.result is None and isinstance(running.job, BackgroundJob):
         running.job.on_look = writer_of(uid, running.job.folder).write_interim
-    elif result is not None and _written.get(uid) is not result:
+    elif result is not None:
         writer = writer_of(uid, result.folder)
-        if not writer.is_busy:
+        if not writer.is_busy and _written.get(uid) != (result, writer.part):
             writer.write(result.comparison)
-            _written[uid] = result
+            _written[uid] = result, writer.part
     if not bpy.app.timers.is_registered(_look):
         bpy.app.timers.register(_look, first_interval=TICK, persistent=True)
+
+
+def light_of(uid: int) -> Part | None:
+    """The part of the light that the images of a scene show; None: all of it."""
+    return _writers[uid].part if uid in _writers else None
+
+
+def choose_light(uid: int, part: Part | None) -> None:
+    """Have the images of a scene's result show a part of the light; None: all of it."""
+    result = session.results.get(uid)
+    if result is not None:
+        writer_of(uid, result.folder).part = part
+        have_images_written(uid)
 
 
 def follow_result(uid: int) -> None:
@@ -79,6 +95,8 @@ def follow_result(uid: int) -> None:
 def _look() -> float | None:
     """Load what has been written, and show it where it was requested."""
     for uid, writer in _writers.items():
+        if uid in _written and not writer.is_busy and _written[uid][1] != writer.part:
+            have_images_written(uid)
         if writer.count != _seen[uid]:
             _seen[uid] = writer.count
             reload_views(writer.folder)
@@ -195,6 +213,49 @@ class ImageMenu(bpy.types.Menu):
         """One entry for each image."""
         for view in View:
             self.layout.operator(ShowImage.bl_idname, text=LABELS[view]).view = view.name
+        result = session.result_of(context.scene)
+        if result is not None and result.comparison.passes is not None:
+            self.layout.separator()
+            self.layout.menu(LightMenu.bl_idname, icon="OUTLINER_OB_LIGHT")
+
+
+def light_text(part: Part | None) -> str:
+    """What the menu calls a part of the light."""
+    if part is None:
+        return translate("All of the light")
+    name = str(part)
+    text = name[0].upper() + name[1:]
+    return translate(text) if isinstance(part, LightPass) else text
+
+
+class ShowLight(bpy.types.Operator):
+    """Show this part of the light in the images of the comparison"""
+
+    bl_idname = "etalon.show_light"
+    bl_label = "Show Light"
+    __annotations__ = {"part": bpy.props.StringProperty(name="Light", options={"HIDDEN"})}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Have its images written; editors that show one follow."""
+        choose_light(context.scene.session_uid, decode_part(self.part) if self.part else None)
+        return {"FINISHED"}
+
+
+class LightMenu(bpy.types.Menu):
+    """The parts of the light that were compared"""
+
+    bl_idname = "ETALON_MT_light"
+    bl_label = "Light"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """One entry for the whole image, and one for each part."""
+        result, shown = session.result_of(context.scene), light_of(context.scene.session_uid)
+        if result is None or result.comparison.passes is None:
+            return
+        for part in (None, *result.comparison.passes.passes):
+            icon = "RADIOBUT_ON" if part == shown else "RADIOBUT_OFF"
+            entry = self.layout.operator(ShowLight.bl_idname, text=light_text(part), icon=icon, translate=False)
+            entry.part = "" if part is None else encode_part(part)
 
 
 def draw_menu(header: bpy.types.Header, context: bpy.types.Context) -> None:

@@ -15,7 +15,7 @@ from ...lib.settings.presets import PRESETS
 from ...lib.verdict.outcome import Outcome
 from . import preflight
 from .errors import translate_error
-from .images import ShowImage
+from .images import LightMenu, ShowImage, light_of, light_text
 from .operators import ApplyPreset, CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
 from .properties import SHOWN
 from .regions import ICONS, ClearBorder, draw_regions
@@ -104,6 +104,9 @@ def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context, result: 
     draw_regions(layout, context, result)
     row = layout.row(align=True)
     row.operator_menu_enum(ShowImage.bl_idname, "view", icon="IMAGE_DATA")
+    if result.comparison.passes is not None:
+        shown = light_text(light_of(context.scene.session_uid))
+        row.menu(LightMenu.bl_idname, text=shown, icon="OUTLINER_OB_LIGHT", translate=False)
     row = layout.row(align=True)
     row.operator(OpenReport.bl_idname, icon="URL")
     row.operator(ClearBorder.bl_idname, icon="FULLSCREEN_EXIT")

@@ -20,6 +20,8 @@ _CLASSES = (
     regions.ClearBorder,
     images.ShowImage,
     images.SwitchImage,
+    images.ShowLight,
+    images.LightMenu,
     images.ImageMenu,
     operators.CompareWithCycles,
     operators.ApplyPreset,

@@ -10,7 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..comparison.compare import Comparison
+from ..comparison.interim import Interim
 from ..errors import EtalonError
+from ..film.moments import Moments
+from ..film.parts import Part
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8
 from ..film.view_transform import ViewTransform
 from ..pages import render_page
@@ -48,15 +51,24 @@ URGENCY = ("DIFFERENT", "UNDECIDED", "EXPLAINED", "EQUIVALENT")
 GRIDS = ("block", "cell")
 
 
-def shown_means(comparison: Comparison) -> tuple[np.ndarray, np.ndarray]:
-    """Both sides' means (height, width, 3).
+def moments_of(comparison: Comparison | Interim, part: Part | None = None) -> tuple[Moments, Moments]:
+    """Both sides' moments of the pixels: those of a `part` of the light, if that is compared, or of the image."""
+    reference, candidate = (
+        side.film.moments if part is None else side.pass_films.get(part, side.film.moments)
+        for side in (comparison.reference, comparison.candidate)
+    )
+    return reference, candidate
+
+
+def shown_means(comparison: Comparison, part: Part | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Both sides' means (height, width, 3), of the image or of a `part` of its light.
 
     NaN where pixels are not compared or not finite.
     """
-    means = comparison.reference.film.moments.mean, comparison.candidate.film.moments.mean
+    first, second = moments_of(comparison, part)
     if not comparison.unknown:
-        return means
-    reference, candidate = (np.where(comparison.left_out[..., None], np.nan, mean) for mean in means)
+        return first.mean, second.mean
+    reference, candidate = (np.where(comparison.left_out[..., None], np.nan, one.mean) for one in (first, second))
     return reference, candidate
 
 
@@ -65,8 +77,7 @@ def significances(comparison: Comparison, step: int = 1) -> np.ndarray:
 
     They are those of `pixel_significances`.
     """
-    moments = comparison.reference.film.moments, comparison.candidate.film.moments
-    return pixel_significances(shown_means(comparison), moments, step)
+    return pixel_significances(shown_means(comparison), moments_of(comparison), step)
 
 
 def label_maps(comparison: Comparison, step: int) -> tuple[list[str], np.ndarray]:
@@ -155,7 +166,6 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
     regions = [shorten_region(region) for region in figures["regions"]]
     order = order_regions(regions)
     shot = _difference_shot(comparison, images)
-    sides = comparison.reference.film.moments, comparison.candidate.film.moments
     hatch = np.isnan(images[0]).any(axis=2) | np.isnan(images[1]).any(axis=2)
     view = {
         "width": images[0].shape[1],
@@ -189,7 +199,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         "curve": draw_bound(comparison.history, comparison.verdict.tolerance),
         "shots": [write_shot(hatched(image, hatch)) for image in (*shots, shot)],
         "passes": passes,
-        "errors": pack_errors(sides, step) if passes else (),
+        "errors": pack_errors(moments_of(comparison), step) if passes else (),
         "floats": [pack_floats(image) for image in images],
         "flip": pack(np.where(np.isnan(seen), FLIP_NONE, np.rint(FLIP_ONE * np.nan_to_num(seen))).astype(np.uint8)),
         "significance": pack(code_significances(significances(comparison, step))),

@@ -18,12 +18,13 @@ from ..comparison.compare import Comparison
 from ..comparison.interim import Interim
 from ..film.exr import RADIANCE, Meaning, write_exr
 from ..film.moments import Moments
+from ..film.parts import Part
 from ..film.pictures import hatched
 from ..film.regions import Regions
 from ..relative import relative_difference
 from ..srgb import srgb_decode
 from ..verdict.outcome import Outcome
-from .page import DIFFERENCE_LIMIT, SIGNIFICANCE_LIMIT, shown_means
+from .page import DIFFERENCE_LIMIT, SIGNIFICANCE_LIMIT, moments_of, shown_means
 from .pixels import pixel_significances
 
 # As in the report: blue-green agrees, red differs, yellow is undecided, violet is explained (after Okabe and Ito 2008).
@@ -71,15 +72,16 @@ class _State:
     left_out: np.ndarray
 
 
-def write_views(comparison: Comparison, folder: Path) -> None:
+def write_views(comparison: Comparison, folder: Path, part: Part | None = None) -> None:
     """Write all images of a comparison into `folder`, which is made if it does not exist.
 
-    Raises EtalonError where that fails.
+    They are those of a `part` of the light, if it is compared; the verdict is that of the whole image. Raises EtalonError
+    where that fails.
     """
     verdict = comparison.verdict
     state = _State(
-        shown_means(comparison),
-        (comparison.reference.film.moments, comparison.candidate.film.moments),
+        shown_means(comparison, part),
+        moments_of(comparison, part),
         comparison.regions,
         verdict.outcomes,
         verdict.floor,
@@ -89,9 +91,9 @@ def write_views(comparison: Comparison, folder: Path) -> None:
     _write(state, folder)
 
 
-def write_interim(interim: Interim, folder: Path) -> None:
-    """Write all images as they are at a look; raises EtalonError where that fails."""
-    moments = interim.reference.film.moments, interim.candidate.film.moments
+def write_interim(interim: Interim, folder: Path, part: Part | None = None) -> None:
+    """Write all images, or those of a `part` of the light, as they are at a look; raises EtalonError where that fails."""
+    moments = moments_of(interim, part)
     means = moments[0].mean, moments[1].mean
     state = _State(
         means, moments, interim.regions, interim.outcomes, interim.floor, interim.tolerance, interim.left_out

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from etalon.lib.film.exr import read_exr
+from etalon.lib.film.light_passes import LightPass
 from etalon.lib.report.views import (
     MOST,
     NOTHING,
@@ -76,3 +77,17 @@ def test_all_images_are_written_at_each_look(tmp_path):
 def test_images_without_numbers_are_written_too(tmp_path, case):
     write_views(made(**CASES[case]), tmp_path)
     assert np.isfinite(read_exr(tmp_path / View.SIGNIFICANCE.value)["R"]).all()
+
+
+def test_the_images_of_a_part_of_the_light_show_it_alone(tmp_path):
+    """Radiance, difference and significance are the pass's; the verdict stays the image's."""
+    comparison = made(**CASES["passes"])
+    write_views(comparison, tmp_path / "all")
+    write_views(comparison, tmp_path / "pass", LightPass.GLOSSY_INDIRECT)
+    shown, whole = ({view: read_exr(tmp_path / name / view.value) for view in View} for name in ("pass", "all"))
+    mean = comparison.candidate.pass_films[LightPass.GLOSSY_INDIRECT].mean[..., 0]
+    np.testing.assert_allclose(shown[View.CYCLES]["R"], mean, rtol=1e-6)
+    # 5 % darker: blue, and full colour at 5 %; the floor of the image is below the pass.
+    assert shown[View.DIFFERENCE]["B"].mean() == pytest.approx(1.0, abs=0.1)
+    assert shown[View.SIGNIFICANCE]["B"].mean() > 3.0 * whole[View.SIGNIFICANCE]["B"].mean()
+    np.testing.assert_equal(shown[View.VERDICT], whole[View.VERDICT])

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The images that Image editors show."""
+
+import bpy
+import numpy as np
+import pytest
+from etalon.addon.ui import images, registration
+from etalon.addon.ui.session import Result, Setup, session
+from etalon.lib.film.exr import read_exr
+from etalon.lib.film.light_passes import LightPass
+from etalon.lib.report.views import View
+from etalon.tests.lib.report.comparisons import CASES, made
+
+
+@pytest.fixture
+def result(tmp_path):
+    """The result of a comparison by pass in the open scene, while the panel's classes are registered."""
+    registration.register()
+    scene = bpy.context.scene
+    session.results[scene.session_uid] = Result(
+        made(**CASES["passes"]), tmp_path / "out", Setup.of(scene), (0.0, 0.0, 1.0, 1.0), False
+    )
+    yield session.results[scene.session_uid]
+    session.results.pop(scene.session_uid)
+    images.forget_images()
+    registration.unregister()
+
+
+def test_the_light_that_is_chosen_is_written_even_while_others_are(result):
+    """Chosen twice in a row: the second is written once the first is, and then the image again."""
+    uid = bpy.context.scene.session_uid
+    films = result.comparison.reference.pass_films
+    for asked in ("glossy indirect", "diffuse direct", ""):
+        assert bpy.ops.etalon.show_light(part=asked) == {"FINISHED"}
+    writer = images._writers[uid]
+    for asked, mean in (
+        ("diffuse direct", films[LightPass.DIFFUSE_DIRECT].mean),
+        ("", result.comparison.reference.film.moments.mean),
+    ):
+        bpy.ops.etalon.show_light(part=asked)
+        for _ in range(2):  # what is under way, and what was chosen meanwhile
+            writer._thread.join()
+            images._look()
+        writer._thread.join()
+        assert images.light_of(uid) == (asked or None)
+        np.testing.assert_allclose(read_exr(writer.folder / View.REFERENCE.value)["R"], mean[..., 0], rtol=1e-6)
