@@ -6,10 +6,8 @@ from dataclasses import replace
 import numpy as np
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.scene.scene import Transport
-from etalon.tests.effect_cases import AROUND
-from etalon.tests.scenes import (
-    floor,
-)
+from etalon.tests.effect_parts import AROUND
+from etalon.tests.scenes import floor
 
 
 def indoors(the_scene):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which parts of the image are compared beside it, by what the user asks for and what the scene has."""
+"""The parts of the image that are compared beside it.
+
+They follow from what the user asks for and what the scene has.
+"""
 
 from __future__ import annotations
 
@@ -56,9 +59,10 @@ NO_CHOICE = PassChoice()
 
 
 def choose_passes(reference: ReferenceRenderer, settings: Settings) -> PassChoice:
-    """What `--passes auto` stands for in the scene that `reference` renders; other values stay.
+    """Choose the passes that `--passes auto` stands for; other values stay.
 
-    It stands for all passes where they are cheap and no unsupported material forbids them, and for none elsewhere.
+    The scene is that which `reference` renders. 'auto' stands for all passes where they are cheap and no unsupported
+    material forbids them, and for none elsewhere.
     """
     if settings.passes != AUTO:
         return PassChoice(settings.passes, settings.passes)
@@ -71,7 +75,10 @@ def choose_passes(reference: ReferenceRenderer, settings: Settings) -> PassChoic
 
 
 def count_rays(reference: ReferenceRenderer) -> float:
-    """How many rays a path has in the mean, at least 1; from a few paths that are spread over the image."""
+    """How many rays a path has in the mean, at least 1.
+
+    It is estimated from a few paths that are spread over the image.
+    """
     height, width = reference.scene.camera.height, reference.scene.camera.width
     corners = [np.unique(np.linspace(0, max(size - EDGE, 0), SQUARES).astype(int)).tolist() for size in (width, height)]
     boxes = tuple(
@@ -94,10 +101,11 @@ def fit_memory(choice: PassChoice, parts: Sequence[Part], width: int, height: in
 
 
 def asked_parts(reference: ReferenceRenderer, settings: Settings) -> tuple[Part, ...]:
-    """The light passes, limits of bounces and emitters that `settings` ask for, of the scene that `reference` renders.
+    """The parts that `settings` ask for, of the scene that `reference` renders.
 
-    'auto' stands for no light passes here; `choose_passes` says what it stands for in a comparison. Raises EtalonError
-    for a limit of bounces beyond the scene's own, and where there are too many emitters.
+    They are light passes, limits of bounces and emitters. 'auto' stands for no light passes here; `choose_passes`
+    says what it stands for in a comparison. Raises EtalonError for a limit of bounces beyond the scene's own, and
+    where there are too many emitters.
     """
     scene = reference.scene
     parts: list[Part] = [name for name in light_passes(scene, reference.plan) if is_asked(name, settings.passes)]

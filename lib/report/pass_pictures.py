@@ -56,7 +56,10 @@ def draw_passes(comparison: Comparison, least: int, most: int, limit: float) -> 
 
 
 def pack_errors(moments: tuple[Moments, Moments], step: int) -> tuple[Markup, Markup]:
-    """The standard errors of both sides' means of `step` x `step` pixels, for the page's script."""
+    """The standard errors of both sides' means of `step` x `step` pixels.
+
+    They are packed for the page's script.
+    """
     return pack(code_errors(moments[0], step)), pack(code_errors(moments[1], step))
 
 

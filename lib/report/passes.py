@@ -42,7 +42,10 @@ def pass_sentences(comparison: Comparison) -> list[str]:
 
 
 def choice_sentences(choice: PassChoice) -> list[str]:
-    """Why light passes were not compared where the default was to decide; empty where they were, or were not wanted."""
+    """Why light passes were not compared where the default was to decide.
+
+    Empty where they were compared, or were not wanted.
+    """
     if choice.why_not is None:
         return []
     return [

@@ -80,7 +80,10 @@ def code_significances(significance: np.ndarray) -> np.ndarray:
 
 
 def code_errors(moments: Moments, step: int) -> np.ndarray:
-    """Standard errors of the means of `step` x `step` pixels, as bytes (rows, columns, 3); `decodeError` in passes.js reads them."""
+    """Standard errors of the means of `step` x `step` pixels, as bytes.
+
+    The bytes are (rows, columns, 3); `decodeError` in passes.js reads them.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.sqrt(_squared_error(moments, step))
         codes = np.clip(np.rint(ERROR_STEPS * np.log2(error) + ERROR_ONE), ERROR_ZERO + 1, 255)

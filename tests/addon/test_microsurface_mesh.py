@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that `etalon microsurface --mesh` writes, read by Blender and rendered: it reflects what the traced field reflects."""
+"""The mesh that `etalon microsurface --mesh` writes, read by Blender and rendered.
+
+It reflects what the traced field reflects.
+"""
 
 import math
 
@@ -19,7 +22,10 @@ ALPHA, CORRELATION, CELLS, DEGREES, SEED = 0.6, 4, 128, 60.0, 5
 
 @pytest.fixture(scope="module")
 def mirrors(tmp_path_factory):
-    """The field as a white mirror under a white sky, seen along one direction by a camera that frames one period."""
+    """The field as a white mirror under a white sky.
+
+    A camera that frames one period sees it along one direction.
+    """
     path = tmp_path_factory.mktemp("mesh") / "field.ply"
     write_field(path, ALPHA, CORRELATION, SEED, CELLS)
     scene = building.start("field", 64, 32, 0)

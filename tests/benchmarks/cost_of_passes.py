@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What light passes cost either renderer: its processor time with all passes of a scene, relative to that without any.
+"""What light passes cost either renderer.
+
+It is the processor time with all passes of a scene, relative to that without any.
 
     python tests/benchmarks/cost_of_passes.py --turns 8
 
-renders each scene in turns without, with, with, without, so that both meet the machine in the same states. Processor time counts, since the
-clock of a machine in use tells little. Other programs on the same processor still slow a render down, never up: so the fastest renders of
-either kind are compared, and the medians beside them say how far that can be trusted.
+renders each scene in turns without, with, with, without, so that both meet the machine in the same states. Processor
+time counts, since the clock of a machine in use tells little. Other programs on the same processor still slow a
+render down, never up: so the fastest renders of either kind are compared, and the medians beside them say how far
+that can be trusted.
 """
 
 import argparse

@@ -36,7 +36,10 @@ def test_what_is_out_of_range_is_one_line(word, told, capsys):
 
 
 def test_the_mesh_in_the_file_is_the_field_that_is_traced_first(tmp_path, monkeypatch, capsys):
-    """Head, float32 vertices and triangles of three corners; heights are those of the first seed."""
+    """The file has a head, float32 vertices, and triangles of three corners.
+
+    Heights are those of the first seed.
+    """
     monkeypatch.setattr("etalon.addon.command.microsurface.measure_microsurface", lambda *_: [])
     path = tmp_path / "field.ply"
     assert cli.main(["microsurface", "--angle=30", "--fields=2", "--correlation=4", "--mesh", str(path)]) == 0

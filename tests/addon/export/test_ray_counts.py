@@ -11,7 +11,10 @@ from etalon.tests.addon.export.test_visibility import apart
 
 
 def color_by(outputs):
-    """Colours of the floor and the card: (output, factor) of a Light Path node for red, green and blue."""
+    """Colours of the floor and the card.
+
+    `outputs` are (output, factor) of a Light Path node for red, green and blue.
+    """
     for name in ("grey", "red"):
         tree = bpy.data.materials[name].node_tree
         path, combine = tree.nodes.new("ShaderNodeLightPath"), tree.nodes.new("ShaderNodeCombineColor")
@@ -35,7 +38,10 @@ def color_by(outputs):
     ids=["reflected", "transmitted"],
 )
 def test_surfaces_coloured_by_depths_and_lengths_are_those_of_cycles(studio, outputs):
-    """Seen by the camera, in a rough mirror and through glass, with two bounces; and the comparison notices white ones."""
+    """They are seen by the camera, in a rough mirror and through glass, with two bounces.
+
+    The comparison notices white ones.
+    """
     stage(studio)
     for name in ("grey", "red"):
         color = bpy.data.materials[name].node_tree.nodes["Diffuse BSDF"].inputs["Color"]

@@ -14,7 +14,10 @@ TOLD = "import os, sys; words = sys.stdin.readline(); print(os.getpid(), words.s
 
 @pytest.fixture
 def starting():
-    """Starts processes with the code of each comparison, one ahead, and collects all that it started."""
+    """Starts processes with the code of each comparison, one ahead.
+
+    It collects all that it started.
+    """
     made = []
 
     def begin(*codes):

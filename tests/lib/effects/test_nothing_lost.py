@@ -17,18 +17,8 @@ from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.sequential import SequentialTest
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.effect_cases import (
-    AREA,
-    CAMERA,
-    CASES,
-    CROWDED,
-    CROWDED_LAMP,
-    LAMP,
-    PLAIN,
-    POINT,
-    SLOPED,
-    SUN,
-)
+from etalon.tests.effect_cases import CASES
+from etalon.tests.effect_parts import AREA, CAMERA, CROWDED, CROWDED_LAMP, LAMP, PLAIN, POINT, SLOPED, SUN
 from etalon.tests.indoors import indoors, lit
 from etalon.tests.neutral import NEUTRAL, TOGETHER
 from etalon.tests.scenes import color, glossy, icosphere, scene

@@ -17,7 +17,8 @@ from etalon.lib.scene.materials import Diffuse, Emission, Glass, Transparent
 from etalon.lib.scene.world import World
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.effect_cases import CAMERA, CASES, CROWDED, HALF, PLAIN, POINT, of
+from etalon.tests.effect_cases import CASES
+from etalon.tests.effect_parts import CAMERA, CROWDED, HALF, PLAIN, POINT, of
 from etalon.tests.scenes import color, cube, diffuse, floor, material, scene
 
 

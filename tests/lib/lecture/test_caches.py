@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Form factors, radiosity and irradiance caching of the box against closed forms, and against path tracing."""
+"""Form factors, radiosity and irradiance caching of the box.
+
+They are compared with closed forms, and with path tracing.
+"""
 
 from dataclasses import replace
 
@@ -11,7 +14,10 @@ from etalon.lib.lecture.radiosity import form_factors, point_form_factors, solve
 
 
 def test_form_factors_of_a_cube_have_their_closed_form():
-    """Opposite faces of a cube: Howell's catalogue, C-11, with X = Y = 1; the light of a patch arrives somewhere."""
+    """Opposite faces of a cube: Howell's catalogue, C-11, with X = Y = 1.
+
+    The light of a patch arrives somewhere.
+    """
     factors = form_factors(make_patches(8))
     np.testing.assert_allclose(factors.sum(axis=1), 1.0, atol=1e-12)
     walls = factors.reshape(6, 64, 6, 64).sum(axis=3).mean(axis=1)
@@ -23,7 +29,10 @@ def test_form_factors_of_a_cube_have_their_closed_form():
 
 
 def test_form_factor_of_a_point_below_the_corner_of_a_square_has_its_closed_form():
-    """Howell's catalogue, B-3: a unit square at height 1 above a corner, parallel to the element."""
+    """Howell's catalogue, B-3.
+
+    A unit square at height 1 above a corner, parallel to the element.
+    """
     square = np.array([[[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 0.0, 1.0]]])
     found = point_form_factors(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), square)
     expected = 2.0 / (2.0 * np.pi) / np.sqrt(2.0) * np.arctan(1.0 / np.sqrt(2.0))

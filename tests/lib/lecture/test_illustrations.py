@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two rows of spheres: what the table says of a planted difference, of noise, and of another model."""
+"""The two rows of spheres.
+
+Tested is the table for a planted difference, for noise, and for another model.
+"""
 
 import numpy as np
 import pytest

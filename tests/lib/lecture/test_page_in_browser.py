@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lecture's page in a browser: the inversions follow the mouse and the keys, and say what the reference computes."""
+"""The lecture's page in a browser.
+
+The inversions follow the mouse and the keys, and show what the reference computes.
+"""
 
 import numpy as np
 import pytest

@@ -239,7 +239,10 @@ def numbers(cell):
 
 
 def test_a_pixel_is_read_with_its_parts_on_both_sides_and_their_errors(browser, page_with_passes, compared_by_pass):
-    """By the keyboard and by the pointer; the standard errors are those of the films, to the digit that is shown."""
+    """It is read by the keyboard and by the pointer.
+
+    The standard errors are those of the films, to the digit that is shown.
+    """
     browser.problems.clear()
     browser.open(page_with_passes)
     rows = "[...document.querySelectorAll('#decomposition tbody tr')].map((row) => [...row.cells].map((one) => one.textContent))"

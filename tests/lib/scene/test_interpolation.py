@@ -10,7 +10,10 @@ from scipy import stats
 
 
 def test_parts_of_a_motion_are_interpolated_apart():
-    """Half way between two keys: half the angle about the axis, the mean scale and place; also over a key in the middle."""
+    """Half way between two keys: half the angle about the axis, the mean scale and place.
+
+    This holds also over a key in the middle.
+    """
     axis = (1.0, -2.0, 0.5)
     keys = [turned(a, (s, 2.0, 1.0 / s), (s, 0.0, -a), axis) for a, s in ((0.2, 1.0), (1.8, 3.0), (4.2, 2.0))]
     for time, angle, x, z, place in ((0.25, 1.0, 2.0, 2.0 / 3.0, 2.0), (0.75, 3.0, 2.5, 5.0 / 12.0, 2.5)):
@@ -26,7 +29,10 @@ def test_a_rotation_takes_the_smaller_angle():
 
 
 def test_shears_and_mirrors_are_kept(rng):
-    """Any map is the product of its rotation and its stretch, and a mirror is in the stretch alone."""
+    """Any map is the product of its rotation and its stretch.
+
+    A mirror is in the stretch alone.
+    """
     for sign in (1.0, -1.0):
         matrix = rng.normal(size=(3, 4))
         matrix[:, 0] *= sign * np.sign(np.linalg.det(matrix[:, :3]))
@@ -38,7 +44,10 @@ def test_shears_and_mirrors_are_kept(rng):
 
 
 def test_times_follow_the_shutter_curve(rng):
-    """A shutter that opens and closes linearly: the distribution of a triangle. A flat piece and closed ends, by quadrature."""
+    """A shutter that opens and closes linearly: the distribution of a triangle.
+
+    A flat piece and closed ends are tested by quadrature.
+    """
     uniforms = rng.random(4000)
     triangle = shutter_times(np.array([0.0, 1.0, 0.0]), uniforms)
     assert stats.kstest(triangle, stats.triang(0.5).cdf).pvalue > 1e-4

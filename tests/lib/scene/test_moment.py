@@ -13,7 +13,10 @@ from etalon.tests.turns import turned
 
 
 def test_what_deforms_and_moves_is_placed_by_both():
-    """Vertices between their keys, in object space, then the object's map; what stands still keeps its arrays."""
+    """Vertices lie between their keys, in object space, then the object's map applies.
+
+    What stands still keeps its arrays.
+    """
     still, moving = quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), quad((2, 0, 0), (1, 0, 0), (0, 1, 0))
     one = scene((still, moving), emission(1.0), orthographic(4, 4, 2.0, (0, 0, 1)))
     local = np.array([moving.vertices, 3.0 * moving.vertices])
@@ -31,7 +34,10 @@ def test_what_deforms_and_moves_is_placed_by_both():
 
 
 def test_normals_of_what_turns_and_stretches_are_those_of_the_same_mesh_placed_there():
-    """A smooth sphere that turns, stretched: its normals mix as those of an instance that stands where it is half way."""
+    """A smooth sphere that turns, stretched.
+
+    Its normals mix as those of an instance that stands where it is half way.
+    """
     vertices, triangles = icosphere(subdivisions=1).vertices, icosphere(subdivisions=1).triangles
     normals = vertices[:, triangles].transpose(1, 0, 2).astype(np.float32)
     count = triangles.shape[1]

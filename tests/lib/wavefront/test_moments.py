@@ -30,14 +30,20 @@ def overlap(left, right, start, stop):
 
 
 def columns(place, times, weights, width=1.0):
-    """(8,) light of the pixels from -4 to 4 from a strip of `width` whose left edge is at `place`(time), by quadrature over time."""
+    """(8,) light of the pixels from -4 to 4 from a strip, by quadrature over time.
+
+    The strip has `width`, and its left edge is at `place`(time).
+    """
     pixels = np.arange(-4.0, 4.0)[:, None]
     left = place(times)
     return (overlap(pixels, pixels + 1.0, left, left + width) * weights).sum(axis=1) / weights.sum()
 
 
 def test_a_strip_that_moves_by_a_piecewise_linear_path(seed):
-    """A strip a pixel wide: three keys, fast then slow, seen by a shutter that opens and closes linearly."""
+    """A strip a pixel wide with three keys, fast then slow.
+
+    The shutter opens and closes linearly.
+    """
     one = scene(quad((-3, -9, 0), (1, 0, 0), (0, 18, 0)), emission(1.0), orthographic(8, 2, 8.0, (0, 0, 5)))
     motion = {0: moved((0, 0, 0), (4, 0, 0), (5, 0, 0))}
     times = (np.arange(40_000) + 0.5) / 40_000
@@ -51,7 +57,10 @@ def test_a_strip_that_moves_by_a_piecewise_linear_path(seed):
 
 
 def test_a_turning_half_plane_covers_a_point_for_its_share_of_the_turn(seed):
-    """A half-plane that turns by a right angle about the image's middle: a point at the angle phi is covered for its share of the turn."""
+    """A half-plane that turns by a right angle about the image's middle.
+
+    A point at the angle phi is covered for its share of the turn.
+    """
     one = scene(quad((-90, 0, 0), (180, 0, 0), (0, 90, 0)), emission(1.0), orthographic(8, 8, 2.0, (0, 0, 5)))
     quarter = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
     fine = (np.arange(8 * 64) + 0.5) / (4 * 64) - 1.0
@@ -81,7 +90,10 @@ def test_moments_share_the_samples_evenly():
 
 
 def test_a_moving_camera_sees_what_a_world_that_moves_the_other_way_shows(seed):
-    """A camera that turns and walks in front of a strip, and the strip moved by the inverse: the same moments, the same image."""
+    """A camera that turns and walks in front of a strip, and the strip moved by the inverse.
+
+    The same moments give the same image.
+    """
     one = scene(quad((-1, -9, 0), (2, 0, 0), (0, 18, 0)), emission(1.0), perspective(8, 2, 1.0, (0, 0, 4)))
     start = one.camera.world_from_camera
     angle = 0.3

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaders that ask how often a path has scattered, or how long its last ray is (Blender's Light Path node)."""
+"""Shaders that use how often a path has scattered, or how long its last ray is.
+
+Blender's Light Path node gives both.
+"""
 
 import numpy as np
 import pytest
@@ -78,7 +81,10 @@ def test_a_face_that_one_scattering_shows(parts, lamp, expected, seed):
 
 
 def test_a_wall_that_only_one_diffuse_bounce_sees_white(seed):
-    """A wall with the diffuse depth for its albedo is black to the camera and lights the floor as a white one does."""
+    """A wall with the diffuse depth for its albedo.
+
+    It is black to the camera and lights the floor as a white one does.
+    """
     room = [floor(3.0), quad((-1.0, 1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0), 1)]
     above = perspective(6, 6, 0.6, (0.0, -1.0, 4.0), (0.0, 1.0, -4.0))
     slanted = SunLight("sun", (0.0, -0.6, 0.8), 0.0, (1.0, 1.0, 1.0))
