@@ -107,18 +107,17 @@ def compare(
 ) -> Comparison:
     """Render `scene` with both renderers in turns until the comparison is decided.
 
-    Sampling ends when every region is decided, or at a limit of `options`. `coverage` maps a kind of region ('material',
-    'object') to its (name, weights (height, width)) pairs. A first look at a few small replicates gives a first answer and
-    lays out the rest. Once the open regions fill only a part of the image, only that is sampled on. `progress` receives the
-    share of the time (or of the replicates) that is spent, and at each look the bound and an Interim. Cancelling keeps what
-    both sides finished; EtalonError is raised if that is nothing, or if the renderers disagree on the size of the image.
-    Where regions differ, the causes are sought `among` departures, in a time that is set aside for it, and sampling goes on
-    until they are found or ruled out. Pixels (height, width) that are `left_out` belong to no region, nor do those whose
-    paths meet an unknown material; EtalonError is raised where none is left. `divisor` is how many times narrower and lower
-    the image is than the user's. `scouted` is light that path tracing can hardly find. `passes` are the light passes to
-    compare, which the images of both renderers must have. `unsupported` is what materials may add that are black in the
-    reference; its pixels are left out, and claims on the others leave room for it. EtalonError is raised where light passes
-    are to be compared beside it.
+    Sampling ends when every region is decided, or at a limit of `options`. `coverage` maps a kind of region
+    ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small replicates gives a
+    first answer and lays out the rest. Once the open regions fill a part of the image, only that is sampled on.
+    `progress` receives the share of the time (or of the replicates) spent, and at each look the bound and an Interim.
+    Cancelling keeps what both sides finished. Where regions differ, the causes are sought `among` departures, in time
+    set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out`
+    belong to no region, nor do those whose paths meet an unknown material. `divisor` is how many times narrower and
+    lower the image is than the user's. `scouted` is light that path tracing can hardly find. `passes` are the light
+    passes to compare, which the images of both renderers must have. `unsupported` is what materials may add that are
+    black in the reference; its pixels are left out, and claims on the others leave room for it. Raises EtalonError
+    where nothing was finished, no pixel is left, the images differ in size, or `passes` come with `unsupported`.
     """
     if unsupported is not None and passes:
         raise EtalonError(

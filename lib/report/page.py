@@ -52,7 +52,10 @@ GRIDS = ("block", "cell")
 
 
 def moments_of(comparison: Comparison | Interim, part: Part | None = None) -> tuple[Moments, Moments]:
-    """Both sides' moments of the pixels: those of a `part` of the light, if that is compared, or of the image."""
+    """Both sides' moments of the pixels.
+
+    They are those of a `part` of the light, if that is compared, or of the image.
+    """
     reference, candidate = (
         side.film.moments if part is None else side.pass_films.get(part, side.film.moments)
         for side in (comparison.reference, comparison.candidate)

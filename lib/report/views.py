@@ -92,7 +92,10 @@ def write_views(comparison: Comparison, folder: Path, part: Part | None = None) 
 
 
 def write_interim(interim: Interim, folder: Path, part: Part | None = None) -> None:
-    """Write all images, or those of a `part` of the light, as they are at a look; raises EtalonError where that fails."""
+    """Write all images, or those of a `part` of the light, as they are at a look.
+
+    Raises EtalonError where that fails.
+    """
     moments = moments_of(interim, part)
     means = moments[0].mean, moments[1].mean
     state = _State(

@@ -14,7 +14,10 @@ from etalon.tests.lib.report.comparisons import CASES, made
 
 @pytest.fixture
 def result(tmp_path):
-    """The result of a comparison by pass in the open scene, while the panel's classes are registered."""
+    """The result of a comparison by pass in the open scene.
+
+    The panel's classes are registered meanwhile.
+    """
     registration.register()
     scene = bpy.context.scene
     session.results[scene.session_uid] = Result(
@@ -27,7 +30,10 @@ def result(tmp_path):
 
 
 def test_the_light_that_is_chosen_is_written_even_while_others_are(result):
-    """Chosen twice in a row: the second is written once the first is, and then the image again."""
+    """Chosen twice in a row, the second is written once the first is.
+
+    Then the image is written again.
+    """
     uid = bpy.context.scene.session_uid
     films = result.comparison.reference.pass_films
     for asked in ("glossy indirect", "diffuse direct", ""):
