@@ -165,22 +165,12 @@ def _object_flags(
 ) -> Iterator[tuple[str, str, str]]:
     """What is special about a mesh object, the remedy, and the property to set."""
     thing, parent = instance.object, instance.parent or instance.object
-    layer, both = depsgraph.view_layer_eval, (thing, parent)
-    if thing.is_holdout or parent.holdout_get(view_layer=layer):
-        own = instance.parent is None and not _is_held_out(layer.layer_collection, thing.name)
-        yield "a holdout", "switch it off", f"{_path(thing)}.is_holdout=false" if own else ""
+    both = thing, parent
     if any(one.is_shadow_catcher for one in both):
         own = f"{_path(thing)}.is_shadow_catcher=false"
         yield "a shadow catcher", "switch it off", own if instance.parent is None else ""
     if _is_adaptive(thing, depsgraph.scene_eval):
         yield "adaptive subdivision", "switch it off", ""
-
-
-def _is_held_out(collection: bpy.types.LayerCollection, name: str) -> bool:
-    """Whether a collection of the view layer makes the object of that name a holdout."""
-    if collection.holdout and name in collection.collection.all_objects:
-        return True
-    return any(_is_held_out(child, name) for child in collection.children)
 
 
 def _path(thing: bpy.types.Object) -> str:

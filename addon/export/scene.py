@@ -21,6 +21,7 @@ from ...lib.textures.requirements import requirements
 from ...lib.textures.skipped_tiles import skipped_tiles
 from ...lib.wavefront.refuse import refuse_combinations
 from .camera import read_camera
+from .holdouts import hold_out, is_holdout
 from .lights import read_light
 from .links import LinkTable
 from .materials import DEFAULT_MATERIAL, read_material, read_world
@@ -110,7 +111,7 @@ class MaterialTable:
         self._partial = partial
         self._images = images
         self._refusals = refusals
-        self._indices: dict[str | None, int] = {}
+        self._indices: dict[tuple[str | None, bool], int] = {}
         self._materials: list[Material] = []
 
     @property
@@ -118,13 +119,14 @@ class MaterialTable:
         """All materials so far, in the order of their indices."""
         return tuple(self._materials)
 
-    def of_slots(self, thing: bpy.types.Object) -> np.ndarray:
-        """(slots,) indices of the materials in a mesh object's slots.
+    def of_slots(self, instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> np.ndarray:
+        """(slots,) indices of the materials in the slots of an instance of a mesh object.
 
         Without slots there is one, for Blender's default material.
         """
-        slots = [slot.material for slot in thing.material_slots] or [None]
-        return np.array([self._index(self._override or material) for material in slots], np.int32)
+        slots = [slot.material for slot in instance.object.material_slots] or [None]
+        held_out = is_holdout(instance, layer)
+        return np.array([self._index(self._override or material, held_out) for material in slots], np.int32)
 
     def refuse_attribute(self, index: int, refusal: Refusal) -> None:
         """Refuse an attribute that the material `index` reads.
@@ -137,11 +139,18 @@ class MaterialTable:
         else:
             self._refusals.append(refusal)
 
-    def _index(self, material: bpy.types.Material | None) -> int:
-        key = None if material is None else material.name_full
+    def _index(self, material: bpy.types.Material | None, held_out: bool) -> int:
+        key = None if material is None else material.name_full, held_out
         if key not in self._indices:
+            if held_out:
+                made = hold_out(self._materials[self._index(material, False)])
+                if made.volume is not None:
+                    what = "the volume of a holdout"
+                    self._refusals.append(Refusal(f"material '{material.name}'", what, "switch the holdout off"))
+            else:
+                made = DEFAULT_MATERIAL if material is None else self._read(material)
             self._indices[key] = len(self._materials)
-            self._materials.append(DEFAULT_MATERIAL if material is None else self._read(material))
+            self._materials.append(made)
         return self._indices[key]
 
     def _read(self, material: bpy.types.Material) -> Material:
@@ -173,7 +182,7 @@ def _read_things(
             continue
         refuse_object(instance, depsgraph, checked, refusals)
         if instance.show_self and isinstance(thing.data, bpy.types.Mesh):
-            materials.of_slots(thing)
+            materials.of_slots(instance, depsgraph.view_layer_eval)
     return tuple(lights)
 
 
@@ -185,7 +194,7 @@ def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) 
         mesh = thing.data
         if not instance.show_self or not isinstance(mesh, bpy.types.Mesh) or is_invisible(instance):
             continue
-        slots = tuple(materials.of_slots(thing).tolist())
+        slots = tuple(materials.of_slots(instance, depsgraph.view_layer_eval).tolist())
         if (mesh.as_pointer(), slots) in seen:
             continue
         seen.add((mesh.as_pointer(), slots))
@@ -224,7 +233,8 @@ def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable, links
         if key not in read:
             read[key] = read_mesh(faces_of(thing), thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
-            placements.add(_object(instance, depsgraph.view_layer_eval, links), read[key], materials.of_slots(thing))
+            layer = depsgraph.view_layer_eval
+            placements.add(_object(instance, layer, links), read[key], materials.of_slots(instance, layer))
     return placements.join(needed.uv_maps, needed.generated, needed.attributes)
 
 

@@ -15,7 +15,7 @@ WHATS: dict[str, str] = {
     "grease pencil": "le crayon gras",
     "smoke": "la fumée",
     "particle hair": "les cheveux de particules",
-    "a holdout": "un cache (holdout)",
+    "the volume of a holdout": "le volume d’un cache (holdout)",
     "a shadow catcher": "un capteur d'ombres",
     "adaptive subdivision": "la subdivision adaptative",
     "shadow caustics": "les caustiques d'ombre",

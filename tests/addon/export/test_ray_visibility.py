@@ -93,6 +93,7 @@ CASES = {
     "a card hidden from diffuse rays": hide(0, "visible_diffuse"),
     "a card hidden from glossy rays": hide(0, "visible_glossy"),
     "a card hidden from transmission rays": hide(0, "visible_transmission"),
+    "a wall that is a holdout": lambda _: setattr(bpy.data.objects["wall"], "is_holdout", True),
     "a card without shadow": hide(0, "visible_shadow"),
     "a lamp hidden from glossy rays": hide(2, "visible_glossy"),
     "a lamp hidden from diffuse rays": hide(2, "visible_diffuse"),

@@ -94,18 +94,6 @@ def adaptive(studio):
         thing.cycles.use_adaptive_subdivision = True
 
 
-def in_collection(name):
-    def make(studio):
-        inner = bpy.data.collections.new("inner")
-        studio.scene.collection.children.link(inner)
-        thing = studio.quad("thing")
-        studio.scene.collection.objects.unlink(thing)
-        inner.objects.link(thing)
-        setattr(studio.layer.layer_collection.children["inner"], name, True)
-
-    return make
-
-
 OBJECTS = {
     "hair curves": curves,
     "a point cloud": point_cloud,
@@ -113,7 +101,6 @@ OBJECTS = {
     "grease pencil": grease_pencil,
     "particle hair": particles("HAIR", "PATH"),
     "smoke": smoke,
-    "a holdout": flag(is_holdout=True),
     "a shadow catcher": flag(is_shadow_catcher=True),
     "adaptive subdivision": adaptive,
 }
@@ -137,12 +124,6 @@ def test_hair_and_points_are_exported_once_they_have_faces(studio):
     points = point_cloud(studio)
     through_nodes(points, ("GeometryNodeMeshToPoints", "Mesh"), ("GeometryNodeInstanceOnPoints", "Points"))
     assert studio.export().mesh.triangle_count == 2 * 20
-
-
-def test_a_holdout_collection_is_refused(studio):
-    in_collection("holdout")(studio)
-    with pytest.raises(Refused, match="object 'thing': a holdout"):
-        studio.export()
 
 
 def switch(owner, name, value=True):

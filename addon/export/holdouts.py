@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects that are holdouts: the camera sees black in their place, and light goes on as if they were none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import bpy
+
+from ...lib.scene import expressions as ex
+from ...lib.scene.materials import Material, Transparent
+
+_TO_OTHER_RAYS = ex.Math("SUBTRACT", ex.ONE, ex.RayFlag("CAMERA"), ex.ZERO)
+
+
+def is_holdout(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> bool:
+    """Whether the object, or a collection of the view layer that has it or its instancer, is a holdout."""
+    return instance.object.is_holdout or (instance.parent or instance.object).holdout_get(view_layer=layer)
+
+
+def hold_out(material: Material) -> Material:
+    """The material on a holdout: rays from the camera meet nothing but what lets them straight through.
+
+    Cycles drops all other closures for such rays (`surface_shader_apply_holdout`). The film is opaque, so that black
+    stays in their place.
+    """
+    lobes = tuple(
+        lobe
+        if isinstance(lobe.closure, Transparent)
+        else replace(lobe, weight=ex.Math("MULTIPLY", lobe.weight, _TO_OTHER_RAYS, ex.ZERO))
+        for lobe in material.lobes
+    )
+    return replace(material, name=f"{material.name} (holdout)", lobes=lobes)
