@@ -117,6 +117,9 @@ ERRORS: dict[str, str] = {
     "{name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces": (
         "{name} : la lumière de matériaux non simulés atteint chaque pixel ; simplifiez-les ou réduisez les rebonds"
     ),
+    "{name} has no light passes; leave out --passes, or use a strategy of path tracing": (
+        "{name} n'a pas de passes de lumière ; retirez --passes, ou choisissez une stratégie de tracé de chemins"
+    ),
     "{name}: light passes cannot be compared beside unsupported materials; leave out --passes": (
         "{name} : pas de passes de lumière à côté de matériaux non pris en charge ; choisissez Passes : Aucune"
     ),

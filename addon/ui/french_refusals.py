@@ -15,7 +15,7 @@ WHATS: dict[str, str] = {
     "grease pencil": "le crayon gras",
     "smoke": "la fumée",
     "particle hair": "les cheveux de particules",
-    "the volume of a holdout": "le volume d’un cache (holdout)",
+    "the volume of a holdout": "le volume d'un cache (holdout)",
     "a shadow catcher": "un capteur d'ombres",
     "adaptive subdivision": "la subdivision adaptative",
     "shadow caustics": "les caustiques d'ombre",
@@ -65,7 +65,8 @@ WHATS: dict[str, str] = {
     ),
     "displacement (node '{name}', socket 'Displacement')": "le déplacement (nœud « {name} », entrée Displacement)",
     "{what} beside a displacement": "{what} à côté d'un déplacement",
-    "'Is {kind} Ray' of a Light Path node in {place}": "« Is {kind} Ray » d'un nœud Light Path dans {place}",
+    "'{output}' of a Light Path node in {place}": "« {output} » d'un nœud Light Path dans {place}",
+    "the depth or length of rays beside {place}": "la profondeur ou la longueur des rayons à côté de {place}",
     "{kind} '{name}' of the library '{path}', which is not there,": (
         "{kind} « {name} » de la bibliothèque « {path} », qui n'est pas là"
     ),
@@ -231,6 +232,8 @@ REMEDIES: dict[str, str] = {
         "retirez le lien de Displacement, ou choisissez Bump Only et un nœud Displacement"
     ),
     "unlink Displacement, or use a Bump node": "retirez le lien de Displacement, ou utilisez un nœud Bump",
+    "unlink the Light Path node": "retirez le lien du nœud Light Path",
+    "switch the holdout off": "désactivez le cache (holdout)",
     "unlink IOR, or choose GGX": "retirez le lien de IOR, ou choisissez GGX",
     "unlink it: only volumes that are the same everywhere are simulated": (
         "retirez ce lien : seuls les volumes partout les mêmes sont simulés"
