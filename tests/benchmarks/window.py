@@ -13,7 +13,7 @@ import itertools
 import os
 
 import pytest
-from etalon.tests.blender.hand import RUN, START, STOP, wait_until
+from etalon.tests.blender.hand import RUN, START, STOP, settle, wait_until
 
 pytestmark = pytest.mark.blender
 
@@ -48,14 +48,16 @@ def look():
 panels._Main.draw = draw
 bpy.app.timers.register(look)
 """
+PREPARE = """
+scene = bpy.context.scene
+scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = SIZE
+scene.etalon.time = TIME
+"""
 PRESS = """
 import time
 log = bpy.app.driver_namespace["log"]
 log.clear()
 log.update(draws=[], took=[], seen=[])
-scene = bpy.context.scene
-scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = SIZE
-scene.etalon.time = TIME
 log["pressed"] = time.monotonic()
 bpy.ops.etalon.compare("INVOKE_DEFAULT")
 log["returned"] = time.monotonic()
@@ -104,7 +106,9 @@ def measure(window, size, seconds, cancel=""):
 
     Returns the report of its end, and its log.
     """
-    window.ask(PRESS.replace("SIZE", repr(size)).replace("TIME", repr(seconds)), seconds=STOP)
+    window.ask(PREPARE.replace("SIZE", repr(size)).replace("TIME", repr(seconds)))
+    settle(window, 60)  # without a graphics card, the 3D view is drawn for seconds after a change
+    window.ask(PRESS, seconds=STOP)
     if cancel:
         wait_until(window, f"session.running is not None and {cancel}", questions=1200)
         window.ask(f"import time\n{LOG}['cancelled'] = time.monotonic()\nsession.running.job.cancel()")
