@@ -33,7 +33,7 @@ KINDS = {
 }
 CHANNELS = {"R": "red", "G": "green", "B": "blue"}
 # Pixels, at an interface scale of 1, that a row has beyond a line of text, and that its icon and the gaps around its texts take.
-ROW, ICON, GAP = 14, 28, 12
+ROW, ICON, GAP = 14, 38, 12
 
 
 def label_text(region: RankedRegion) -> str:

@@ -13,8 +13,17 @@ QUICK = """
 scene = bpy.context.scene
 scene.render.resolution_percentage, scene.etalon.time = 25, 5.0"""
 
+# Not within a question, which is asked in this very window.
+CLOSE_FIRST = """
+def close():
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        bpy.ops.wm.window_close()
 
-def test_other_scenes_undo_saving_and_another_file_do_no_harm(window, debian, pictures):
+
+bpy.app.timers.register(close)"""
+
+
+def test_a_closed_window_other_scenes_undo_saving_and_another_file_do_no_harm(window, debian, pictures):
     before = window.wait_for("ready", seconds=START)
     # More than it takes to do all of this on a busy machine; opening the other file ends it.
     window.ask("bpy.context.scene.etalon.time, bpy.context.scene.etalon.tolerance = 120.0, 0.1")
@@ -22,6 +31,11 @@ def test_other_scenes_undo_saving_and_another_file_do_no_harm(window, debian, pi
     assert window.wait_for("halfway", "ended", seconds=RUN)["event"] == "halfway"
     wait_until(window, "bool(session.running.job.bounds)", questions=600)  # there is something to keep
     assert window.ask("bpy.ops.etalon.compare.poll()") is False, "a second press"
+    window.ask("bpy.ops.wm.window_new_main()")
+    wait_until(window, "len(bpy.context.window_manager.windows) == 2")
+    window.ask(CLOSE_FIRST)
+    wait_until(window, "len(bpy.context.window_manager.windows) == 1")
+    assert window.ask("session.running is not None"), "the window of the button is closed, and the comparison goes on"
     window.ask("bpy.context.window.scene = bpy.data.scenes.new('second')")
     window.ask("bpy.context.window.scene = bpy.data.scenes['lambert_analytic']")
     window.ask("bpy.data.objects.remove(bpy.data.objects['Paper'])")
