@@ -83,6 +83,7 @@ FRENCH: dict[str, str] = {
     "Esc cancels": "Échap annule",
     "Another scene is being compared": "Une autre scène est en cours de comparaison",
     "Étalon: cancelled before there was a result": "Étalon : annulé avant tout résultat",
+    "Étalon: {verdict}": "Étalon : {verdict}",
     "Étalon: done": "Étalon : terminé",
     # Before the button is pressed.
     "There is no camera: add one and make it active": "Il n'y a pas de caméra : ajoutez-en une et rendez-la active",

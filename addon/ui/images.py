@@ -110,13 +110,28 @@ def _look() -> float | None:
 
 
 def _show(address: int, image: bpy.types.Image | None) -> None:
-    """Show an image in the editor of that address, if that is still there."""
+    """Show an image in the editor of that address, if that is still there.
+
+    One that showed no image of Étalon's is zoomed to the whole image.
+    """
     for manager in bpy.data.window_managers:
         for window in manager.windows:
             for area in window.screen.areas:
                 if area.as_pointer() == address and area.type == "IMAGE_EDITOR" and image is not None:
-                    area.spaces.active.image = image
+                    space = area.spaces.active
+                    is_first = view_of(space.image) is None
+                    space.image = image
+                    if is_first:
+                        _fit(window, area)
                     area.tag_redraw()
+
+
+def _fit(window: bpy.types.Window, area: bpy.types.Area) -> None:
+    """Zoom an Image editor to the whole of its image."""
+    canvas = next(one for one in area.regions if one.type == "WINDOW")
+    if canvas.width > 1:  # else it was never drawn
+        with bpy.context.temp_override(window=window, area=area, region=canvas):
+            bpy.ops.image.view_all(fit_view=True)
 
 
 def image_editors(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Window, bpy.types.Area]]:

@@ -46,7 +46,7 @@ class Watched:
         for error in ended.job.errors:
             self.report({"ERROR"}, translate_error(error))
         if ended.result is not None:
-            self.report({"INFO"}, f"Étalon: {phrase_text(ended.result.headline)}")
+            self.report({"INFO"}, translate("Étalon: {verdict}", verdict=phrase_text(ended.result.headline)))
         elif ended.job.is_cancelled:
             self.report({"INFO"}, translate("Étalon: cancelled before there was a result"))
         elif not ended.job.errors:
