@@ -83,5 +83,5 @@ def _translate_value(name: str, value: str) -> str:
         return translate(OWNER, kind=translate(owner[1]), name=owner[2])
     if value in VALUES or value in KINDS:
         return translate(value)
-    patterns = {"what": _WHATS, "fault": _WHATS, "remedy": _REMEDIES}.get(name)
+    patterns = {"what": _WHATS, "fault": _WHATS, "place": _WHATS, "remedy": _REMEDIES}.get(name)
     return value if patterns is None else _fit(value, patterns)

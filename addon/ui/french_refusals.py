@@ -64,9 +64,14 @@ WHATS: dict[str, str] = {
         "la tuile {number} d'une image, que des faces couvrent sans y avoir de coin (Cycles ne la charge pas)"
     ),
     "displacement (node '{name}', socket 'Displacement')": "le déplacement (nœud « {name} », entrée Displacement)",
+    "the depth or length of rays beside {place}": "la profondeur ou la longueur des rayons à côté de {place}",
+    "the subsurface scattering of '{name}'": "la diffusion sous la surface de « {name} »",
+    "the volume of '{name}', which scatters": "le volume de « {name} », qui diffuse",
+    "its emission": "son émission",
+    "what lets light straight through": "ce qui laisse passer la lumière tout droit",
+    "a world that depends on the direction": "un monde qui dépend de la direction",
     "{what} beside a displacement": "{what} à côté d'un déplacement",
     "'{output}' of a Light Path node in {place}": "« {output} » d'un nœud Light Path dans {place}",
-    "the depth or length of rays beside {place}": "la profondeur ou la longueur des rayons à côté de {place}",
     "{kind} '{name}' of the library '{path}', which is not there,": (
         "{kind} « {name} » de la bibliothèque « {path} », qui n'est pas là"
     ),
@@ -75,7 +80,9 @@ WHATS: dict[str, str] = {
     "{label} {value} (property {name})": "{label} {value} (propriété {name})",
     # What follows a node's name.
     " in a world": " dans un monde",
-    " in {place}": " dans {place}",
+    " in a volume": " dans un volume",
+    " on a surface": " sur une surface",
+    " on a world": " sur un monde",
     " without a name": " sans nom",
     ", Sun Disc cut by the horizon,": ", Sun Disc coupé par l'horizon",
     ", Sun Disc outside of a world,": ", Sun Disc hors d'un monde",
@@ -228,6 +235,7 @@ REMEDIES: dict[str, str] = {
         "son type manque à ce Blender ({version}) ; utilisez la version qui l'a créé, ou supprimez-le"
     ),
     "turn by an axis and an angle": "tournez par un axe et un angle",
+    "unlink the Light Path node": "retirez le lien du nœud Light Path",
     "unlink Displacement, or choose Bump Only and a Displacement node": (
         "retirez le lien de Displacement, ou choisissez Bump Only et un nœud Displacement"
     ),

@@ -24,6 +24,7 @@ NOT_SHOWN = {
     "--bounces {}..{}: the scene ends paths after {}; give {}..{}, or raise Max Bounces in Blender",
     "--verify tests the forecast for one error; name that error with --target",
     "departure '{}' exists in Blender {}, and this scene comes from Blender {}; leave it out",
+    "{} has no light passes; leave out --passes, or use a strategy of path tracing",
     "pairs is {}; give at least 2, for an interval",
     "samples: an audit renders all settings with the same samples per pixel; give one number",
     "without a time limit nothing ends the comparison; give samples and replicates, or a time",
@@ -61,8 +62,11 @@ MADE = {
     "give more than 1.5 and at most {}; Beckmann's is the limit of large g",
     *("choose another {}, or use Blender {}", "set it back to {}"),
     *("Simplify", "stereoscopy", "Freestyle", "shadow caustics", "property '{}' ({})", "Cycles' setting '{}' ({})"),
-    *("light linking beside the volume of '{}', which scatters,", ", property '{}',", " in {}", ", type {},"),
+    *("light linking beside the volume of '{}', which scatters,", ", property '{}',", ", type {},"),
     *("ray visibility beside the volume of '{}', which scatters,", ", in a world,"),
+    *("its emission", "what lets light straight through", "a world that depends on the direction"),
+    *("the subsurface scattering of '{}'", "the volume of '{}', which scatters"),
+    *(" in a volume", " on a surface", " on a world"),
 }
 # Values: {}, numbers, and names, whose words begin with a capital; any other word belongs to a template.
 _VALUE = re.compile(r"(?:\{\}|[^a-z]|[A-Z][\w-]*)+")
