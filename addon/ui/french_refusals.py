@@ -240,7 +240,6 @@ REMEDIES: dict[str, str] = {
         "retirez le lien de Displacement, ou choisissez Bump Only et un nœud Displacement"
     ),
     "unlink Displacement, or use a Bump node": "retirez le lien de Displacement, ou utilisez un nœud Bump",
-    "unlink the Light Path node": "retirez le lien du nœud Light Path",
     "switch the holdout off": "désactivez le cache (holdout)",
     "unlink IOR, or choose GGX": "retirez le lien de IOR, ou choisissez GGX",
     "unlink it: only volumes that are the same everywhere are simulated": (

@@ -24,7 +24,6 @@ NOT_SHOWN = {
     "--bounces {}..{}: the scene ends paths after {}; give {}..{}, or raise Max Bounces in Blender",
     "--verify tests the forecast for one error; name that error with --target",
     "departure '{}' exists in Blender {}, and this scene comes from Blender {}; leave it out",
-    "{} has no light passes; leave out --passes, or use a strategy of path tracing",
     "pairs is {}; give at least 2, for an interval",
     "samples: an audit renders all settings with the same samples per pixel; give one number",
     "without a time limit nothing ends the comparison; give samples and replicates, or a time",
