@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that are holdouts: the camera sees black in their place, and light goes on as if they were none."""
+"""Objects that are holdouts.
+
+The camera sees black in their place, and light goes on as if they were none.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +17,18 @@ _TO_OTHER_RAYS = ex.Math("SUBTRACT", ex.ONE, ex.RayFlag("CAMERA"), ex.ZERO)
 
 
 def is_holdout(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> bool:
-    """Whether the object, or a collection of the view layer that has it or its instancer, is a holdout."""
+    """Whether the object is a holdout.
+
+    It is where it, or a collection of the view layer that has it or its instancer, is one.
+    """
     return instance.object.is_holdout or (instance.parent or instance.object).holdout_get(view_layer=layer)
 
 
 def hold_out(material: Material) -> Material:
-    """The material on a holdout: rays from the camera meet nothing but what lets them straight through.
+    """The material on a holdout, which camera rays do not meet.
 
-    Cycles drops all other closures for such rays (`surface_shader_apply_holdout`). The film is opaque, so that black
-    stays in their place.
+    They meet only what lets them straight through. Cycles drops all other closures for such rays
+    (`surface_shader_apply_holdout`). The film is opaque, so that black stays in their place.
     """
     lobes = tuple(
         lobe
