@@ -10,6 +10,7 @@ import pytest
 from etalon.addon.cycles import light_passes as light_passes_of_cycles
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.job import compare_here, export
+from etalon.lib.comparison.parts import WhyNot
 from etalon.lib.effects.light_passes import light_passes
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.film.parts import EmitterLight
@@ -270,3 +271,24 @@ def test_a_comparison_reports_the_passes_that_were_asked_for(tmp_path):
     assert [one["name"] for one in figures["passes"]] == ["glossy direct", "glossy indirect"]
     assert "Parts of the light" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert read_properties(scene) == before
+
+
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize(("partial", "passes", "why"), [(False, "all", None), (True, "none", WhyNot.UNSUPPORTED)])
+def test_the_default_refuses_nothing(partial, passes, why):
+    """A diffuse room is compared by pass; beside hair, which is not simulated, it is compared as a whole."""
+    scene = building.start("default", 8, 8, 6)
+    paper = building.diffuse("Paper", (0.8, 0.8, 0.8))
+    if partial:
+        tree = paper.node_tree
+        output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+        tree.links.new(shader("ShaderNodeBsdfHair")(tree), output.inputs["Surface"])
+    wall = building.diffuse("Wall", (0.8, 0.8, 0.8))
+    building.rectangle("Floor", wall, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    building.rectangle("Sheet", paper, (1.5, 1.5, 0.1), (0.5, 0.0, 0.0), (0.0, 0.5, 0.0))
+    building.rectangle("Back", wall, (0.0, 2.0, 2.0), (4.0, 0.0, 0.0), (0.0, 0.0, 4.0))
+    building.area_light("Panel", (0.0, -1.0, 2.0), (0.0, 0.0, 0.0), (1.0, 1.0), (3.0, 3.0, 3.0))
+    building.camera((0.0, 0.0, 8.0), (0.0, 0.0, 0.0), ortho_scale=4.0)
+    comparison = compare_here(scene, Settings(time=None, samples=1, replicates=2, threads=1, partial=partial))
+    assert (comparison.pass_choice.passes, comparison.pass_choice.why_not) == (passes, why)
+    assert (comparison.passes is None) == partial
