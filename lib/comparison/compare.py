@@ -210,7 +210,8 @@ class _Loop:
             side.exclude(self._excluded | self._left_out, None)
         of_passes = PASSES_SHARE if self._asked else 0.0
         of_causes, options = ATTRIBUTION_SHARE - of_passes, self._options
-        held_back = ATTRIBUTION_SHARE if self._among else of_passes
+        # With passes or without, so that claims on the image are the same.
+        held_back = ATTRIBUTION_SHARE if self._among else PASSES_SHARE
         self._pass_test = None
         if self._asked:
             of_named = self._regions.named.families
