@@ -20,7 +20,7 @@ from ..film.regions import RegionMoments
 from ..relative import difference_scale
 from .claims import WAYS_TO_DIFFER, difference, interval
 from .outcome import Outcome
-from .rare import describe_tails, room_for_rare_light
+from .rare import FEWEST, describe_tails, room_for_rare_light
 from .sequential import ALL_AGREE, ONE_DIFFERS, SequentialTest
 
 PASSES_SHARE = 0.05
@@ -133,6 +133,9 @@ class PassTest:
                 worth = np.maximum(worth, describe_tails(side.series, drawn, side.weights).worth.max(initial=0.0))
                 least = np.minimum(least, drawn * side.moments.n)
             room = room_for_rare_light(worth, least, ALL_AGREE * self._test.level)
+            # Few replicates tell of no tail. They may be equal by chance: two of them met the same lamp at an edge, or none.
+            few = np.minimum(reference[name].moments.n, candidate[name].moments.n) < FEWEST
+            room = np.where(few, np.inf, room)
             mean = reference[name].moments.mean
             # Rare light of a pass that is darker than the floor counts by the floor, too.
             found.append(room * np.abs(mean).mean(axis=1) / difference_scale(mean, self._test.floor).mean(axis=1))

@@ -59,6 +59,20 @@ def test_claims_at_fifty_times_the_level_would_be_seen(rng, monkeypatch):
     assert false_claims(rng, 0.9999 * TOLERANCE, Outcome.DIFFERENT) > most
 
 
+def test_nothing_is_claimed_from_so_few_replicates_that_they_may_be_equal_by_chance():
+    """A lamp at an edge that all replicates of the reference met and none of Cycles': noise of 100 % that four do not show."""
+    test = PassTest(NAMES[:1], REGIONS.families, TOLERANCE, 0.99, 3)
+    sides = [{name: RegionMoments(REGIONS) for name in NAMES[:1]} for _ in range(2)]
+    claimed = []
+    for replicate in range(1, 9):
+        for side, light in zip(sides, (1.0, 0.0), strict=True):
+            side[NAMES[0]].add(np.full((2, 2, 3), light))
+        if replicate > 1:
+            test.look(*sides, (10**6, 10**6), np.full(3, 1e-3), replicate == 8)
+            claimed.append((test.conclude(*sides).outcomes != Outcome.UNDECIDED).any())
+    assert claimed == [False] * 3 + [True] * 4
+
+
 @pytest.mark.slow
 def test_a_clear_difference_is_claimed(rng):
     assert false_claims(rng, 5.0 * TOLERANCE, Outcome.DIFFERENT) == RUNS
