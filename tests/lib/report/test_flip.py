@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from etalon.lib.report import flip as flip_of_tiles
 from etalon.lib.report.flip import flip
 
 
@@ -53,3 +54,11 @@ def test_flip_sees_what_is_shown():
     broken = white.copy()
     broken[3, 4, 0] = np.nan
     assert np.argwhere(np.isnan(flip(white, broken, 0.0))).tolist() == [[3, 4]]
+
+
+def test_tiles_make_the_same_map_as_the_whole_image(rng, monkeypatch):
+    reference = rng.random((70, 90, 3))
+    candidate = reference * rng.uniform(0.8, 1.2, (70, 90, 1))
+    whole = flip(reference, candidate, 0.0)
+    monkeypatch.setattr(flip_of_tiles, "TILE", 32)
+    np.testing.assert_array_equal(flip(reference, candidate, 0.0), whole)
