@@ -14,6 +14,7 @@ import numpy as np
 
 from ..bsdfs.microfacet import MicrofacetReflection
 from ..microfacets import fresnel
+from ..microfacets.albedo import directional_albedo
 from ..microfacets.beckmann import Beckmann
 from ..microfacets.distribution import Alpha, Distribution
 from ..microfacets.ggx import GGX
@@ -23,6 +24,8 @@ from .observations import Observations
 DISTRIBUTIONS = ("beckmann", "ggx", "student-t")
 MASKINGS = ("correlated", "separable", "torrance_sparrow")
 FRESNELS = ("none", "schlick", "exact")
+MULTI_GGX = "multi-ggx"
+"""Blender's Multiscatter GGX: correlated masking and no Fresnel term, so one candidate alone."""
 LEAST_ALPHA, LARGEST_ALPHA = 1e-3, 1.0
 LEAST_INVERSE, LARGEST_INVERSE = 1e-4, 0.66
 LARGEST_RATIO = 10.0
@@ -60,7 +63,7 @@ class Candidate:
 
         They are the diffuse albedo and reflectance of each colour, and those of the lobe's shape.
         """
-        return len(self.names) + colors * (3 if self.fresnel == "exact" else 2)
+        return len(self.names) + colors * (2 if self.fresnel != "exact" and self.distribution != MULTI_GGX else 3)
 
     def bounds(self, colors: int) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper bounds of the searched vector.
@@ -98,7 +101,7 @@ class Candidate:
 def _distribution(name: str, inverse: float, directions: int) -> Distribution:
     if name == "beckmann":
         return Beckmann()
-    if name == "ggx":
+    if name in ("ggx", MULTI_GGX):
         return GGX()
     return StudentT(1.0 / inverse) if directions > _TABLE_PAYS else ExactStudentT(1.0 / inverse)
 
@@ -109,7 +112,8 @@ def design(
     """The linear columns (c, k, n) and the fixed part (c, n) for each colour.
 
     The first column is the diffuse one, the second, if any, belongs to the colour (no Fresnel term) or F0 (Schlick).
-    `lobe` is that of `vector`.
+    The third of Multiscatter GGX is what facets reflect more than once, M (1 - E) / E. Its coefficient is free, since the mean
+    over colours of what each gets back is not that of the mean colour. `lobe` is that of `vector`.
     """
     diffuse, white = seen.diffuse, seen.collect(lobe)
     if candidate.fresnel == "exact":
@@ -119,5 +123,10 @@ def design(
     rise = np.zeros_like(white)
     if candidate.fresnel == "schlick":
         rise = seen.collect(lobe * fresnel.schlick(seen.cosines, 0.0))
-    columns = np.stack([diffuse, white - rise])
+    columns = [diffuse, white - rise]
+    if candidate.distribution == MULTI_GGX:
+        alpha = float(np.exp(vector[candidate.names.index("alpha")]))
+        albedo = directional_albedo(np.clip(seen.wo[2], 0.0, 1.0), alpha)
+        columns.append(seen.collect(lobe * (1.0 - albedo) / albedo))
+    columns = np.stack(columns)
     return np.broadcast_to(columns, (seen.colors, *columns.shape)), np.broadcast_to(rise, (seen.colors, len(rise)))

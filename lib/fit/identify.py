@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import EtalonError
 from ..microfacets.fresnel import conductor
 from ..progress import NO_PROGRESS, Progress
-from .candidates import DISTRIBUTIONS, MASKINGS, Candidate
+from .candidates import DISTRIBUTIONS, MASKINGS, MULTI_GGX, Candidate
 from .intervals import CONFIDENCE, profile_interval
 from .observations import Observations
 from .solve import Solution, search, solve_from
@@ -121,6 +121,8 @@ def _all(seen: Observations, starts: dict[str, Solution], progress: Progress) ->
     for name, masking, term in itertools.product(DISTRIBUTIONS, MASKINGS, _terms(seen)):
         progress.check()
         plain.append(solve_from(Candidate(name, masking, term, seen.anisotropic), seen, [starts[name].vector]))
+    multiple = Candidate(MULTI_GGX, "correlated", "none", seen.anisotropic)
+    plain.append(solve_from(multiple, seen, [starts["ggx"].vector]))
     exact: dict[str, list[Solution]] = {name: [] for name in DISTRIBUTIONS}
     if seen.tells_fresnel:
         least = min(one.chi2 for one in plain)

@@ -34,7 +34,8 @@ def planted(rng, candidate, alpha, *, anisotropy=1.0, inverse=0.5, noise=0.01, c
     vector = [values[name] for name in candidate.names]
     vector += [float(np.log(x)) for pair in METAL[:colors] for x in pair] if candidate.fresnel == "exact" else []
     columns, fixed = design(candidate, empty, np.array(vector), candidate.lobe(empty, np.array(vector)))
-    linear = np.array([[DIFFUSE, color][: columns.shape[1]] for color in COLORS[:colors]])
+    # The third column is Multiscatter GGX's: some of what a colour reflects comes back.
+    linear = np.array([[DIFFUSE, color, color * color][: columns.shape[1]] for color in COLORS[:colors]])
     exact = np.einsum("ck,ckn->cn", linear, columns) + fixed
     error = noise * np.maximum(exact, LEAST_SHARE * exact.max(axis=1, keepdims=True))
     return replace(empty, values=exact + error * rng.standard_normal(exact.shape))

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from etalon.lib.errors import EtalonError
-from etalon.lib.fit.candidates import Candidate
+from etalon.lib.fit.candidates import MULTI_GGX, Candidate
 from etalon.lib.fit.identify import identify
 from etalon.lib.fit.observations import plain_observations
 from etalon.lib.fit.solve import search, solve_from
@@ -67,3 +67,14 @@ def test_nothing_lit_is_one_line():
     wi = np.tile([[0.0], [0.0], [1.0]], 100)
     with pytest.raises(EtalonError, match="nothing lit to fit"):
         identify(plain_observations(wi, wi, np.zeros((3, 100)), 0.01, False, "black.binary"))
+
+
+def test_multiscatter_ggx_is_told_from_ggx_where_it_gives_much_back(rng):
+    """At alpha 0.6 more than a tenth of the light is reflected again; a single lobe of any alpha lacks its shape."""
+    truth = Candidate(MULTI_GGX, "correlated", "none", False)
+    found = identify(planted(rng, truth, 0.6, noise=0.002, count=300, colors=1))
+    assert found.fits
+    assert found.best.candidate == truth
+    low, high = found.intervals["alpha"]
+    assert 0.6 * 0.97 < low < high < 0.6 * 1.03
+    assert "multi-ggx, correlated Smith masking, no Fresnel term" in fit_lines(found)[1]
