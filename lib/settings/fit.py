@@ -22,7 +22,7 @@ class FitSettings(Run):
         None,
         Share(),
         "relative standard error of a measured value",
-        absent="MERL: from the file's own scatter; RGL: 1%; renders: 0.05%, besides that of the replicates",
+        absent="MERL: from the file's own scatter; RGL: 1%; renders: 0.01%, besides that of the replicates",
     )
     object: str | None = option(
         None, Unit("NAME"), "in a .blend file: the sphere", absent="the only mesh that is rendered"

@@ -59,12 +59,16 @@ def observe(scene, **changes):
 
 @pytest.mark.slow
 @pytest.mark.compares_with_cycles
-@pytest.mark.parametrize(("roughness", "width"), [(0.1, 0.3), (0.8, 0.02)])
-def test_the_model_and_alpha_of_a_glossy_sphere_are_found_in_cycles_image(roughness, width):
-    found = identify(observe(sphere(roughness)))
+@pytest.mark.parametrize(
+    ("distribution", "roughness", "width", "size"),
+    [("GGX", 0.1, 0.3, 32), ("GGX", 0.8, 0.02, 32), ("MULTI_GGX", 0.8, 0.02, 16)],
+)
+def test_the_model_and_alpha_of_a_glossy_sphere_are_found_in_cycles_image(distribution, roughness, width, size):
+    found = identify(observe(sphere(roughness, distribution, size)))
     low, high = found.intervals["alpha"]
     assert found.fits
-    assert "ggx" in [one.candidate.distribution for one in found.equivalent]
+    name = distribution.lower().replace("_", "-")
+    assert name in [one.candidate.distribution for one in found.equivalent]
     assert low <= roughness**2 <= high
     assert high - low < width * roughness**2
     # The highlight's total goes with alpha squared, so the colour is known no better than twice alpha is.
