@@ -169,7 +169,7 @@ def make_scene() -> Scene:
         Material(n, (WeightedClosure(Diffuse(Constant(c), Constant(0.0))),))
         for n, c in zip(names, (RED, GREEN, WHITE), strict=False)
     ]
-    lamp = Material("Lamp", (WeightedClosure(Emission(Constant((LAMP,) * 3))),))
+    lamp = Material("Lamp", (WeightedClosure(Emission(Constant((LAMP, LAMP, LAMP)))),))
     mesh = Mesh(
         vertices=patches.corners.reshape(-1, 3).T.copy(),
         triangles=triangles.astype(np.int32),

@@ -30,7 +30,7 @@ from etalon.tests.addon.test_fit import sphere
 
 GGX = Candidate("ggx", "correlated", "none", False)
 ROUGHNESS, SIZE, REPLICATES = (0.8, 0.7, 0.6), 32, 16
-SHARES = (0.002, 0.01)
+SHARES = (1e-4, 3e-4)
 
 
 def residuals(roughness: float, samples: int) -> tuple[float, float]:
@@ -82,7 +82,7 @@ def main() -> None:
             seen = observe_sphere(two_lobes(share), FitSettings(threads=2, noise=noise), NO_PROGRESS, "two lobes")
             found = identify(seen)
             print(
-                f"{share:.1%} of a second lobe, noise {noise:.0e}: fits {found.fits}, p = {found.p_value:.2g}",
+                f"{share:.2%} of a second lobe, noise {noise:.0e}: fits {found.fits}, p = {found.p_value:.2g}",
                 flush=True,
             )
 
