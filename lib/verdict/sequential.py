@@ -28,6 +28,7 @@ from ..film.moments import Moments
 from .boundaries import EXPECTED_LOOKS, GROWTH, Boundary, Spending
 from .claims import FLOOR_SHARE, bound, difference, p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
+from .rare import FEWEST
 
 ALL_AGREE, ONE_AGREES, ONE_DIFFERS = PARTS = (0.5, 0.1, 0.4)
 """What each kind of claim has of the error level that attribution leaves."""
@@ -162,7 +163,9 @@ class SequentialTest:
         outside = (self.tolerance + np.where(np.isfinite(rare), rare, 0.0))[:, None]
         ends = tolerance_ends(candidate, reference, outside, self.floor)
         p = p_different(*ends, self._reached) / share
-        self._differs = np.where(now, np.where(np.isfinite(rare), p, np.inf), self._differs)
+        # Few replicates may be equal by chance, and then seem to have no noise.
+        known = np.isfinite(rare) & (replicates >= FEWEST)
+        self._differs = np.where(now, np.where(known, p, np.inf), self._differs)
         shown = p_different(*ends) / share <= ONE_DIFFERS * self.level / self.outcomes.size
         self._brighter = np.where(now, self._reached & shown, self._brighter)
         gap = difference(candidate, reference, self.floor)

@@ -25,7 +25,8 @@ def _build() -> None:
     low, high = np.full(edges.size, -2.0), np.full(edges.size, 2.0)
     vertices = np.concatenate([np.stack([edges, side, 0.0 * edges], axis=1) for side in (low, high)])
     first = np.arange(edges.size - 1)
-    faces = [(k, k + 1, k + 1 + edges.size, k + edges.size) for k in first]
+    size = edges.size
+    faces = [half for k in first for half in ((k, k + 1, k + 1 + size), (k, k + 1 + size, k + size))]
     # Faces of no area: three corners on a line, and all corners in one place.
     start_of_bad = len(vertices)
     bad = np.array(
@@ -33,7 +34,7 @@ def _build() -> None:
     )
     vertices = np.concatenate([vertices, bad])
     faces += [tuple(start_of_bad + k for k in corners) for corners in ((0, 1, 2), (3, 4, 5))]
-    building.mesh("Plane", vertices, faces, [building.diffuse("White", (ALBEDO,) * 3)])
+    building.mesh("Plane", vertices, np.array(faces), [building.diffuse("White", (ALBEDO,) * 3)])
     sun(tuple(-c for c in TOWARD), IRRADIANCE)
     look((0.0, 0.0, 0.0), (0.1, 0.2, 1.0), 4.0, 2.5)
 
