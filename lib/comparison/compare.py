@@ -45,8 +45,7 @@ from .versions import versions
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
 
-# What is set aside of the time to find out why regions differ at the last look, where there are departures to ask; before that, a
-# search takes more, and sampling as much less.
+# The part of the time that is set aside to seek causes at the last look, where there are departures. Earlier searches take more.
 ASIDE_SHARE = 0.05
 
 
