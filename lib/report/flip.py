@@ -39,6 +39,6 @@ def _flip_tile(reference: np.ndarray, candidate: np.ndarray, y: int, x: int) -> 
     """LDR-FLIP of the tile at row `y` and column `x`, from images with all that its filters reach."""
     top, left = max(y - REACH, 0), max(x - REACH, 0)
     around = np.s_[top : y + TILE + REACH, left : x + TILE + REACH]
-    parts = (np.ascontiguousarray(image[around]) for image in (reference, candidate))
-    found, _, _ = flip_evaluator.evaluate(*parts, "LDR", applyMagma=False, computeMeanError=False)
+    one, other = np.ascontiguousarray(reference[around]), np.ascontiguousarray(candidate[around])
+    found, _, _ = flip_evaluator.evaluate(one, other, "LDR", applyMagma=False, computeMeanError=False)
     return found[y - top : y - top + TILE, x - left : x - left + TILE, 0]
