@@ -30,12 +30,41 @@ PLAN = """
 out = "sweep"
 scenes = ["glossy_spheres"]
 [options]
-time = "{seconds}s"
+{work}
 threads = 1
 set = ["scene.render.resolution_x=128", "scene.render.resolution_y=128", "scene.render.resolution_percentage=100"]
 [[vary]]
 path = "scene.cycles.seed"
 values = {values}
+"""
+
+
+FIXED = "samples = 4\nreplicates = 8"
+RENDERING = ("timing the renderers", "looking for caustics", "first look", "rendering")
+# One comparison of FIXED where it stands: processor seconds of its stages, Python's start and the imports first.
+STAGES = """
+import json, sys, time
+from pathlib import Path
+import bpy
+from etalon import reference_scenes
+from etalon.addon.command import compare
+from etalon.lib.progress import Progress
+from etalon.lib.settings.comparison import Settings
+from etalon.lib.wavefront.tuning import tune_process
+
+begun = [("start and imports", 0.0)]
+def begin(stage):
+    begun.append((stage, time.process_time()))
+tune_process()
+begin("opening the scene")
+reference_scenes.build("glossy_spheres")
+render = bpy.context.scene.render
+render.resolution_x = render.resolution_y = 128
+settings = Settings(samples=4, replicates=8, threads=1)
+compare.job.compare_here(bpy.context.scene, settings, Path(sys.argv[1]), "", Progress(begin=begin))
+begin("end")
+print()
+print(json.dumps({name: later - at for (name, at), (_, later) in zip(begun, begun[1:])}))
 """
 
 
@@ -51,7 +80,7 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
     Printed are the seconds of a unit beside its comparison, and the share of `jobs` processors that was used.
     """
     plan = folder / "plan.toml"
-    plan.write_text(PLAN.format(seconds=seconds, values=list(range(units))))
+    plan.write_text(PLAN.format(work=f'time = "{seconds}s"', values=list(range(units))))
     words = [sys.executable, "-m", "etalon", "batch", str(plan), f"--jobs={jobs}", "--quiet"]
     used, begin = children_seconds(), time.perf_counter()
     subprocess.run(words, check=False, stdout=subprocess.DEVNULL)
@@ -74,6 +103,28 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
     )
 
 
+def measure_unit(folder: Path, units: int = 4) -> None:
+    """Print the processor seconds of a unit with fixed samples, beside those of its stages in one process.
+
+    They do not depend on what else the machine does.
+    """
+    plan = folder / "fixed.toml"
+    plan.write_text(PLAN.format(work=FIXED, values=list(range(units))).replace("sweep", "fixed"))
+    words = [sys.executable, "-m", "etalon", "batch", str(plan), "--jobs=1", "--quiet"]
+    used = []
+    for call in ([*words, "--dry-run"], words):
+        before = children_seconds()
+        subprocess.run(call, check=False, stdout=subprocess.DEVNULL)
+        used.append(children_seconds() - before)
+    unit = (used[1] - used[0]) / units
+    told = subprocess.run([sys.executable, "-c", STAGES, str(folder / "stages")], check=True, capture_output=True)
+    stages = json.loads(told.stdout.splitlines()[-1])
+    for name, seconds in stages.items():
+        print(f"  {seconds:6.2f} {name}")
+    rendering = sum(seconds for name, seconds in stages.items() if name in RENDERING)
+    print(f"a unit takes {unit:.2f} processor seconds, {unit - rendering:.2f} of them beside rendering")
+
+
 def measure_start(runs: int = 3) -> None:
     """Print what starting a unit's process takes, in parts."""
     for what, code in {"Python and bpy": "import bpy", "and Étalon": "import bpy, etalon.addon.job"}.items():
@@ -86,7 +137,7 @@ def measure_start(runs: int = 3) -> None:
 def measure_resume(folder: Path, rows: int) -> None:
     """Print how long a batch takes to find that `rows` comparisons are done or refused."""
     plan = folder / "long.toml"
-    plan.write_text(PLAN.format(seconds=1, values=list(range(rows))).replace("sweep", "long"))
+    plan.write_text(PLAN.format(work="time = 1", values=list(range(rows))).replace("sweep", "long"))
     read = read_plan(plan)
     from etalon.lib.batch.keys import make_key
 
@@ -111,6 +162,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as made:
         (Path(made) / "long").mkdir()
         measure_resume(Path(made), arguments.rows)
+        measure_unit(Path(made))
         measure_start()
         measure_sweep(Path(made), arguments.units, arguments.seconds, arguments.jobs)
 
