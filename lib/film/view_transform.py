@@ -13,9 +13,6 @@ from ..errors import EtalonError
 
 # The display of the pages, whatever the user's is; and the space of all radiance here.
 DISPLAY, LINEAR = "sRGB", "Linear Rec.709"
-# Some releases of OpenImageIO hold the interpreter's lock while they transform, and a window beside them stands still. So
-# they get about this number of pixels at a time.
-PIXELS = 65536
 
 
 @dataclass(frozen=True)
@@ -43,17 +40,11 @@ class ViewTransform:
 
         Raises EtalonError where the configuration lacks the view or the look.
         """
-        finite = np.isfinite(radiance).all(axis=2, keepdims=True)
-        scaled = (np.where(finite, radiance, 0.0) * 2.0**self.exposure).astype(np.float32)
-        rows = max(PIXELS // radiance.shape[1], 1)
-        shown = np.concatenate([self._show(scaled[y : y + rows]) for y in range(0, len(scaled), rows)])
-        return np.rint(255 * np.clip(shown, 0.0, 1.0) ** (1.0 / self.gamma)).astype(np.uint8)
-
-    def _show(self, radiance: np.ndarray) -> np.ndarray:
-        """Display values of some rows of pixels, before the scene's gamma."""
         height, width, _ = radiance.shape
+        finite = np.isfinite(radiance).all(axis=2, keepdims=True)
         source = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, height, 3, "float"))
-        source.set_pixels(OpenImageIO.ROI(), np.ascontiguousarray(radiance))
+        scaled = np.where(finite, radiance, 0.0) * 2.0**self.exposure
+        source.set_pixels(OpenImageIO.ROI(), scaled.astype(np.float32))
         config = str(self.config)
         if self.look:  # by itself, since OpenImageIO 3.0 ignores the look of a display
             source = OpenImageIO.ImageBufAlgo.ociolook(source, self.look, LINEAR, LINEAR, False, False, "", "", config)
@@ -63,4 +54,5 @@ class ViewTransform:
         for step in (source, shown):
             if step.has_error:
                 raise EtalonError(f"view transform '{self.name}' cannot be applied ({step.geterror().strip()})")
-        return np.asarray(shown.get_pixels(OpenImageIO.FLOAT))
+        codes = np.clip(shown.get_pixels(OpenImageIO.FLOAT), 0.0, 1.0) ** (1.0 / self.gamma)
+        return np.rint(255 * codes).astype(np.uint8)
