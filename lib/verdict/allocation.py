@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a time budget becomes samples: cost and noise of both sides, from a pilot, to samples per replicate.
+"""How a time budget becomes samples per replicate.
 
-The pilot's own images are not used for the verdict, so nothing that the data show decides how much of them there will be.
+It follows from the cost and noise of both sides, which a pilot measures.
+The pilot's own images are not used for the verdict, so the data cannot decide how many of them there will be.
 """
 
 from __future__ import annotations
@@ -34,10 +35,11 @@ class Cost:
 
 
 def fit_cost(samples: list[int], seconds: list[float]) -> Cost:
-    """The cost from timings of calls with `samples`, ascending; all of it per sample if there is one number of samples only.
+    """The cost from timings of calls with `samples`, ascending.
 
-    The fixed part is at most the quickest call. A sample costs at least LEAST_SLOPE of its share in the longest call: one
-    timing that a busy machine spoiled must not make samples look free.
+    All of it is per sample if there is only one number of samples.
+    The fixed part is at most the quickest call. A sample costs at least LEAST_SLOPE of its share in the longest call:
+    one timing that a busy machine spoiled must not make samples look free.
     """
     most, longest = samples[-1], seconds[-1]
     if len(set(samples)) < 2:

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The search for the smallest set of named departures with which the reference agrees with the candidate.
+"""The search for the smallest set of departures that explains the differences.
 
-What a set S of departures does to a region is known from pairs of replicates that share their scrambling (common random
-numbers: Glasserman and Yao, "Some guidelines and guarantees for common random numbers", 1992), with S and without: their mean
-difference d(S) has little noise of its own. The pairs are fresh, so E + d(S) is a sum of independent means, and "the candidate
-agrees with the reference that departs by S" is tested against it just as agreement with the reference itself is.
+With these departures the reference agrees with the candidate.
+The effect of a set S of departures on a region is known from pairs of replicates that share their scrambling (common
+random numbers: Glasserman and Yao, "Some guidelines and guarantees for common random numbers", 1992), with S and
+without: their mean difference d(S) has little noise of its own. The pairs are fresh, so E + d(S) is a sum of
+independent means, and "the candidate agrees with the reference that departs by S" is tested against it just as
+agreement with the reference itself is.
 
-The level of all claims about causes, ATTRIBUTION_SHARE of 1 - confidence, is held back before anything is seen; sequential.py has
-the rest. Half of it is spent by explanations (causes.py says what these are), half by the simultaneous intervals of shares, from which partial
-causes, small shares and contradictions are read. In each half a set has a part fixed by its size alone (`set_share`), all of them together
-at most 1; looks are paid for by `Spending`, regions by Holm (agreement) or Bonferroni (shares), channels by Bonferroni.
+The level of all claims about causes, ATTRIBUTION_SHARE of 1 - confidence, is reserved before anything is seen;
+sequential.py has the rest. Half of it is spent by explanations (causes.py says what these are), half by the
+simultaneous intervals of shares, from which partial causes, small shares and contradictions are read. In each half a
+set has a part fixed by its size alone (`set_share`), all of them together at most 1; looks are paid for by `Spending`,
+regions by Holm (agreement) or Bonferroni (shares), channels by Bonferroni.
 """
 
 from __future__ import annotations
@@ -61,18 +64,22 @@ def set_share(size: int, count: int) -> float:
 
 
 def acting_on(departures: Sequence[Departure], differing: Set[LightPass]) -> tuple[str, ...]:
-    """The names of those that can act on the light passes that are `differing`; all of them where none is.
+    """The names of the departures that can act on the `differing` light passes.
 
-    Nearly all act on indirect light, since it is scattered by lobes of any kind. So where other passes differ, these decide.
+    All of them where none differs.
+    Nearly all act on indirect light, since it is scattered by lobes of any kind. So where other passes differ, these
+    decide.
     """
     clear = differing - INDIRECT or differing
     return tuple(d.name for d in departures if not clear or d.passes & clear)
 
 
 class Attribution:
-    """The search, look by look. `effects` gives the differences of a set's pairs, (count, N, 3) or fewer; None where there are none.
+    """The search, look by look.
 
-    `inside` gives (N, N), dense or sparse: of each region (row), 1 for the regions that lie in it; by default each only in itself.
+    `effects` gives the differences of a set's pairs, (count, N, 3) or fewer; None where there are none.
+    `inside` gives (N, N), dense or sparse: of each region (row), 1 for the regions that lie in it; by default each only
+    in itself.
     """
 
     def __init__(
@@ -98,7 +105,10 @@ class Attribution:
 
     @property
     def put_off(self) -> frozenset[str]:
-        """The names that were not tried, since they act on no light pass that differs and others explain what does."""
+        """The names that were not tried.
+
+        They act on no light pass that differs, and other departures explain what does differ.
+        """
         return frozenset(self.names).difference(self._tried, *self.pairs)
 
     @property
@@ -119,9 +129,11 @@ class Attribution:
         last: bool,
         differing: Set[LightPass] = frozenset(),
     ) -> None:
-        """Judge the sets tried so far on what there is, and try larger ones where all smaller ones are ruled out.
+        """Judge the sets tried so far on the present data, and try larger ones if needed.
 
-        Departures that can act on the light passes that are `differing` are tried first, the others where no set of these may do.
+        Larger sets are tried where all smaller ones are ruled out.
+        Departures that can act on the light passes that are `differing` are tried first, the others where no set of
+        these may do.
         """
         if not self.different.any() or self.complete:
             return
@@ -209,7 +221,10 @@ class Attribution:
         )
 
     def moments(self, names: Names, most: int | None = None) -> Moments:
-        """Of the effect of `names`, as rendered (`most` pairs) or, where it was not, as the sum of what each does alone."""
+        """The moments of the effect of `names`, as rendered (`most` pairs).
+
+        Where it was not rendered, those of the sum of what each departure does alone.
+        """
         pairs = self.pairs.get(names)
         if pairs is None:
             alone = [self.pairs[frozenset([name])] for name in names]
@@ -219,13 +234,19 @@ class Attribution:
         return Moments(len(pairs), mean, ((pairs - mean) ** 2).sum(axis=0))
 
     def is_ruled_out(self, names: Names, sides: Sides) -> bool:
-        """Whether any region is outside the tolerance with `names`, or differs and their share is not 1."""
+        """Whether `names` fail in any region.
+
+        They fail where it is outside the tolerance with them, or where it differs and their share is not 1.
+        """
         tail = DROP_LEVEL / (2 * CHANNELS * self.test.outcomes.size)
         off = is_off(*share_interval(sides, self.moments(names), tail))
         return bool((self._outside(names, sides) | (off & self.different)).any())
 
     def left(self, names: Names, sides: Sides) -> float:
-        """The relative differences that would be left over with `names`, added up over the regions that need an explanation."""
+        """The relative differences that would be left over with `names`.
+
+        They are added up over the regions that need an explanation.
+        """
         left = np.abs(sides.gap - self.moments(names).mean) / np.maximum(sides.scale, 1e-300)
         return float(np.nan_to_num(left[self.wanted]).sum())
 
@@ -243,12 +264,18 @@ class Attribution:
         return tolerance_ends(sides.candidate, sides.reference, self.test.tolerance, floor, shift)
 
     def _outside(self, names: Names, sides: Sides) -> np.ndarray:
-        """The regions (N,) that are outside the tolerance with `names`, as far as what to try next is concerned."""
+        """The regions (N,) that are outside the tolerance with `names`.
+
+        It serves only to choose what to try next.
+        """
         p = p_different(*self._ends(sides, self.moments(names)))
         return p * p.size <= DROP_LEVEL
 
     def _try(self, size: int, sides: Sides, effects: Effects) -> bool:
-        """Render the effects of sets of one size: all single ones, of the others those whose sum may do; whether none is left."""
+        """Render the effects of sets of one size; whether none is left.
+
+        All single departures are rendered; of the larger sets, those whose sum may do.
+        """
         if size == 1:
             return self._try_single(effects)
         sets = [frozenset(chosen) for chosen in combinations(self.acting(sides), size)]
@@ -261,7 +288,10 @@ class Attribution:
         return len(sets) <= SETS_PER_LOOK
 
     def _try_single(self, effects: Effects) -> bool:
-        """Render each departure alone, one pair of each in turn, so that all of them have as many as time allows."""
+        """Render each departure alone, one pair of each in turn.
+
+        So all of them have as many pairs as time allows.
+        """
         missing = [frozenset([name]) for name in self._tried if len(self.pairs.get(frozenset([name]), ())) < PAIRS]
         for count in range(1, PAIRS + 1):
             for names in missing:

@@ -26,7 +26,10 @@ _NEAREST = 1.01
 
 
 def next_look(replicates: int) -> int:
-    """The number of replicates at which to look next: 8, 10, 12, 15, 18, 22, ... , each a factor GROWTH or more above the last."""
+    """The number of replicates at which to look next: 8, 10, 12, 15, 18, 22, ...
+
+    Each is a factor GROWTH or more above the last.
+    """
     look = FIRST_LOOK
     while look <= replicates:
         look = int(np.ceil(GROWTH * look))
@@ -53,7 +56,10 @@ class Spending:
         self.looks, self.spent = 0, 0.0
 
     def take(self, last: bool) -> float:
-        """The share of the next look: all that is left if it is the `last`, which may depend on time and budgets, never on what is seen."""
+        """The share of the next look; all that is left if it is the `last`.
+
+        Whether it is the last may depend on time and budgets, never on what is seen.
+        """
         share = 1.0 - self.spent if last else self.share_of(self.looks + 1)
         self.looks += 1
         self.spent += share
@@ -66,13 +72,14 @@ class Spending:
 
 
 class Boundary:
-    """Levels of successive one-sided tests of one mean, such that any of them rejects a true hypothesis with probability `level` at most.
+    """Levels of successive one-sided tests of one mean.
 
-    The statistic at n replicates is a sum of n independent normal terms, a Brownian motion observed at the times n. Its density among
-    the paths that no look has rejected is carried from look to look (Armitage, McPherson and Rowe, "Repeated significance tests on
-    accumulating data", 1969), and each look rejects the share that it may spend (Lan and DeMets, "Discrete sequential boundaries for
-    clinical trials", 1983). The levels are used for Student's t as they stand (Jennison and Turnbull, "Group sequential methods", 2000,
-    section 3.3).
+    Together they reject a true hypothesis with probability `level` at most.
+    The statistic at n replicates is a sum of n independent normal terms, a Brownian motion observed at the times n. Its
+    density among the paths that no look has rejected is carried from look to look (Armitage, McPherson and Rowe,
+    "Repeated significance tests on accumulating data", 1969), and each look rejects the share that it may spend (Lan
+    and DeMets, "Discrete sequential boundaries for clinical trials", 1983). The levels are used for Student's t as they
+    stand (Jennison and Turnbull, "Group sequential methods", 2000, section 3.3).
     """
 
     def __init__(self, level: float) -> None:
@@ -81,7 +88,10 @@ class Boundary:
         self._looks: tuple[tuple[float, float], ...] = ()
 
     def next(self, replicates: float, share: float) -> float:
-        """The level of a test at `replicates` that spends `share` of the whole; at least what Bonferroni's inequality allows."""
+        """The level of a test at `replicates` that spends `share` of the whole.
+
+        It is at least what Bonferroni's inequality allows.
+        """
         if self._looks and replicates < _NEAREST * self._looks[-1][0]:
             return self.level * share
         self._looks = (*self._looks, (replicates, share))
@@ -90,7 +100,11 @@ class Boundary:
 
 @dataclass(frozen=True)
 class _State:
-    """After a look: the `z` beyond which it rejected, and the density of paths that no look has, as `points` and `weights` of a sum."""
+    """The state after a look.
+
+    The `z` beyond which it rejected, and the density of paths that no look has rejected, as `points` and `weights` of a
+    sum.
+    """
 
     z: float
     points: np.ndarray
@@ -115,7 +129,10 @@ _START = _State(np.inf, np.zeros(1), np.ones(1))
 
 
 def _rejecting(before: _State, scale: float, step: float, spend: float) -> float:
-    """The z beyond which the statistic lies with probability `spend`, no look before having rejected."""
+    """The z beyond which the statistic lies with probability `spend`.
+
+    No look before may have rejected.
+    """
 
     def excess(z: float) -> float:
         return float(before.weights @ ndtr((before.points - z * scale) / step)) - spend

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may be said of the causes of a difference: the words, the limits, and what is kept of the evidence.
+"""What may be said of the causes of a difference: words, limits and evidence.
 
-A set of departures *explains* a region that differs if three things hold. It is shown that with the set switched on the reference
-agrees with the candidate to within the tolerance. It is shown that the set's share of the difference is between BAND[0] and
-BAND[1]; this keeps out a set that overshoots: 1.5 % in place of a difference of 1.1 % is within a tolerance of 1 %, but explains
-nothing. And it is not shown that the share is other than 1, by more than EXACT, in this region or in one that lies inside it.
+A set of departures *explains* a region that differs if three things hold. It is shown that with the set switched on the
+reference agrees with the candidate to within the tolerance. It is shown that the set's share of the difference is
+between BAND[0] and BAND[1]; this keeps out a set that overshoots: 1.5 % in place of a difference of 1.1 % is within a
+tolerance of 1 %, but explains nothing. And it is not shown that the share is other than 1, by more than EXACT, in this
+region or in one that lies inside it.
 
-A set that explains every region is the cause. One that explains some is a partial cause, and so is a departure that is shown to take
-some of the difference away (its share is above 0, and not small) and in no region without an explanation to add to it.
-"Explains" means "is sufficient to explain": other sets may be so too. Those of the same size that the data do not tell apart are rivals.
+A set that explains every region is the cause. One that explains some is a partial cause, and so is a departure that is
+shown to take some of the difference away (its share is above 0, and not small) and in no region without an explanation
+to add to it. "Explains" means "is sufficient to explain": other sets may be so too. Those of the same size that the
+data do not tell apart are rivals.
 
-What is controlled: the chance of any false claim, of agreement, of a difference, of an explanation, of a share above 0 or of a
-small one, in any region, at any look and for any set, is at most 1 - confidence. Each kind of claim has a part of this level, fixed
-before anything is seen (attribution.py), and spends it by Bonferroni's inequality or Holm's procedure. A cause whose share is exactly 1
-is denied by the third condition with a chance that is part of the same level. A likely cause, a rival and the finding that no set
-fits are no claims: they say what the data look like.
+What is controlled: the chance of any false claim, of agreement, of a difference, of an explanation, of a share above 0
+or of a small one, in any region, at any look and for any set, is at most 1 - confidence. Each kind of claim has a part
+of this level, fixed before anything is seen (attribution.py), and spends it by Bonferroni's inequality or Holm's
+procedure. A cause whose share is exactly 1 is denied by the third condition with a chance that is part of the same
+level. A likely cause, a rival and the finding that no set fits are no claims: they say what the data look like.
 """
 
 from __future__ import annotations
@@ -108,12 +110,18 @@ class Shares:
 
     @property
     def helps(self) -> np.ndarray:
-        """Where (N,) the share is shown to be above 0, and not to be above 2: some of the difference goes away with the set."""
+        """Where (N,) the share is shown to be above 0, and not shown to be above 2.
+
+        Some of the difference goes away with the set.
+        """
         return (self.low > 0.0) & (self.low <= 2.0)
 
     @property
     def harms(self) -> np.ndarray:
-        """Where (N,) the share is shown to be below 0 or above 2: the difference grows with the set."""
+        """Where (N,) the share is shown to be below 0 or above 2.
+
+        The difference grows with the set.
+        """
         return (self.high < 0.0) | (self.low > 2.0)
 
 
@@ -154,7 +162,10 @@ class Explanation:
 
 
 def nothing_found(regions: int, departures: tuple[Departure, ...] = ()) -> Explanation:
-    """The explanation of so many regions where no effect was rendered: none of the `departures` that apply, if any, was tried."""
+    """The explanation of the given `regions` where no effect was rendered.
+
+    None of the `departures` that apply, if any, was tried.
+    """
     count = len(departures)
     return Explanation(
         state=State.NO_TIME if departures else State.NO_DEPARTURE,

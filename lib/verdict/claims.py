@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two claims about a region, each as a p-value, and the confidence interval that goes with them.
+"""The two claims about a region, as p-values, and the confidence interval with them.
 
 With C the candidate's true mean of a region and E the reference's, per channel, the allowed gap is
 t max(|E|, floor): relative to the reference, absolute where that is nearly black. Both means are noisy; so every
-statement is made about the linear combinations C - (1 -+ t) E, whose noise is known, never about the ratio of two estimates
-(Fieller, "Some problems in interval estimation", 1954).
+statement is made about the linear combinations C - (1 -+ t) E, whose noise is known, never about the ratio of two
+estimates (Fieller, "Some problems in interval estimation", 1954).
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ WAYS_TO_DIFFER = 6
 
 @dataclass(frozen=True)
 class Combination:
-    """A linear combination of the two sides' means: its `value`, standard `error` and `df`, arrays (K, 3)."""
+    """A linear combination of the two sides' means.
+
+    Its `value`, standard `error` and `df` are arrays (K, 3).
+    """
 
     value: np.ndarray
     error: np.ndarray
@@ -68,8 +71,9 @@ def tolerance_ends(
     floor: np.ndarray | float,
     shift: Moments | None = None,
 ) -> tuple[Combination, Combination]:
-    """C - E minus, and plus, the allowed gap: the first is below zero and the second above where C is inside.
+    """C - E minus, and plus, the allowed gap.
 
+    The first is below zero and the second above where C is inside.
     With a `shift`, a mean of its own, E stands for the sum of both. Which of |E| and `floor` is greater is read off the
     estimate; near the switch both forms agree to tolerance times noise.
     """
@@ -83,7 +87,10 @@ def tolerance_ends(
 
 
 def _p_below(c: Combination, at_zero: float) -> np.ndarray:
-    """p-value of the claim that a combination is below zero; without noise it is 0 or 1, and `at_zero` on the edge."""
+    """p-value of the claim that a combination is below zero.
+
+    Without noise it is 0 or 1, and `at_zero` exactly at zero.
+    """
     exact = np.where(c.value < 0, 0.0, np.where(c.value > 0, 1.0, at_zero))
     noisy = c.error > 0
     t = np.divide(c.value, c.error, out=np.zeros(c.value.shape), where=noisy)
@@ -106,8 +113,9 @@ def p_equivalent(upper: Combination, lower: Combination) -> np.ndarray:
 
 
 def p_different(upper: Combination, lower: Combination, only_darker: np.ndarray | bool = False) -> np.ndarray:
-    """p-value (K,) of "outside the tolerance in some channel": Bonferroni over three channels and two ends.
+    """p-value (K,) of "outside the tolerance in some channel".
 
+    Bonferroni over three channels and two ends.
     In regions `only_darker` (K,), a candidate that is brighter than the reference shows nothing.
     """
     brighter = np.where(np.asarray(only_darker)[..., None], 1.0, _p_below(_mirrored(upper), 1.0))
@@ -116,17 +124,22 @@ def p_different(upper: Combination, lower: Combination, only_darker: np.ndarray 
 
 
 def difference(candidate: Moments, reference: Moments, floor: np.ndarray | float) -> np.ndarray:
-    """(C - E) / max(|E|, floor) as estimated, (K, 3); 0 where both are 0, infinite where only the reference is."""
+    """The estimated (C - E) / max(|E|, floor), (K, 3).
+
+    It is 0 where both are 0, infinite where only the reference is.
+    """
     return relative_difference(candidate.mean - reference.mean, reference.mean, floor)
 
 
 def interval(
     candidate: Moments, reference: Moments, floor: np.ndarray | float, tail: np.ndarray | float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Both ends (K, 3) of the confidence interval of the relative difference, with probability `tail` beyond each.
+    """Both ends (K, 3) of the confidence interval of the relative difference.
 
+    The probability beyond each end is `tail`.
     Fieller's: all rho with (C - rho E)^2 <= q^2 (var C + rho^2 var E); infinite ends where E is not
-    distinct from 0, and about (C - E) / floor where |E| is below `floor`. NaN where a side has fewer than two replicates.
+    distinct from 0, and about (C - E) / floor where |E| is below `floor`. NaN where a side has fewer than two
+    replicates.
     """
     plain = combine(candidate, reference, 1.0)
     if np.isnan(plain.df).all():
@@ -151,10 +164,12 @@ def interval(
 
 
 def bound(candidate: Moments, reference: Moments, floor: np.ndarray | float, tail: np.ndarray | float) -> np.ndarray:
-    """The smallest tolerance (K,) at which each region would be within it, each claim with error `tail`; NaN without a mean.
+    """The smallest tolerance (K,) at which each region would be within it.
 
-    It is the larger end of the interval, in the channel furthest off: two one-sided tests at `tail` pass for a tolerance exactly where the
-    interval lies inside (Schuirmann 1987). Infinite where a side has fewer than two replicates.
+    Each claim has error `tail`. NaN without a mean.
+    It is the larger end of the interval, in the channel furthest off: two one-sided tests at `tail` pass for a
+    tolerance exactly where the interval lies inside (Schuirmann 1987). Infinite where a side has fewer than two
+    replicates.
     """
     low, high = interval(candidate, reference, floor, tail)
     ends = np.maximum(np.abs(low), np.abs(high))

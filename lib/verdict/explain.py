@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the search to what is said of causes: cause, partial cause, likely cause, no known reason, or none of these yet."""
+"""From the search to what is said of causes.
+
+A cause, a partial cause, a likely cause, no known reason, or none of these yet.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,10 @@ _LIKELY_SIZE = 3
 def explain(
     search: Attribution, reference: RegionMoments, candidate: RegionMoments, samples: int, seconds: float
 ) -> Explanation | None:
-    """What was found; None where no region differs. `samples` per pixel stand behind each pair, `seconds` behind all of them."""
+    """The explanation of the differences; None where no region differs.
+
+    `samples` per pixel stand behind each pair, `seconds` behind all of them.
+    """
     different = search.different
     if not different.any():
         return None
@@ -84,7 +90,10 @@ def _roles(
     target: np.ndarray,
     sets: tuple[Names, Names, Names],
 ) -> dict[str, Role]:
-    """What is said of each departure; `sets` are those named, those chosen, and those of which rounding decides how much acts."""
+    """What is said of each departure.
+
+    `sets` are those named, those chosen, and those of which rounding decides how much acts.
+    """
     limit = small_limit(len(search.names))
     roles = {}
     for name in search.names:
@@ -103,7 +112,10 @@ def _roles(
 def _find(
     search: Attribution, sides: Sides, chosen: Names, shares: dict[str, Shares], left: np.ndarray
 ) -> tuple[State, Names, list[Names]]:
-    """The state, the departures that it names, and the sets that the data do not tell from these; `left` (N,) is not explained."""
+    """The state, the departures that it names, and the sets that are as good as these.
+
+    The data do not distinguish those sets. `left` (N,) is not explained.
+    """
     if not left.any():
         size = len(chosen)
         fits = [names for names in _sets(search, sides, shares, size) if _fits(search, sides, names, search.different)]
@@ -128,7 +140,10 @@ def _find(
 
 
 def _least_left(search: Attribution, sides: Sides, chosen: Names, helping: set[str]) -> Names:
-    """`chosen` and those of `helping` with which the least is left over; two that each do the whole are not added up."""
+    """`chosen` and those of `helping` with which the least is left over.
+
+    Two departures that each explain the whole are not added up.
+    """
     more = [
         frozenset(s) for size in range(min(_LIKELY_SIZE, len(helping)) + 1) for s in combinations(sorted(helping), size)
     ]
@@ -143,7 +158,10 @@ def _sets(search: Attribution, sides: Sides, shares: dict[str, Shares], size: in
 
 
 def _fits(search: Attribution, sides: Sides, names: Names, left: np.ndarray) -> bool:
-    """Whether a set is compatible with all that is seen, and acts: its share is above 0 where it is known best, and near 1 there."""
+    """Whether a set is compatible with all that is seen, and acts.
+
+    It acts if its share is above 0 where it is known best, and near 1 there.
+    """
     if search.is_ruled_out(names, sides):
         return False
     shares = search.shares(names, sides)
@@ -152,14 +170,18 @@ def _fits(search: Attribution, sides: Sides, names: Names, left: np.ndarray) -> 
 
 
 def clearest(shares: Shares, among: np.ndarray) -> int:
-    """The region, of those marked in `among` (N,), whose share is known best: the first of the narrowest intervals."""
+    """The region, of those marked in `among` (N,), whose share is known best.
+
+    It is the first of the narrowest intervals.
+    """
     width = np.nan_to_num(shares.alone[1] - shares.alone[0], nan=np.inf, posinf=np.inf)
     return int(np.argmin(np.where(among, width, np.inf)) if np.isfinite(width[among]).any() else np.argmax(among))
 
 
 def _causes(search: Attribution, sides: Sides) -> tuple[Names, list[Names]]:
-    """The set that does best for the whole image, and for each region (N) the smallest set that explains it.
+    """The best set for the whole image, and the smallest set for each region (N).
 
+    The smallest set is the one that explains the region.
     A set that explains no region that is shown to differ is no cause of others either: those may agree without it.
     """
     wanted = search.wanted

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What it would cost to show that all regions agree to within a tolerance, or that they do not."""
+"""The cost of showing that all regions agree to within a tolerance, or that they do not."""
 
 from __future__ import annotations
 
@@ -26,10 +26,11 @@ _FAR = 1e12
 
 @dataclass(frozen=True)
 class Forecast:
-    """By which factor the replicates so far must grow until `regions` open regions are within `bound`, or shown to differ by more.
+    """The factor by which the replicates so far must grow to decide the open regions.
 
-    `factor` is the median; the true one lies between `low` and `high` with probability of at least `COVERAGE`. Infinite where it
-    is beyond MOST_GROWTH. At `most`, the share MOST of them is expected to be decided.
+    All `regions` are then within `bound`, or shown to differ by more.
+    `factor` is the median; the true one lies between `low` and `high` with probability of at least `COVERAGE`. Infinite
+    where it is beyond MOST_GROWTH. At `most`, the share MOST of them is expected to be decided.
     """
 
     bound: float
@@ -41,10 +42,11 @@ class Forecast:
 
 
 def spread_of_differences(gap: np.ndarray, error: np.ndarray, least: float) -> float:
-    """Variance tau^2 of the true differences over regions, as if drawn from N(0, tau^2); never below `least`^2.
+    """Variance tau^2 of the true differences over regions, never below `least`^2.
 
-    `gap` and its standard `error` (K,), the estimates: the method of moments of DerSimonian and Laird, "Meta-analysis in clinical
-    trials" (1986), with mean zero.
+    The differences are taken as drawn from N(0, tau^2).
+    `gap` and its standard `error` (K,), the estimates: the method of moments of DerSimonian and Laird, "Meta-analysis
+    in clinical trials" (1986), with mean zero.
     """
     known = np.isfinite(gap) & (error > 0)
     precision = 1.0 / error[known] ** 2
@@ -55,11 +57,13 @@ def spread_of_differences(gap: np.ndarray, error: np.ndarray, least: float) -> f
 
 
 def passing_probability(z: np.ndarray, gap: np.ndarray, share: np.ndarray, q: float, growth: float) -> np.ndarray:
-    """Probability that a statistic, now `z` standard errors, is `q` or more once there are `growth` > 1 times the data.
+    """Probability that a statistic is `q` or more with `growth` > 1 times the data.
 
-    Predictive power (Spiegelhalter, Freedman and Blackburn, "Monitoring clinical trials: conditional or predictive power?", 1986) with a
-    normal prior about zero for the true difference: `gap` is the part of z that is the estimated difference, and `share` =
-    tau^2 / (tau^2 + error^2) is what of it is expected to be there in new data (1: all of it, a flat prior).
+    It is `z` standard errors now.
+    Predictive power (Spiegelhalter, Freedman and Blackburn, "Monitoring clinical trials: conditional or predictive
+    power?", 1986) with a normal prior about zero for the true difference: `gap` is the part of z that is the estimated
+    difference, and `share` = tau^2 / (tau^2 + error^2) is how much of it is expected in new data (1: all of it, a flat
+    prior).
     """
     fresh = (growth - 1.0) / growth
     mean = np.sqrt(growth) * (z - gap * fresh * (1.0 - share))
@@ -67,8 +71,9 @@ def passing_probability(z: np.ndarray, gap: np.ndarray, share: np.ndarray, q: fl
 
 
 def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Forecast | None:
-    """The forecast for the tolerance or, where that is out of reach, for the smallest bound of STEPS that is not.
+    """The forecast for the tolerance, or for the smallest bound of STEPS in reach.
 
+    The latter where the tolerance is out of reach.
     None where no region is open, fewer than two replicates are there, or no bound below the present one is in reach.
     """
     if not test.undecided.any() or min(reference.most, candidate.most) < 2:
@@ -82,8 +87,9 @@ def forecast(test: SequentialTest, reference: Moments, candidate: Moments) -> Fo
 
 
 def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments, bound: float) -> Forecast | None:
-    """The forecast for all open regions of `test`, of being within `bound`; None where none has a mean.
+    """The forecast for all open regions of `test`, of being within `bound`.
 
+    None where no open region has a mean.
     That all are decided is at most as probable as the least decided one, and at least 1 minus the sum of what
     is missing (Bonferroni): these give the interval, whatever the dependence; the median takes regions as independent.
     """

@@ -49,7 +49,10 @@ class PassVerdict:
 
 
 class PassTest:
-    """The state of the test of `passes` in `count` regions; `families` (count,) as in SequentialTest, `expected` its number of looks."""
+    """The state of the test of `passes` in `count` regions.
+
+    `families` (count,) as in SequentialTest, `expected` its number of looks.
+    """
 
     def __init__(
         self,
@@ -85,7 +88,10 @@ class PassTest:
         floor: np.ndarray,
         last: bool,
     ) -> None:
-        """Judge what there is, of `samples` per pixel in each replicate of both sides; `floor` (3,) is the image's."""
+        """Judge the present data, of `samples` per pixel in each replicate of both sides.
+
+        `floor` (3,) is the image's.
+        """
         self._test.floor = floor
         self._test.look(
             self._stacked(reference), self._stacked(candidate), last, self._room(reference, candidate, samples)
@@ -115,7 +121,10 @@ class PassTest:
         )
 
     def _stacked(self, side: Passes) -> Moments:
-        """The moments of all passes, one after the other, as if each pass of a region were a region (P K, 3)."""
+        """The moments of all passes, one after the other.
+
+        Each pass of a region counts as if it were a region (P K, 3).
+        """
         parts = [side[name].moments for name in self._passes]
         n, times = (
             np.concatenate([np.broadcast_to(one, self._count) for one in counts])
@@ -124,7 +133,10 @@ class PassTest:
         return Moments(n, np.concatenate([p.mean for p in parts]), np.concatenate([p.m2 for p in parts]), times)
 
     def _room(self, reference: Passes, candidate: Passes, samples: tuple[int, int]) -> np.ndarray:
-        """The relative difference (P K,) that light may make which no sample has met, as `room_for_rare_light` says it."""
+        """The relative difference (P K,) that light not met by any sample may make.
+
+        See `room_for_rare_light`.
+        """
         found = []
         for name in self._passes:
             worth, least = 0.0, np.inf

@@ -18,10 +18,12 @@ _SPARE = 1.0
 
 
 def growth_of_proof(search: Attribution, names: Names, sides: Sides) -> float:
-    """The factor by which replicates on both sides, and pairs, must grow until `names` are shown to explain every region.
+    """The factor by which the data must grow until `names` are shown to explain every region.
 
-    It is what the claims of `Attribution.explained` need if `names` are the cause: nothing is left over and every share is 1, so each
-    statistic is the distance to its limit in standard errors, which shrink like 1 / sqrt(n). Infinite beyond a million.
+    The data are replicates on both sides, and pairs.
+    It is what the claims of `Attribution.explained` need if `names` are the cause: nothing is left over and every share
+    is 1, so each statistic is the distance to its limit in standard errors, which shrink like 1 / sqrt(n). Infinite
+    beyond a million.
     """
     effect = search.moments(names)
     rest = combine(sides.candidate, sides.reference, 1.0, shift=effect)

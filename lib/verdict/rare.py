@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the samples cannot tell: light that is carried by samples too rare to have been met.
+"""Light that is carried by samples too rare to have been met.
 
-Student's t knows the noise that it has seen. A region of M pixels that got n samples in each, N = n M in all, and met no sample of v times
-its mean or more, may still owe up to v ln(1/a) / N of its light to such samples: with a greater share, one would have been met
-with probability 1 - a (the upper limit of a binomial probability after no success, (1 - p)^N = a). So each claim on a region
+Student's t knows only the noise that it has seen. A region of M pixels that got n samples in each, N = n M in all, and
+met no sample of v times its mean or more, may still owe up to v ln(1/a) / N of its light to such samples: with a
+greater share, one would have been met with probability 1 - a (the upper limit of a binomial probability after no
+success, (1 - p)^N = a). So each claim on a region
 
-- leaves room for a difference of `worth` ln(1/a) / N, where `worth` is what the largest isolated jump that was seen anywhere in the
+- leaves room for a difference of `worth` ln(1/a) / N, where `worth` is what the largest isolated jump that was seen
+anywhere in the
   image, on either side, was worth: what one region met, another may not have met yet;
-- excludes only light in samples of up to v* = N tolerance / ln(1/a) times the region's mean: its *blind spot* lies beyond.
+- excludes only light in samples of up to v* = N tolerance / ln(1/a) times the region's mean: its *blind spot* lies
+beyond.
 
-A jump is isolated where one replicate of a region lies so many robust standard deviations above the median of its replicates that normal
-noise practically never does (`jump_limit`).
+A jump is isolated where one replicate of a region lies so many robust standard deviations above the median of its
+replicates that normal noise practically never does (`jump_limit`).
 """
 
 from __future__ import annotations
@@ -35,8 +38,10 @@ LEAST_WORTH = 10.0
 
 @dataclass(frozen=True)
 class Tails:
-    """How the replicates of K regions are distributed: `largest_share` (K,), the part of a region's light beyond its median replicate
-    that its largest replicate carries; `worth` (K,) that of the largest isolated jump in samples of the region's mean, 0 without one.
+    """How the replicates of K regions are distributed.
+
+    `largest_share` (K,) is the part of a region's light beyond its median replicate that its largest replicate carries.
+    `worth` (K,) is that of the largest isolated jump in samples of the region's mean, 0 without one.
     """
 
     largest_share: np.ndarray
@@ -44,7 +49,10 @@ class Tails:
 
 
 def jump_limit(replicates: np.ndarray) -> np.ndarray:
-    """Robust standard deviations above the median of so many `replicates` (K,) from which on the largest is an isolated jump."""
+    """The distance from the median at which the largest replicate is an isolated jump.
+
+    It is in robust standard deviations above the median of that many `replicates` (K,).
+    """
     return np.maximum(JUMP, -stdtrit(np.maximum(replicates - 2, 1), MISTAKEN))
 
 
@@ -79,15 +87,19 @@ def describe_tails(series: np.ndarray, samples: np.ndarray, weights: np.ndarray)
 
 
 def standardize(series: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Deviations (R, K) of the replicates from their median, times the root of their `weights`: of one spread, whatever the weights."""
+    """Deviations (R, K) of the replicates from their median, in equal spread.
+
+    They are multiplied by the root of the replicates' `weights`, so that the spread does not depend on the weights.
+    """
     middle, sampled = np.full(series.shape[1], np.nan), np.isfinite(series).any(axis=0)
     middle[sampled] = np.nanmedian(series[:, sampled], axis=0)
     return (series - middle) * np.sqrt(weights)
 
 
 def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray | float, level: float) -> np.ndarray:
-    """The relative difference (K,) that samples worth `worth` means or fewer may hide from regions of so many `samples` (K,) in all.
+    """The relative difference (K,) that samples worth `worth` means or fewer may hide.
 
+    The regions have `samples` (K,) in all.
     `level` is the probability of missing more. Infinite where there is no sample.
     """
     samples = np.asarray(samples, float)
@@ -96,16 +108,20 @@ def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray | float, 
 
 
 def blind_spot(samples: np.ndarray, tolerance: float, level: float) -> np.ndarray:
-    """v* (K,): light in samples of more than this many times a region's mean may make a difference of `tolerance` and not have been met."""
+    """v* (K,): the worth of samples, in means of a region, that may not have been met.
+
+    Light in samples of more than v* times a region's mean may make a difference of `tolerance`.
+    """
     return np.asarray(samples, float) * tolerance / np.log(1.0 / level)
 
 
 def pareto_shape(values: np.ndarray) -> float:
-    """The shape k of the upper tail of `values` (R,): above 1/2 the variance, above 1 the mean does not exist. NaN below TAIL_FROM values.
+    """The shape k of the upper tail of `values` (R,); NaN below TAIL_FROM values.
 
-    A generalised Pareto distribution is fitted to the largest min(R / 5, 3 sqrt(R)) values (Vehtari et al., "Pareto smoothed importance
-    sampling", 2024, section 2.2), by the estimator of Zhang and Stephens, "A new and efficient estimation method for the generalized
-    Pareto distribution" (2009).
+    Above 1/2 the variance, above 1 the mean does not exist.
+    A generalised Pareto distribution is fitted to the largest min(R / 5, 3 sqrt(R)) values (Vehtari et al., "Pareto
+    smoothed importance sampling", 2024, section 2.2), by the estimator of Zhang and Stephens, "A new and efficient
+    estimation method for the generalized Pareto distribution" (2009).
     """
     values = np.sort(values[np.isfinite(values)])
     if values.size < TAIL_FROM:

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Differences that lie between none and all of the effect of a departure of which rounding decides how much of it acts.
+"""Differences that rounding causes, between none and all of a departure's effect.
 
-Faces in one plane hide each other's light in as many rays as single precision happens to put on the wrong side. No set of departures
-reproduces that, and none has to: such a scene has no value of its own there. A region is put down to it where its difference lies, in
-all channels, between zero and what the departure does in full, give or take the tolerance and the noise. This is a finding about the
-scene, not a claim with a level.
+Rounding decides how much of such a departure acts.
+Faces in one plane hide each other's light in as many rays as single precision happens to put on the wrong side. No set
+of departures reproduces that, and none has to: such a scene has no value of its own there. Rounding is named as the
+reason in a region whose difference lies, in all channels, between zero and what the departure does in full, within the
+tolerance and the noise. This is a finding about the scene, not a claim with a level.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ _ERRORS = 3.0
 
 
 def rounded_regions(search: Attribution, sides: Sides, left: np.ndarray) -> tuple[Names, np.ndarray]:
-    """The departures by which rounding explains regions, and these regions (N,), of those marked in `left` (N,)."""
+    """The departures by which rounding explains regions, and these regions (N,).
+
+    The regions are of those marked in `left` (N,).
+    """
     rounding = {d.name for d in search.departures if d.by_rounding}
     sets = [names for names in search.pairs if names <= rounding]
     none = np.zeros(left.size, bool)

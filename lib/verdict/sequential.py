@@ -35,7 +35,10 @@ ALL_AGREE, ONE_AGREES, ONE_DIFFERS = PARTS = (0.5, 0.1, 0.4)
 
 
 def holm(p: np.ndarray, level: float) -> np.ndarray:
-    """Which of the hypotheses with p-values `p` (m,) are rejected at family-wise error `level` (Holm 1979)."""
+    """Which hypotheses with p-values `p` (m,) are rejected (Holm 1979).
+
+    The family-wise error is `level`.
+    """
     order = np.argsort(p, kind="stable")
     passed = p[order] <= level / np.arange(p.size, 0, -1)
     count = p.size if passed.all() else int(np.argmin(passed))
@@ -46,9 +49,10 @@ def holm(p: np.ndarray, level: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Look:
-    """One look: replicates on each side, its share of the error level, the level of its test of one region, what it left undecided.
+    """One look at the data.
 
-    `bound` is the difference up to which all regions agree, by this look.
+    The replicates on each side, its share of the error level, the level of its test of one region, and what it left
+    undecided. `bound` is the difference up to which all regions agree, by this look.
     """
 
     replicates: tuple[int, int]
@@ -60,7 +64,10 @@ class Look:
 
 @dataclass(frozen=True)
 class Withdrawn:
-    """A claim that later data did not bear: the region, what was claimed, and at how many replicates it was and no longer was."""
+    """A claim that later data did not support.
+
+    The region, what was claimed, and at how many replicates it was made and withdrawn.
+    """
 
     region: int
     outcome: Outcome
@@ -113,12 +120,18 @@ class SequentialTest:
 
     @property
     def within(self) -> np.ndarray:
-        """Which regions (N,) are shown to be within the tolerance, if the rest is: they need no more samples."""
+        """Which regions (N,) are shown to be within the tolerance, if the rest is.
+
+        They need no more samples.
+        """
         return self.bounds <= self.tolerance
 
     @property
     def blocked(self) -> np.ndarray:
-        """The regions (N,) that no samples will decide: the light of an unsupported material may make the difference."""
+        """The regions (N,) that no samples will decide.
+
+        The light of an unsupported material may make the difference there.
+        """
         alone = (self._without <= self.tolerance) & ~self.within
         return self.undecided & self._reached & (alone | (self.unsupported >= self.tolerance) | self._brighter)
 
@@ -140,9 +153,11 @@ class SequentialTest:
         unsupported: np.ndarray | float = 0.0,
         reached: np.ndarray | bool = False,
     ) -> None:
-        """Judge what there is: moments (N, 3) of the region means, and the relative difference (N,) that unseen light may make.
+        """Judge the present data, moments (N, 3) of the region means.
 
-        Light of unsupported materials, which the reference lacks, may make a difference of `unsupported` (N,) in the regions `reached` (N,).
+        `rare` (N,) is the relative difference that unseen light may make.
+        Light of unsupported materials, which the reference lacks, may make a difference of `unsupported` (N,) in the
+        regions `reached` (N,).
         """
         self.fix_floor(reference)
         replicates = min(reference.most, candidate.most)
@@ -175,16 +190,22 @@ class SequentialTest:
         )
 
     def overall_bound(self, of: np.ndarray | slice = slice(None)) -> float:
-        """The difference up to which all regions, or all `of` some (N,) bool, are shown to agree; infinite if there is none."""
+        """The difference up to which all regions are shown to agree; infinite if there is none.
+
+        With `of`, (N,) bool, only these regions count.
+        """
         known = self.bounds[of]
         known = known[~np.isnan(known)]
         return float(known.max()) if known.size else np.inf
 
     def _claim(self, replicates: int, gap: np.ndarray, missing: np.ndarray) -> None:
-        """The outcomes as of now, with estimated differences `gap` (N, 3); regions that are `missing` have no pixel left.
+        """Make and withdraw claims by the present data.
 
-        A claim is made when its test passes, and stands while the data bear it: the estimate, with room for rare light, lies on its side of
-        the tolerance. To let it stand costs nothing, since all looks together have the level.
+        `gap` (N, 3) are the estimated differences; regions that are `missing` have no pixel left.
+
+        A claim is made when its test passes, and stands while the data support it: the estimate, with room for rare
+        light, lies on its side of the tolerance. To let it stand costs nothing, since all looks together have the
+        level.
         """
         within = self.within | missing
         # Of the families in their order, all before the first that does not pass as a whole.
@@ -207,9 +228,10 @@ class SequentialTest:
 
 
 def find_floor(reference: np.ndarray, families: np.ndarray) -> np.ndarray:
-    """The floor (3,): a share of the median, per channel, of the regions in the last family that are not black.
+    """The floor (3,): a share of the median of regions that are not black, per channel.
 
-    The median is that of what does not emit, as long as lamps fill less than half of the image. 0 where all is black.
+    The regions are those of the last family.
+    The median is of regions that do not emit, as long as lamps fill less than half of the image. 0 where all is black.
     """
     cells = np.abs(reference[families == families.max()])
     floors = []

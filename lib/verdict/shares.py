@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shares: what part of a difference the effect of a departure is, as a ratio of two noisy numbers.
+"""Shares: the part of a difference that the effect of a departure makes up.
 
-With the gap g = C - E of a region and the effect d that a set of departures has there, the share is d / g, in the channel
-furthest off. g and d come from different replicates and are independent. A statement "the share is below s" is one about the linear
-combination C - E - d / s, whose noise is known (Fieller 1954); no ratio of estimates is tested.
+It is a ratio of two noisy numbers.
+With the gap g = C - E of a region and the effect d that a set of departures has there, the share is d / g, in the
+channel furthest off. g and d come from different replicates and are independent. A statement "the share is below s" is
+one about the linear combination C - E - d / s, whose noise is known (Fieller 1954); no ratio of estimates is tested.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ CHANNELS = 3
 
 @dataclass(frozen=True)
 class Sides:
-    """Moments (N, 3) of the means of N regions on both sides, and the `scale` (N, 3) that differences are relative to."""
+    """Moments (N, 3) of the means of N regions on both sides.
+
+    `scale` (N, 3) is what differences are relative to.
+    """
 
     reference: Moments
     candidate: Moments
@@ -64,10 +68,11 @@ def share_interval(sides: Sides, effect: Moments, tail: float) -> tuple[np.ndarr
 
 
 def p_share_between(sides: Sides, effect: Moments, low: float, high: float) -> np.ndarray:
-    """p-value (N,) of "low < share < high", 0 < low < high, in the channel furthest off, which is paid for.
+    """p-value (N,) of "low < share < high", 0 < low < high, in the channel furthest off.
 
-    Two one-sided tests of C - E - d / low and C - E - d / high; the sign of the gap is the estimated one, which is right where
-    the region was shown to differ.
+    The p-value accounts for the choice of this channel.
+    Two one-sided tests of C - E - d / low and C - E - d / high; the sign of the gap is the estimated one, which is
+    right where the region was shown to differ.
     """
     channel = sides.channel
     sign = np.sign(np.take_along_axis(sides.gap, channel, 1))

@@ -70,7 +70,10 @@ class Verdict:
 
     @property
     def is_rare(self) -> np.ndarray:
-        """The open regions (N,) that light which no sample has met keeps open: without room for it they would be within the tolerance."""
+        """The open regions (N,) that only room for unseen light keeps open.
+
+        Without this room they would be within the tolerance.
+        """
         wide = (self.bounds > self.tolerance) & (self.bounds - self.rare <= self.tolerance)
         return wide & (self.outcomes == Outcome.UNDECIDED) & ~self.blocked
 
@@ -87,15 +90,16 @@ def conclude(
     samples: tuple[int, int],
     explanation: Explanation | None = None,
 ) -> Verdict:
-    """The verdict after the last look; `nonfinite` counts, by the side's name, the pixels with non-finite samples.
+    """The verdict after the last look.
 
+    `nonfinite` counts, by the side's name, the pixels with non-finite samples.
     `samples` per pixel are in each replicate of the reference and the candidate.
 
-    Regions that the `explanation` covers become EXPLAINED, and so does the image if all that was not EQUIVALENT is covered. If only what
-    differs is covered, the image is UNDECIDED.
+    Regions that the `explanation` covers become EXPLAINED, and so does the image if all that was not EQUIVALENT is
+    covered. If only what differs is covered, the image is UNDECIDED.
 
-    Else it is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, or UNDECIDED: a pixel that
-    has no value agrees with nothing, and no sampling will give it one.
+    Else it is DIFFERENT if a region is, EQUIVALENT if all are and every pixel of both sides is finite, or UNDECIDED: a
+    pixel that has no value agrees with nothing, and no sampling will give it one.
     """
     reasons = _reasons(test, reference, candidate, nonfinite)
     different = bool((test.outcomes == Outcome.DIFFERENT).any())
@@ -194,7 +198,10 @@ def _fewest(reference: RegionMoments, candidate: RegionMoments, samples: tuple[i
 
 
 def _tails(sides: tuple[RegionMoments, RegionMoments], samples: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """The part of each region's light that its largest replicate carries, and the shape of its tail, (N,) each: those of the worse side."""
+    """How much the largest replicate carries in each region, and the shape of the tail.
+
+    (N,) each, those of the worse side.
+    """
     shares, shapes = [], []
     for side, n in zip(sides, samples, strict=True):
         shares.append(describe_tails(side.series, side.sizes * n, side.weights).largest_share)
@@ -203,7 +210,10 @@ def _tails(sides: tuple[RegionMoments, RegionMoments], samples: tuple[int, int])
 
 
 def _shares(test: SequentialTest, reference: Moments, candidate: Moments) -> np.ndarray:
-    """The share of the error level (N, 1) that was spent when each region was last looked at: what is not sampled on is not either."""
+    """The share of the error level (N, 1) that was spent when each region was last seen.
+
+    A region that is not sampled further is not tested further.
+    """
     n = np.broadcast_to(np.minimum(reference.n, candidate.n), test.outcomes.shape)
     shares = np.full(n.shape, test.looks[-1].share)
     for look in reversed(test.looks):
