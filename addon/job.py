@@ -50,7 +50,7 @@ from .cycles.second_blender import SecondBlender
 from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
 from .export.refusals import refuse_smoke
-from .export.render_depsgraph import with_render_depsgraph
+from .export.render_depsgraph import with_render_frames
 from .export.view_transform import export_view_transform
 from .host.blender_at_hand import require_readable_file
 
@@ -59,15 +59,19 @@ TRY_SHARE, TRY_LEAST = 0.05, 4.0
 MINIMAL = "unexplained.blend"
 
 
-def export(scene: bpy.types.Scene, partial: bool = False) -> Scene:
-    """Export the scene as it is set up for rendering, `partial` as in Settings.
+def export(scene: bpy.types.Scene, partial: bool = False, motion_blur: bool = False) -> Scene:
+    """Export the scene as it is set up for rendering, `partial` and `motion_blur` as in Settings.
 
     Raises Refused or EtalonError. Call it before `neutral` holds the scene: what that would switch off in silence is
     refused here by name.
     """
     require_readable_file()
     refuse_smoke(scene)
-    return render_skies(with_render_depsgraph(scene, lambda depsgraph: export_scene(depsgraph, partial=partial)))
+
+    def read(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:
+        return export_scene(depsgraph, partial=partial, set_frame=set_frame if motion_blur else None)
+
+    return render_skies(with_render_frames(scene, read))
 
 
 def _pass_by(comparison: Comparison) -> None:
@@ -189,9 +193,10 @@ def compare_here(
     done, and says whether to end. Raises Refused or EtalonError.
     """
     progress.begin("reading the scene")
-    exported, name, transform = export(scene, settings.partial), name_of_file(scene), export_view_transform(scene)
-    with neutral(scene, threads=settings.threads):
-        candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
+    exported = export(scene, settings.partial, settings.motion_blur)
+    name, transform, blur = name_of_file(scene), export_view_transform(scene), settings.motion_blur
+    with neutral(scene, threads=settings.threads, motion_blur=blur):
+        candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads, motion_blur=blur)
         may_shrink = not scene.render.use_border
         comparison = judge(exported, candidate, settings, folder, repeat, progress, may_shrink, name, transform)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
@@ -235,8 +240,8 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
     if verdict.time is not None:
         verdict = replace(verdict, time=max(TRY_SHARE * verdict.time, TRY_LEAST))
     try:
-        reference = ReferenceRenderer(export(part, settings.partial), settings.part(Options))
-        candidate = CyclesRenderer(part, seed=settings.seed, threads=settings.threads)
+        reference = ReferenceRenderer(export(part, settings.partial, settings.motion_blur), settings.part(Options))
+        candidate = CyclesRenderer(part, seed=settings.seed, threads=settings.threads, motion_blur=settings.motion_blur)
         unsupported = find_unsupported_light(reference, TimedRun(verdict.time, NO_PROGRESS))
         rest = {"among": alternatives(reference), "unsupported": unsupported}
         found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, **rest)

@@ -53,7 +53,6 @@ CYCLES = {
 RENDER = {
     "engine": "CYCLES",
     "film_transparent": False,
-    "use_motion_blur": False,
     "use_simplify": False,
     "use_compositing": False,
     "use_sequencer": False,
@@ -71,6 +70,7 @@ RENDER = {
     "dither_intensity": 0.0,
     "threads_mode": "FIXED",
 }
+MOTION_BLUR = {"use_motion_blur": False}
 # In this order: setting the media type changes the format, and that the mode and the depth.
 _IMAGE = {
     "media_type": "IMAGE",
@@ -157,13 +157,19 @@ class Changes:
 
 
 @contextmanager
-def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: int | None = None) -> Iterator[Changes]:
+def neutral(
+    scene: bpy.types.Scene,
+    *,
+    max_bounces: int | None = None,
+    threads: int | None = None,
+    motion_blur: bool = False,
+) -> Iterator[Changes]:
     """Put Cycles into its least biased state for `scene`, and restore everything at the end.
 
     It is restored after an exception too.
 
     max_bounces: of a path, in Cycles' count, and of each kind of scattering; None: the scene's. threads: None: the
-    scene's choice.
+    scene's choice. motion_blur: keep the scene's motion blur, on or off, with its shutter.
 
     May be nested: only what differs is touched. One `neutral` held around many renders keeps the
     scene's data in Cycles between them (persistent data), which costs memory and saves each its synchronisation.
@@ -176,6 +182,7 @@ def neutral(scene: bpy.types.Scene, *, max_bounces: int | None = None, threads: 
     changes = Changes()
     try:
         _set_scene(changes, scene, scene.cycles.max_bounces if max_bounces is None else max_bounces, threads)
+        _set_motion_blur(changes, scene.render, motion_blur)
         _set_data(changes)
         _mute_animation(changes)
         yield changes
@@ -197,6 +204,12 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
     changes.set_all("image_settings", [render.image_settings], _IMAGE)
     changes.set_all("view_layer", scene.view_layers, VIEW_LAYER)
     changes.set_all("render", [render], {"use_persistent_data": True})
+
+
+def _set_motion_blur(changes: Changes, render: bpy.types.RenderSettings, keep: bool) -> None:
+    """Switch motion blur off; with `keep`, leave it and the shutter as they are, safe from animation."""
+    kept = {name: getattr(render, name) for name in ("use_motion_blur", "motion_blur_shutter", "motion_blur_position")}
+    changes.set_all("render", [render], kept if keep else MOTION_BLUR)
 
 
 def _set_data(changes: Changes) -> None:

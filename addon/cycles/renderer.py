@@ -43,14 +43,20 @@ CALL = 1 << 23
 class CyclesRenderer:
     """Cycles on the CPU in its least biased state, one side of a comparison.
 
-    `max_bounces` and `threads` as for `neutral`; `seed` of the whole. Hold one `neutral` around many replicates: alone each
+    `max_bounces`, `threads` and `motion_blur` as for `neutral`; `seed` of the whole. Hold one `neutral` around many replicates: alone each
     of them sets and puts back everything. Raises EtalonError where the scene has no camera or no view layer to render.
     """
 
     name = "Cycles"
 
     def __init__(
-        self, scene: bpy.types.Scene, *, seed: int = 0, max_bounces: int | None = None, threads: int | None = None
+        self,
+        scene: bpy.types.Scene,
+        *,
+        seed: int = 0,
+        max_bounces: int | None = None,
+        threads: int | None = None,
+        motion_blur: bool = False,
     ) -> None:
         layers = [layer.name for layer in scene.view_layers if layer.use]
         if scene.camera is None:
@@ -60,7 +66,7 @@ class CyclesRenderer:
         self.scene = scene
         self.seed = seed
         self._layer = layers[0]
-        self._neutral = {"max_bounces": max_bounces, "threads": threads}
+        self._neutral = {"max_bounces": max_bounces, "threads": threads, "motion_blur": motion_blur}
         self._size: tuple[int, int] | None = None
         self.passes: tuple[Part, ...] = ()
         with neutral(scene, **self._neutral) as changes:

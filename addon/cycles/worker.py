@@ -75,9 +75,10 @@ def _serve(request: dict[str, Any], package: str) -> None:
     with quiet.quiet(), contextlib.ExitStack() as stack:
         try:
             scene = bpy.data.scenes[request["scene"]] if "scene" in request else _open(request["target"], package)
-            archive.save(job.export(scene, settings.partial), folder / "scene.npz")
-            stack.enter_context(cycles.neutral(scene, threads=settings.threads))
-            renderer = cycles.CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
+            archive.save(job.export(scene, settings.partial, settings.motion_blur), folder / "scene.npz")
+            state = {"threads": settings.threads, "motion_blur": settings.motion_blur}
+            stack.enter_context(cycles.neutral(scene, **state))
+            renderer = cycles.CyclesRenderer(scene, seed=settings.seed, **state)
             say(
                 name=renderer.name,
                 settings=renderer.settings,

@@ -6,6 +6,7 @@ Modifiers have their render levels, and what is hidden in viewports but not in r
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -33,8 +34,16 @@ def _render(scene: bpy.types.Scene) -> None:
 
 
 def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph], Result]) -> Result:
-    """Return `function(depsgraph)` for the depsgraph in render mode.
+    """Return `function(depsgraph)` for the depsgraph in render mode; as with_render_frames does."""
+    return with_render_frames(scene, lambda depsgraph, _: function(depsgraph))
 
+
+def with_render_frames(
+    scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph, Callable[[float], None]], Result]
+) -> Result:
+    """Return `function(depsgraph, set_frame)` for the depsgraph in render mode.
+
+    `set_frame` evaluates the depsgraph at another time, in frames; the scene's own frame comes back at the end.
     Blender hands it to a render engine only, so one that renders nothing is registered for the time of the call. The
     scene's settings come back, and whatever `function` raises is raised here. Raises EtalonError where the scene
     renders no view layer.
@@ -52,10 +61,18 @@ def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.
         def render(self, depsgraph: bpy.types.Depsgraph) -> None:
             if results or errors:
                 return
+            frame, subframe = depsgraph.scene.frame_current, depsgraph.scene.frame_subframe
+
+            def set_frame(time: float) -> None:
+                self.frame_set(math.floor(time), time - math.floor(time))
+
             try:
-                results.append(function(depsgraph))
+                results.append(function(depsgraph, set_frame))
             except BaseException as error:  # Blender would print it and go on
                 errors.append(error)
+            now = depsgraph.scene
+            if (now.frame_current, now.frame_subframe) != (frame, subframe):
+                self.frame_set(frame, subframe)
 
     render = scene.render
     kept = {

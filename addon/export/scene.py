@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
@@ -28,6 +31,7 @@ from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
 from .missing_libraries import find_missing_libraries, refuse_missing
+from .motion import is_blurred, read_motion, refuse_shutter
 from .nodes.images import ImageTable
 from .nodes.passive import is_passive
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings, refuse_unscattered
@@ -39,12 +43,14 @@ def export_scene(
     camera: bpy.types.Object | None = None,
     max_bounces: int | None = None,
     partial: bool = False,
+    set_frame: Callable[[float], None] | None = None,
 ) -> Scene:
     """The scene that `depsgraph` holds, seen through `camera` (the scene's active one).
 
     The depsgraph must be one that Blender made for a render (`render_depsgraph.with_render_depsgraph`): the viewport's has other
     modifier levels and other visibility. `max_bounces` is the scene's unless given. With `partial`, materials that are not
-    simulated are exported as unknown ones.
+    simulated are exported as unknown ones. `set_frame` evaluates the depsgraph at another time; with it, the motion blur that
+    the scene has is exported, and the frame is another one afterwards.
     Raises Refused with all that is not simulated, or EtalonError for bad input.
     """
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
@@ -56,6 +62,9 @@ def export_scene(
     bounces = scene.cycles.max_bounces if max_bounces is None else max_bounces
     refusals: list[Refusal] = []
     refuse_settings(scene, layer, refusals)
+    is_moving = set_frame is not None and is_blurred(depsgraph)
+    if is_moving:
+        refuse_shutter(scene, refusals)
     images = ImageTable(scene.frame_current)
     view = read_camera(camera, scene.render, refusals)
     world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
@@ -86,19 +95,22 @@ def export_scene(
         ),
         images=images.images,
         blender=bpy.app.version[:2],
-        findings=_find(depsgraph, mesh, images),
+        findings=_find(depsgraph, mesh, images, is_moving),
     )
     validate(result)
     refuse_combinations(result)
     if Facts(result).turbid:
         refuse_unscattered(depsgraph)
+    if is_moving:
+        result = replace(result, motion=read_motion(depsgraph, set_frame, mesh))
+        validate(result)
     return result
 
 
-def _find(depsgraph: bpy.types.Depsgraph, mesh: Mesh, images: ImageTable) -> tuple[Finding, ...]:
+def _find(depsgraph: bpy.types.Depsgraph, mesh: Mesh, images: ImageTable, is_moving: bool) -> tuple[Finding, ...]:
     """The findings that only Blender's data show."""
     missing = find_missing_images(tuple(images.missing)), find_missing_libraries()
-    return (*missing[0], *missing[1], *find_set_aside(depsgraph, mesh))
+    return (*missing[0], *missing[1], *find_set_aside(depsgraph, mesh, is_moving))
 
 
 class MaterialTable:

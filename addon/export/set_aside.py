@@ -28,8 +28,11 @@ _TERMINATOR = (
 _MOST_FILES = 20
 
 
-def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding, ...]:
-    """The settings of the scene's objects and lights that are compared in their neutral state."""
+def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh, is_moving: bool = False) -> tuple[Finding, ...]:
+    """The settings of the scene's objects and lights that are compared in their neutral state.
+
+    Motion blur is not among them where it is simulated, `is_moving`.
+    """
     # The object of an instance is a temporary copy, gone at the next step; its original stays.
     things = [
         instance.object.original if instance.is_instance else instance.object
@@ -37,7 +40,7 @@ def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh) -> tuple[Finding,
         if instance.show_self
     ]
     found = (
-        _motion_blur(depsgraph),
+        None if is_moving else _motion_blur(depsgraph),
         _terminator(things, mesh),
         _soft_falloff(things),
         _light_sampling(things),
@@ -74,7 +77,7 @@ def _motion_blur(depsgraph: bpy.types.Depsgraph) -> Finding | None:
         "motion blur",
         "Motion blur is off on both sides.",
         "What moves is compared as it stands at this frame.",
-        "Switch Motion Blur off to render what is compared.",
+        "Switch Motion Blur off to render what is compared, or compare with --motion-blur.",
     )
 
 

@@ -154,6 +154,10 @@ FRENCH: dict[str, str] = {
     "Compare what can be compared: leave out pixels that show unsupported materials, and leave room for their light in the others": (
         "Comparer ce qui peut l'être : laisser de côté les pixels montrant des matériaux non pris en charge, et place à leur lumière ailleurs"
     ),
+    "Motion blur": "Flou de mouvement",
+    "Compare with the scene's motion blur: objects, the camera and flat meshes that deform; otherwise it is off on both sides": (
+        "Comparer avec le flou de mouvement de la scène : objets, caméra et maillages plats déformés ; sinon désactivé des deux côtés"
+    ),
     "Output": "Sortie",
     "Folder for the report, verdict.json and images; // is the folder of this file": (
         "Dossier pour le rapport, verdict.json et les images ; // est le dossier de ce fichier"

@@ -82,7 +82,8 @@ class Settings(CompareOptions, Options):
     bounces: limits of bounces, from the first to the last, under which images are compared too.
     lights: compare the light of each emitter.
     size: whether a smaller image may be compared, 'auto', or not, 'full'.
-    partial: compare what can be compared where materials are not supported. out: folder for the results.
+    partial: compare what can be compared where materials are not supported. motion_blur: compare with the scene's motion blur.
+    out: folder for the results.
     Raises EtalonError for a value out of range.
 
     >>> Settings(tolerance=0.02, time=60).tolerance
@@ -126,6 +127,12 @@ class Settings(CompareOptions, Options):
         "compare what can be compared: leave out pixels that show unsupported materials, and leave room for their light in the others",
         panel=Panel("Partial"),
     )
+    motion_blur: bool = option(
+        False,
+        Flag(),
+        "compare with the scene's motion blur: objects, the camera and flat meshes that deform; otherwise it is off on both sides",
+        panel=Panel("Motion blur"),
+    )
     out: Path | None = option(
         None,
         FilePath("FOLDER"),
@@ -133,3 +140,8 @@ class Settings(CompareOptions, Options):
         absent="etalon-out/SCENE",
         panel=Panel("Output", default="//etalon-out", help="// is the folder of this file"),
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.partial and self.motion_blur:
+            raise EtalonError("--partial does not know motion blur; leave --partial or --motion-blur out")

@@ -51,18 +51,18 @@ BLENDER_GROUPS: Mapping[str, Group] = {
     ),
     "render": Group(
         read="resolution_x resolution_y resolution_percentage pixel_aspect_x pixel_aspect_y use_border border_min_x"
-        " border_min_y border_max_x border_max_y threads use_persistent_data",
+        " border_min_y border_max_x border_max_y threads use_persistent_data"
+        " motion_blur_shutter motion_blur_position motion_blur_shutter_curve",
         neutral={
             _EDITING: "preview_pixel_size sequencer_gl_preview use_lock_interface",
             _EVALUATED: "frame_map_old frame_map_new fps fps_base",
             _FILE: "image_settings ffmpeg filepath ppm_factor ppm_base use_stamp_* stamp_* metadata_input"
             " use_single_layer compositor_* use_compositor_frames_cache use_sequencer_override_scene_strip",
-            _OFF: "motion_blur_shutter motion_blur_position motion_blur_shutter_curve simplify_* use_simplify_normals views"
-            " stereo_views views_format line_thickness_mode line_thickness",
+            _OFF: "simplify_* use_simplify_normals views stereo_views views_format line_thickness_mode line_thickness",
             _EEVEE: "filter_size hair_type hair_subdiv use_high_quality_normals anisotropic_filter",
             _BAKING: "bake bake_* use_bake_*",
         },
-        held=neutral.RENDER,
+        held=(*neutral.RENDER, *neutral.MOTION_BLUR),
         versions={
             Versions(None, "4.5"): "bake_* use_bake_*",
             Versions("5.0"): "anisotropic_filter save_output use_texture_cache use_auto_generate_texture_cache",

@@ -20,7 +20,8 @@ _PASS = "adds a pass or data beside the image"
 
 CYCLES_GROUPS: Mapping[str, Group] = {
     "cycles": Group(
-        read="max_bounces diffuse_bounces glossy_bounces transmission_bounces volume_bounces transparent_max_bounces dicing_camera seed",
+        read="max_bounces diffuse_bounces glossy_bounces transmission_bounces volume_bounces transparent_max_bounces dicing_camera seed"
+        " rolling_shutter_type",
         neutral={
             _NOISE: "sample_offset sample_subset_length light_sampling_threshold direct_light_sampling_type use_light_tree"
             " min_light_bounces min_transparent_bounces debug_bvh_type debug_use_spatial_splits debug_use_hair_bvh"
@@ -40,7 +41,7 @@ CYCLES_GROUPS: Mapping[str, Group] = {
             _VOLUME: "volume_step_rate volume_max_steps volume_biased",
             _DICING: "dicing_rate max_subdivisions offscreen_dicing_scale",
             _OFF: "adaptive_threshold adaptive_min_samples film_transparent_glass film_transparent_roughness filter_width"
-            " camera_cull_margin distance_cull_margin rolling_shutter_type rolling_shutter_duration fast_gi_method"
+            " camera_cull_margin distance_cull_margin rolling_shutter_duration fast_gi_method"
             " ao_bounces_render bake_type",
         },
         held=neutral.CYCLES,
@@ -66,9 +67,9 @@ CYCLES_GROUPS: Mapping[str, Group] = {
         },
     ),
     "object.cycles": Group(
+        read="use_motion_blur use_deform_motion motion_steps",
         neutral={
-            _OFF: "use_motion_blur use_deform_motion motion_steps use_camera_cull use_distance_cull ao_distance"
-            " is_caustics_receiver",
+            _OFF: "use_camera_cull use_distance_cull ao_distance is_caustics_receiver",
             _DICING: "dicing_rate",
         },
         held=neutral.OBJECT_CYCLES,

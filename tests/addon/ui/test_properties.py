@@ -62,7 +62,7 @@ def test_the_panel_shows_what_is_declared_for_it():
     names = [declared.name for declared in properties.SHOWN]
     assert names == [
         *("strategy", "direct", "masking", "model", "fresnel", "sampler", "tolerance", "confidence", "time"),
-        *("size", "passes", "lights", "partial", "out"),
+        *("size", "passes", "lights", "partial", "motion_blur", "out"),
     ]
     assert all(name in properties.EtalonSettings.__annotations__ for name in names)
 

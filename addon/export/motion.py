@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What moves while the shutter is open, read from the depsgraph at the frames of the keys.
+
+Cycles' rules: 2^steps + 1 keys of each object and of the camera, equally spaced over the shutter, whose middle is the
+frame. Deforming meshes have as many keys of their vertices. Materials, lights and the world are those of the frame.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields
+
+import bpy
+import numpy as np
+
+from ...lib.errors import Refusal, Refused
+from ...lib.scene.camera import Camera
+from ...lib.scene.matrices import affine
+from ...lib.scene.mesh import Mesh
+from ...lib.scene.motion import Motion
+from .camera import read_camera
+from .mesh import faces_of
+from .refusals import is_invisible
+
+_LEAVE_OUT = "leave --motion-blur out"
+_MOST_KEYS = 129
+
+Key = tuple[str, str, tuple[int, ...]]
+"""An object or an instance: its name, its instancer's, and the instance's numbers."""
+
+
+@dataclass(frozen=True)
+class _Thing:
+    """An object with faces at one time: its map, its mesh's address, and how many keys it has."""
+
+    name: str
+    matrix: np.ndarray
+    pointer: int
+    keys: int
+    deforms: bool
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A mesh at one time: vertices (3, v), and the vertices of its faces' corners with the first corner of each face."""
+
+    positions: np.ndarray
+    corners: np.ndarray
+    starts: np.ndarray
+    has_velocity: bool
+
+
+@dataclass(frozen=True)
+class _State:
+    """Everything that may move, at one time."""
+
+    things: Mapping[Key, _Thing]
+    shapes: Mapping[int, _Shape]
+    lights: Mapping[Key, np.ndarray]
+    camera_name: str
+    camera: Camera | None
+
+
+def is_blurred(depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether the scene and its view layer have motion blur on."""
+    return depsgraph.scene_eval.render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur
+
+
+def refuse_shutter(scene: bpy.types.Scene, refusals: list[Refusal]) -> None:
+    """Append what of the shutter's settings is not simulated."""
+    owner, render = f"scene '{scene.name}'", scene.render
+    if scene.cycles.rolling_shutter_type != "NONE":
+        path = "scene.cycles.rolling_shutter_type='NONE'"
+        refusals.append(Refusal(owner, "a rolling shutter", "set Rolling Shutter to None", path))
+    if render.motion_blur_position != "CENTER":
+        path = "scene.render.motion_blur_position='CENTER'"
+        refusals.append(
+            Refusal(owner, "a shutter that does not open about the frame", "set Position to Center on Frame", path)
+        )
+    heights = {point.location[1] for point in render.motion_blur_shutter_curve.curves[0].points}
+    if len(heights) > 1:
+        refusals.append(Refusal(owner, "a Shutter Curve that is not flat", "make its points equally high"))
+
+
+def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None], mesh: Mesh) -> Motion | None:
+    """What moves of the scene whose faces are `mesh`, exported at the depsgraph's frame; None where nothing does.
+
+    `set_frame` evaluates the depsgraph at a time in frames. The caller sets it back. Raises Refused with all that is
+    not simulated.
+    """
+    scene = depsgraph.scene_eval
+    now, shutter = scene.frame_current + scene.frame_subframe, scene.render.motion_blur_shutter
+    middle = _read_state(depsgraph)
+    camera_keys = _count_keys(scene.camera, scene.camera)
+    most = max(camera_keys, *(thing.keys for thing in middle.things.values()), 1)
+    states = {most // 2: middle}
+    for k in range(most):
+        if k != most // 2:
+            set_frame(now + (k / (most - 1) - 0.5) * shutter)
+            states[k] = _read_state(depsgraph)
+    ordered = [states[k] for k in range(most)]
+    refusals = list(_find_refused(ordered, middle))
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
+    objects, positions = _read_objects(ordered, middle, mesh)
+    camera = _keys([state.camera.world_from_camera for state in ordered], camera_keys)
+    return Motion(objects, positions, camera) if objects or positions or camera is not None else None
+
+
+def _count_keys(thing: bpy.types.Object, parent: bpy.types.Object) -> int:
+    """The keys of an object with this instancer, or of itself; 1 where its motion blur is off."""
+    both = (thing.cycles, parent.cycles)
+    if not all(one.use_motion_blur for one in both):
+        return 1
+    return min(2 ** max(1, *(one.motion_steps for one in both)) + 1, _MOST_KEYS)
+
+
+def _read_state(depsgraph: bpy.types.Depsgraph) -> _State:
+    """What there is at the time for which the depsgraph is evaluated."""
+    things: dict[Key, _Thing] = {}
+    shapes: dict[int, _Shape] = {}
+    lights: dict[Key, np.ndarray] = {}
+    for instance in depsgraph.object_instances:
+        thing, parent = instance.object, instance.parent or instance.object
+        key = thing.name, parent.name, tuple(instance.persistent_id) if instance.is_instance else ()
+        if not instance.show_self:
+            continue
+        if thing.type == "LIGHT":
+            lights[key] = affine(instance.matrix_world)
+        elif isinstance(thing.data, bpy.types.Mesh) and not is_invisible(instance):
+            faces = faces_of(thing)
+            if not len(faces.loop_triangles):
+                continue
+            pointer = thing.data.as_pointer()
+            if pointer not in shapes:
+                shapes[pointer] = _read_shape(faces)
+            deforms = thing.cycles.use_deform_motion and parent.cycles.use_deform_motion
+            keys = _count_keys(thing, parent)
+            things[key] = _Thing(thing.name, affine(instance.matrix_world), pointer, keys, deforms and keys > 1)
+    scene = depsgraph.scene_eval
+    return _State(things, shapes, lights, scene.camera.name, read_camera(scene.camera, scene.render, []))
+
+
+def _read_shape(mesh: bpy.types.Mesh) -> _Shape:
+    positions = np.empty(3 * len(mesh.vertices), np.float32)
+    corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+    mesh.vertices.foreach_get("co", positions)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_start", starts)
+    velocity = mesh.attributes.get("velocity")
+    has_velocity = velocity is not None and velocity.domain == "POINT" and velocity.data_type == "FLOAT_VECTOR"
+    return _Shape(positions.reshape(-1, 3).T.astype(np.float64), corners, starts, has_velocity)
+
+
+def _find_refused(states: list[_State], middle: _State) -> Iterator[Refusal]:
+    """What moves in a way that is not simulated."""
+    for state in states:
+        yield from _of_camera(state, middle)
+        for key, matrix in middle.lights.items():
+            if key not in state.lights or not np.array_equal(state.lights[key], matrix):
+                yield Refusal(f"light '{key[0]}'", "motion blur of a moving light", _LEAVE_OUT)
+        for key in state.lights.keys() - middle.lights.keys():
+            yield Refusal(f"light '{key[0]}'", "motion blur of a light that appears", _LEAVE_OUT)
+        for key in state.things.keys() ^ middle.things.keys():
+            what = "motion blur of an object that appears or vanishes while the shutter is open"
+            yield Refusal(f"object '{key[0]}'", what, _LEAVE_OUT)
+        for key in state.things.keys() & middle.things.keys():
+            yield from _of_thing(key, state, middle)
+    settings: dict[int, set[tuple[int, bool]]] = defaultdict(set)
+    for thing in middle.things.values():
+        settings[thing.pointer].add((thing.keys, thing.deforms))
+    for key, thing in middle.things.items():
+        if len(settings[thing.pointer]) > 1 and _deforms(key, states, middle):
+            what = "motion blur of a deforming mesh whose objects have other Steps or Deformation"
+            yield Refusal(f"object '{thing.name}'", what, "give them the same")
+
+
+def _of_camera(state: _State, middle: _State) -> Iterator[Refusal]:
+    owner = f"camera '{middle.camera_name}'"
+    if state.camera_name != middle.camera_name:
+        yield Refusal(owner, "motion blur over a cut to another camera", "move the marker out of the shutter's time")
+        return
+    if state.camera is None:
+        yield Refusal(owner, "a lens or a scale that is refused while the shutter is open", _LEAVE_OUT)
+        return
+    for field in fields(Camera):
+        left, right = getattr(state.camera, field.name), getattr(middle.camera, field.name)
+        if field.name != "world_from_camera" and not np.array_equal(left, right):
+            what = "motion blur of lens, shift, clipping or focus that change while the shutter is open"
+            yield Refusal(owner, what, f"keep them constant, or {_LEAVE_OUT}")
+            return
+
+
+def _of_thing(key: Key, state: _State, middle: _State) -> Iterator[Refusal]:
+    thing, other = middle.things[key], state.things[key]
+    owner = f"object '{thing.name}'"
+    if thing.keys == 1:
+        return
+    if not np.array_equal(thing.matrix, other.matrix):
+        before, after = (np.linalg.det(one.matrix[:, :3]) for one in (thing, other))
+        if not before * after > 0.0:
+            yield Refusal(owner, "motion blur of a scale of 0, or of one that changes its sign", _LEAVE_OUT)
+    if not thing.deforms:
+        return
+    one, two = middle.shapes[thing.pointer], state.shapes[other.pointer]
+    if one.has_velocity:
+        what = "motion blur by the attribute 'velocity'"
+        yield Refusal(owner, what, "remove the attribute, or switch Deformation off in its motion blur settings")
+    same = one.positions.shape == two.positions.shape
+    if not (same and np.array_equal(one.corners, two.corners) and np.array_equal(one.starts, two.starts)):
+        what = "motion blur of a mesh whose faces change while the shutter is open"
+        yield Refusal(owner, what, "switch Deformation off in its motion blur settings")
+
+
+def _deforms(key: Key, states: list[_State], middle: _State) -> bool:
+    """Whether the vertices of an object's mesh move in its own space."""
+    shape = middle.shapes[middle.things[key].pointer].positions
+    return any(
+        not np.array_equal(shape, state.shapes[state.things[key].pointer].positions)
+        for state in states
+        if key in state.things
+    )
+
+
+def _read_objects(
+    states: list[_State], middle: _State, mesh: Mesh
+) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray]]:
+    """The keys of transforms and of vertices, by the number of the object in `mesh`; raises Refused."""
+    objects: dict[int, np.ndarray] = {}
+    positions: dict[int, np.ndarray] = {}
+    refusals = []
+    first = _first_vertices(middle)
+    for index, (key, thing) in enumerate(middle.things.items()):
+        if thing.keys == 1:
+            continue
+        transforms = _keys([state.things[key].matrix for state in states], thing.keys)
+        if transforms is not None:
+            objects[index] = transforms
+        if not thing.deforms:
+            continue
+        shapes = _keys([state.shapes[state.things[key].pointer].positions for state in states], thing.keys)
+        if shapes is None:
+            continue
+        faces = mesh.object_index == index
+        if mesh.smooth[faces].any():
+            what = "motion blur of a deforming mesh that is shaded smooth"
+            remedy = "shade it flat, or switch Deformation off in its motion blur settings"
+            refusals.append(Refusal(f"object '{thing.name}'", what, remedy))
+        positions[index] = shapes[:, :, np.unique(mesh.triangles[:, faces]) - first[index]]
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
+    return objects, positions
+
+
+def _keys(values: list[np.ndarray], count: int) -> np.ndarray | None:
+    """`count` of the values, equally spaced from the first to the last; None where they do not change."""
+    if count == 1:
+        return None
+    found = np.array(values[:: (len(values) - 1) // (count - 1)])
+    return None if (found == found[:1]).all() else found
+
+
+def _first_vertices(state: _State) -> list[int]:
+    """The number of each object's first vertex in the joined mesh, which has all users of a mesh one after another."""
+    groups: dict[int, list[int]] = {}
+    for index, thing in enumerate(state.things.values()):
+        groups.setdefault(thing.pointer, []).append(index)
+    first, reached = [0] * len(state.things), 0
+    for pointer, users in groups.items():
+        for index in users:
+            first[index] = reached
+            reached += state.shapes[pointer].positions.shape[1]
+    return first
