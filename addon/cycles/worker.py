@@ -56,13 +56,12 @@ def _serve(request: dict[str, Any], package: str) -> None:
     import bpy
     import numpy as np
 
-    cycles, job = (importlib.import_module(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
+    load = importlib.import_module
+    cycles, job = (load(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
     names = ("errors", "progress", "scene.archive", "film.windows", "film.parts", "settings.comparison")
-    errors, progress, archive, windows, parts, options = (
-        importlib.import_module(f"{package}.lib.{name}") for name in names
-    )
-    quiet = importlib.import_module(f"{package}.addon.host.quiet")
-    importlib.import_module(f"{package}.lib.wavefront.tuning").tune_process()
+    errors, progress, archive, windows, parts, options = (load(f"{package}.lib.{name}") for name in names)
+    quiet = load(f"{package}.addon.host.quiet")
+    load(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
     settings = options.Settings.from_json(request["settings"])
     requests = _requests()

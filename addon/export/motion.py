@@ -62,14 +62,15 @@ class _State:
     camera: Camera | None
 
 
-def is_blurred(depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether the scene and its view layer have motion blur on."""
-    return depsgraph.scene_eval.render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur
+def check_blur(depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]) -> bool:
+    """Whether the scene and its view layer have motion blur on.
 
-
-def refuse_shutter(scene: bpy.types.Scene, refusals: list[Refusal]) -> None:
-    """Append what of the shutter's settings is not simulated."""
+    What of the shutter's settings is not simulated is appended to `refusals`.
+    """
+    scene = depsgraph.scene_eval
     owner, render = f"scene '{scene.name}'", scene.render
+    if not (render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur):
+        return False
     if scene.cycles.rolling_shutter_type != "NONE":
         path = "scene.cycles.rolling_shutter_type='NONE'"
         refusals.append(Refusal(owner, "a rolling shutter", "set Rolling Shutter to None", path))
@@ -81,6 +82,7 @@ def refuse_shutter(scene: bpy.types.Scene, refusals: list[Refusal]) -> None:
     heights = {point.location[1] for point in render.motion_blur_shutter_curve.curves[0].points}
     if len(heights) > 1:
         refusals.append(Refusal(owner, "a Shutter Curve that is not flat", "make its points equally high"))
+    return True
 
 
 def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None], mesh: Mesh) -> Motion | None:
@@ -188,7 +190,7 @@ def _of_camera(state: _State, middle: _State) -> Iterator[Refusal]:
         left, right = getattr(state.camera, field.name), getattr(middle.camera, field.name)
         if field.name != "world_from_camera" and not np.array_equal(left, right):
             what = "motion blur of lens, shift, clipping or focus that change while the shutter is open"
-            yield Refusal(owner, what, f"keep them constant, or {_LEAVE_OUT}")
+            yield Refusal(owner, what, "keep them constant, or leave --motion-blur out")
             return
 
 

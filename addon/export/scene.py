@@ -31,7 +31,7 @@ from .materials import DEFAULT_MATERIAL, read_material, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
 from .missing_libraries import find_missing_libraries, refuse_missing
-from .motion import is_blurred, read_motion, refuse_shutter
+from .motion import check_blur, read_motion
 from .nodes.images import ImageTable
 from .nodes.passive import is_passive
 from .refusals import is_invisible, read_rays, refuse_object, refuse_settings, refuse_unscattered
@@ -47,10 +47,9 @@ def export_scene(
 ) -> Scene:
     """The scene that `depsgraph` holds, seen through `camera` (the scene's active one).
 
-    The depsgraph must be one that Blender made for a render (`render_depsgraph.with_render_depsgraph`): the viewport's has other
-    modifier levels and other visibility. `max_bounces` is the scene's unless given. With `partial`, materials that are not
-    simulated are exported as unknown ones. `set_frame` evaluates the depsgraph at another time; with it, the motion blur that
-    the scene has is exported, and the frame is another one afterwards.
+    The depsgraph must be one that Blender made for a render (`with_render_depsgraph`): the viewport's has other modifier
+    levels and visibility. `max_bounces` is the scene's unless given. With `partial`, materials that are not simulated are
+    exported as unknown ones. With `set_frame`, which evaluates it at another time, the scene's motion blur is exported.
     Raises Refused with all that is not simulated, or EtalonError for bad input.
     """
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
@@ -62,9 +61,7 @@ def export_scene(
     bounces = scene.cycles.max_bounces if max_bounces is None else max_bounces
     refusals: list[Refusal] = []
     refuse_settings(scene, layer, refusals)
-    is_moving = set_frame is not None and is_blurred(depsgraph)
-    if is_moving:
-        refuse_shutter(scene, refusals)
+    is_moving = set_frame is not None and check_blur(depsgraph, refusals)
     images = ImageTable(scene.frame_current)
     view = read_camera(camera, scene.render, refusals)
     world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
@@ -101,10 +98,14 @@ def export_scene(
     refuse_combinations(result)
     if Facts(result).turbid:
         refuse_unscattered(depsgraph)
-    if is_moving:
-        result = replace(result, motion=read_motion(depsgraph, set_frame, mesh))
-        validate(result)
-    return result
+    return _with_motion(result, depsgraph, set_frame) if is_moving else result
+
+
+def _with_motion(scene: Scene, depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:
+    """The scene with what moves of it."""
+    moving = replace(scene, motion=read_motion(depsgraph, set_frame, scene.mesh))
+    validate(moving)
+    return moving
 
 
 def _find(depsgraph: bpy.types.Depsgraph, mesh: Mesh, images: ImageTable, is_moving: bool) -> tuple[Finding, ...]:

@@ -117,6 +117,9 @@ ERRORS: dict[str, str] = {
     "{name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces": (
         "{name} : la lumière de matériaux non simulés atteint chaque pixel ; simplifiez-les ou réduisez les rebonds"
     ),
+    "--partial does not know motion blur; leave --partial or --motion-blur out": (
+        "Partiel ne connaît pas le flou de mouvement ; désactivez l'un des deux"
+    ),
     "{name} has no light passes; leave out --passes, or use a strategy of path tracing": (
         "{name} n'a pas de passes de lumière ; retirez --passes, ou choisissez une stratégie de tracé de chemins"
     ),

@@ -16,6 +16,32 @@ WHATS: dict[str, str] = {
     "smoke": "la fumée",
     "particle hair": "les cheveux de particules",
     "the volume of a holdout": "le volume d'un cache (holdout)",
+    "a rolling shutter": "un obturateur déroulant",
+    "a shutter that does not open about the frame": "un obturateur qui n'est pas centré sur l'image",
+    "a Shutter Curve that is not flat": "une courbe d'obturateur qui n'est pas plate",
+    "a lens or a scale that is refused while the shutter is open": (
+        "un objectif ou une échelle refusés pendant que l'obturateur est ouvert"
+    ),
+    "motion blur by the attribute 'velocity'": "le flou de mouvement par l'attribut « velocity »",
+    "motion blur of a deforming mesh that is shaded smooth": "le flou de mouvement d'un maillage lisse qui se déforme",
+    "motion blur of a deforming mesh whose objects have other Steps or Deformation": (
+        "le flou de mouvement d'un maillage qui se déforme, dont les objets ont d'autres Steps ou Deformation"
+    ),
+    "motion blur of a light that appears": "le flou de mouvement d'une lampe qui apparaît",
+    "motion blur of a mesh whose faces change while the shutter is open": (
+        "le flou de mouvement d'un maillage dont les faces changent pendant que l'obturateur est ouvert"
+    ),
+    "motion blur of a moving light": "le flou de mouvement d'une lampe qui bouge",
+    "motion blur of a scale of 0, or of one that changes its sign": (
+        "le flou de mouvement d'une échelle de 0, ou qui change de signe"
+    ),
+    "motion blur of an object that appears or vanishes while the shutter is open": (
+        "le flou de mouvement d'un objet qui apparaît ou disparaît pendant que l'obturateur est ouvert"
+    ),
+    "motion blur of lens, shift, clipping or focus that change while the shutter is open": (
+        "le flou de mouvement d'un objectif, décalage, découpage ou foyer qui change pendant que l'obturateur est ouvert"
+    ),
+    "motion blur over a cut to another camera": "le flou de mouvement au passage à une autre caméra",
     "a shadow catcher": "un capteur d'ombres",
     "adaptive subdivision": "la subdivision adaptative",
     "shadow caustics": "les caustiques d'ombre",
@@ -216,6 +242,20 @@ REMEDIES: dict[str, str] = {
     ),
     "save it: Cycles reads the files": "enregistrez-la : Cycles lit les fichiers",
     "save or pack the image: Cycles reads the file": "enregistrez ou empaquetez l'image : Cycles lit le fichier",
+    "give them the same": "donnez-leur les mêmes",
+    "keep them constant, or leave --motion-blur out": "gardez-les constants, ou désactivez Flou de mouvement",
+    "leave --motion-blur out": "désactivez Flou de mouvement",
+    "make its points equally high": "mettez ses points à la même hauteur",
+    "move the marker out of the shutter's time": "sortez le marqueur du temps de l'obturateur",
+    "remove the attribute, or switch Deformation off in its motion blur settings": (
+        "supprimez l'attribut, ou désactivez Deformation dans ses réglages de flou"
+    ),
+    "set Position to Center on Frame": "réglez Position sur Center on Frame",
+    "set Rolling Shutter to None": "réglez Rolling Shutter sur None",
+    "shade it flat, or switch Deformation off in its motion blur settings": (
+        "ombrez-le plat, ou désactivez Deformation dans ses réglages de flou"
+    ),
+    "switch Deformation off in its motion blur settings": "désactivez Deformation dans ses réglages de flou",
     "set Render As of its particles to Object, or do not render it": (
         "réglez Render As de ses particules sur Object, ou excluez-le du rendu"
     ),
