@@ -70,14 +70,12 @@ def export_scene(
     links = LinkTable(depsgraph, refusals)
     lights = _read_things(depsgraph, materials, links, refusals)
     _check_attributes(depsgraph, materials)
-    if refusals:
-        raise Refused(list(dict.fromkeys(refusals)))
+    _raise_any(refusals)
     mesh = _read_meshes(depsgraph, materials, links)
     if mesh.triangle_count == 0:
         raise EtalonError(f"{scene.name}: the scene has no faces to render; add an object with a surface")
     _check_tiles(mesh, materials)
-    if refusals:
-        raise Refused(list(dict.fromkeys(refusals)))
+    _raise_any(refusals)
     result = Scene(
         name=scene.name,
         mesh=mesh,
@@ -99,6 +97,12 @@ def export_scene(
     if Facts(result).turbid:
         refuse_unscattered(depsgraph)
     return _with_motion(result, depsgraph, set_frame) if is_moving else result
+
+
+def _raise_any(refusals: list[Refusal]) -> None:
+    """Raise Refused where there are refusals."""
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
 
 
 def _with_motion(scene: Scene, depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:
