@@ -106,6 +106,9 @@ class Side:
         It is added for the regions `of` (K,), or for all.
         """
         self.film.add(rendering, weight)
+        if rendering.moments is not None:
+            for regions in (self.regions, *self.passes.values()):
+                regions.most_drawn = min(regions.most_drawn, rendering.moments / weight)
         self.regions.add(rendering.radiance, of, weight)
         where = None if rendering.windows is None else rendering.windows.mask
         for name, regions in self.passes.items():
@@ -123,7 +126,7 @@ def room_left_by(sides: tuple[Side, Side], cells: np.ndarray, level: float) -> t
     """
     worth, least = 0.0, np.full(cells.shape, np.inf)
     for side in sides:
-        samples = side.regions.sizes * side.film.samples
+        samples = side.regions.drawn(side.film.samples)
         tails = describe_tails(side.regions.series[:, cells], samples[cells], side.regions.weights)
         worth = max(worth, float(tails.worth.max(initial=0.0)))
         least = np.minimum(least, samples * side.regions.moments.n)

@@ -170,8 +170,16 @@ class RegionMoments:
         self.moments = Moments.empty((len(regions), 3))
         self.excluded = np.zeros(regions.shape, bool) if excluded is None else excluded
         self.sizes = regions.weights @ (~self.excluded.ravel()).astype(float)
+        self.most_drawn = np.inf
         self._series: list[np.ndarray] = []
         self._weights: list[int] = []
+
+    def drawn(self, samples: int) -> np.ndarray:
+        """The independent samples (K,) of each region in a replicate of weight 1 with `samples` per pixel.
+
+        They are `most_drawn` at most, which is set where all pixels share a few moments of the shutter.
+        """
+        return np.minimum(self.sizes * samples, self.most_drawn)
 
     @property
     def series(self) -> np.ndarray:

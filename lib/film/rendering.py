@@ -19,6 +19,7 @@ class Rendering:
     seconds it took, and `stages` the same by stage; camera_samples and rays it traced. With `windows`, only their pixels were
     rendered, and the others hold nothing. `unknown` (height, width) counts, where the scene has materials that are not known, how
     often a pixel's paths met one. `passes` are the parts (height, width, 3) of the radiance by light pass, those that were asked for.
+    `moments` is how many times of the shutter all samples share, where they have none of their own.
     """
 
     radiance: np.ndarray
@@ -30,3 +31,4 @@ class Rendering:
     windows: Windows | None = None
     unknown: np.ndarray | None = None
     passes: dict[Part, np.ndarray] = field(default_factory=dict)
+    moments: int | None = None

@@ -48,9 +48,10 @@ def choice_sentences(choice: PassChoice) -> list[str]:
     """
     if choice.why_not is None:
         return []
+    share = format_percent(float(f"{choice.cost or 0.0:.2g}"), sign=False)
     return [
         {
-            WhyNot.COST: f"Light passes were not compared: they would take about {format_percent(choice.cost or 0.0, sign=False)} "
+            WhyNot.COST: f"Light passes were not compared: they would take about {share} "
             "of Cycles' time. `--passes=all` compares them.",
             WhyNot.UNSUPPORTED: "Light passes were not compared: that is not possible beside unsupported materials.",
             WhyNot.MEMORY: "Light passes were not compared: this machine lacks the memory for them. A lower resolution needs less.",

@@ -141,7 +141,7 @@ class PassTest:
         for name in self._passes:
             worth, least = 0.0, np.inf
             for side, each in zip((reference[name], candidate[name]), samples, strict=True):
-                drawn = side.sizes * each
+                drawn = side.drawn(each)
                 worth = np.maximum(worth, describe_tails(side.series, drawn, side.weights).worth.max(initial=0.0))
                 least = np.minimum(least, drawn * side.moments.n)
             room = room_for_rare_light(worth, least, ALL_AGREE * self._test.level)

@@ -194,7 +194,7 @@ def _reasons(
 
 def _fewest(reference: RegionMoments, candidate: RegionMoments, samples: tuple[int, int]) -> np.ndarray:
     """The samples (N,) that the side with fewer has in each region."""
-    return np.minimum(*(s.sizes * n * s.moments.n for s, n in zip((reference, candidate), samples, strict=True)))
+    return np.minimum(*(s.drawn(n) * s.moments.n for s, n in zip((reference, candidate), samples, strict=True)))
 
 
 def _tails(sides: tuple[RegionMoments, RegionMoments], samples: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -204,7 +204,7 @@ def _tails(sides: tuple[RegionMoments, RegionMoments], samples: tuple[int, int])
     """
     shares, shapes = [], []
     for side, n in zip(sides, samples, strict=True):
-        shares.append(describe_tails(side.series, side.sizes * n, side.weights).largest_share)
+        shares.append(describe_tails(side.series, side.drawn(n), side.weights).largest_share)
         shapes.append([pareto_shape(values) for values in standardize(side.series, side.weights[:, None]).T])
     return np.maximum(*shares), np.fmax(*shapes)
 

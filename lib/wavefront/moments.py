@@ -68,5 +68,6 @@ def _average(done: Sequence[Rendering], seconds: float) -> Rendering:
         rays=sum(one.rays for one in done),
         windows=first.windows,
         unknown=None if first.unknown is None else np.sum([one.unknown for one in done], axis=0, dtype=np.int32),
+        moments=len(done),
         passes={name: np.mean([one.passes[name] for one in done], axis=0) for name in first.passes},
     )
