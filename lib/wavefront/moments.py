@@ -59,6 +59,7 @@ def render_moments(
 def _average(done: Sequence[Rendering], seconds: float) -> Rendering:
     """The mean of images with equally many samples; what is counted is added up."""
     first = done[0]
+    unknown = [one.unknown for one in done if one.unknown is not None]
     return Rendering(
         radiance=np.mean([one.radiance for one in done], axis=0),
         nonfinite=np.sum([one.nonfinite for one in done], axis=0, dtype=np.int32),
@@ -67,7 +68,7 @@ def _average(done: Sequence[Rendering], seconds: float) -> Rendering:
         camera_samples=sum(one.camera_samples for one in done),
         rays=sum(one.rays for one in done),
         windows=first.windows,
-        unknown=None if first.unknown is None else np.sum([one.unknown for one in done], axis=0, dtype=np.int32),
+        unknown=np.sum(unknown, axis=0, dtype=np.int32) if unknown else None,
         moments=len(done),
         passes={name: np.mean([one.passes[name] for one in done], axis=0) for name in first.passes},
     )

@@ -5,7 +5,6 @@ import bpy
 import numpy as np
 import pytest
 from etalon.addon import job
-from etalon.addon.cycles.neutral import _curves
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.host.quiet import quiet
 from etalon.lib.errors import EtalonError, Refused
@@ -20,7 +19,10 @@ def animate(owner, path, *values):
     for frame, value in enumerate(values):
         setattr(owner, path, value)
         owner.keyframe_insert(path, frame=frame)
-    for curve in _curves(owner.id_data):
+    action = owner.id_data.animation_data.action
+    # Shape keys share their object's action, in a slot of their own.
+    bags = [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]
+    for curve in (curve for bag in bags for curve in bag.fcurves):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 
