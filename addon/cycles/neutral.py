@@ -255,12 +255,12 @@ def _mute_animation(changes: Changes) -> None:
 def _curves(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
     """Yield the animation curves of a datablock's action and of its NLA strips.
 
-    Actions have layers only from Blender 5.0 on.
+    Actions have layers from Blender 4.4 on. There, `fcurves` are those of the first slot alone; from 5.0 on it is gone.
     """
     tracks = data.animation_data.nla_tracks
     actions = [data.animation_data.action, *(strip.action for track in tracks for strip in track.strips)]
     for action in filter(None, actions):
-        if hasattr(action, "fcurves"):
+        if not hasattr(action, "layers"):
             yield from action.fcurves
         else:
             bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)

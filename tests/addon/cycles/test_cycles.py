@@ -288,6 +288,24 @@ def evaluated(scene, *names):
     return [getattr(cycles, name) for name in names]
 
 
+@pytest.mark.skipif(bpy.app.version < (4, 4), reason="actions have no slots before Blender 4.4")
+def test_animation_in_a_second_slot_of_an_action_is_muted_too():
+    """The first slot belongs to the light."""
+    scene = building.start("animated", 8, 8, 0)
+    building.sphere_light("Ball", (0.0, 0.0, 2.0), 0.3, (1.0, 1.0, 1.0))
+    action = bpy.data.actions.new("both")
+    for owner, kind in ((bpy.data.lights["Ball"], "LIGHT"), (scene, "SCENE")):
+        slot = action.slots.new(kind, owner.name)
+        owner.animation_data_create().action = action
+        owner.animation_data.action_slot = slot
+    bpy.data.lights["Ball"].keyframe_insert("energy", frame=1)
+    scene.cycles.samples = 16
+    scene.keyframe_insert("cycles.samples", frame=1)
+    with neutral(scene):
+        assert evaluated(scene, "samples") == [SEQUENCE]
+    assert evaluated(scene, "samples") == [16]
+
+
 def test_animation_and_drivers_of_what_must_hold_are_muted_and_come_back():
     scene = building.start("animated", 8, 8, 0)
     building.sphere_light("Ball", (0.0, 0.0, 2.0), 0.3, (1.0, 1.0, 1.0))
