@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue: every known departure of Cycles from the book, where it stands in Cycles, and when it can matter."""
+"""Every known departure of Cycles from the model, its place in Cycles, when it can matter."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ EVERYWHERE = frozenset(LightPass)
 
 
 def scattered_by(*families: Family) -> frozenset[LightPass]:
-    """The passes that a change of the lobes of `families` acts on: their own, and what arrives after further scatterings."""
+    """Return the passes that lobes of `families` affect, at once or after more scattering."""
     return frozenset([*map(direct, families), *map(indirect, Family)])
 
 
@@ -43,9 +43,8 @@ class Departure:
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
     `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
-    `forms` are the releases, in order, from which on it has another form.
     `finding` is the check of the scene check that says what in the scene calls for it, where that is a fault of the scene.
-    `passes` are the light passes that it can act on.
+    `passes` are the light passes that it can act on. `forms` are the releases, in order, from which on it has another form.
     """
 
     name: str
@@ -60,20 +59,20 @@ class Departure:
     forms: tuple[str, ...] = ()
 
     def form(self, release: Release | None) -> int | None:
-        """Which of its forms a release has, counted from 0; None where it has none. Without a release, the newest."""
+        """Return the form of a release, from 0, or None if it has none. No release: the newest."""
         if release is not None and release not in self.versions:
             return None
         return sum(release is None or release >= parse_release(first) for first in self.forms)
 
 
 def changed(first: Scene, second: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
-    """The departures that can change the image of a scene and are not the same in the releases that exported `first` and `second`."""
+    """Return the departures that affect a scene and differ between two exporting releases."""
     either = dict.fromkeys((*relevant(first, masking), *relevant(second, masking)))
     return tuple(d for d in either if d.form(first.blender) != d.form(second.blender))
 
 
 def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]:
-    """The departures with a switch that can change the image of `scene` where the reference has this form of masking.
+    """Return the departures with a switch that can affect `scene` under this masking.
 
     Those of the Blender that exported the scene; of any release where none did.
     """
@@ -83,7 +82,7 @@ def relevant(scene: Scene, masking: str = "correlated") -> tuple[Departure, ...]
 
 
 def refuse_absent(scene: Scene, names: Set[str]) -> None:
-    """Raise EtalonError if one of the departures `names` does not exist in the Blender that exported `scene`."""
+    """Raise EtalonError if the Blender that exported `scene` lacks one of `names`."""
     if scene.blender is None:
         return
     present = {d.name for d in _switches(scene)}

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Departures in what a surface does: a lobe that misstates its density, and the distributions that lead to it."""
+"""Departures in surface closures.
+
+They are a lobe that states a wrong density, and the distributions that lead to it.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ from ..vectors import dot
 
 @dataclass(frozen=True)
 class RationalBeckmann(Beckmann):
-    """Beckmann's distribution with the rational Lambda in place of the exact one, both in masking and in the density."""
+    """Beckmann's distribution with the rational Lambda in place of the exact one.
+
+    Both the masking and the density use it.
+    """
 
     def smith_lambda(self, w: np.ndarray, alpha_x: Alpha, alpha_y: Alpha) -> np.ndarray:
         """Return the fit to Lambda, (n,)."""
@@ -38,7 +44,10 @@ class RationalBeckmann(Beckmann):
 
 
 class Misstated(Wrapper):
-    """`lobe`, stating 1 / `factor` (n,) of its density: its samples, drawn as before, weigh `factor` times as much."""
+    """A lobe that states 1 / `factor` (n,) of its density.
+
+    Its samples are drawn as before and have `factor` times the weight.
+    """
 
     def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
         super().__init__(lobe)
@@ -89,7 +98,10 @@ def distribution_form(distribution: Distribution, departures: Set[str]) -> Distr
 
 
 def oren_nayar_form(departures: Set[str]) -> int | None:
-    """The power of the colour with which Oren-Nayar's multiple scattering begins, or None where there is none."""
+    """Return the power of the colour that starts Oren-Nayar's multiple scattering.
+
+    None where there is no multiple scattering.
+    """
     if "Oren-Nayar without multiple scattering" in departures:
         return None
     return 3 if "Oren-Nayar colour" in departures else 2
@@ -103,10 +115,12 @@ def with_stated_density(
     alpha_y: np.ndarray,
     departures: Set[str],
 ) -> Lobe:
-    """A lobe of visible normals of `distribution`, from `distribution_form`, that states its density by the Lambda asked for.
+    """Build a lobe of visible normals that states its density by the Lambda asked for.
 
-    That is Beckmann's only; other lobes stay as they are. A lobe states D (wo.m) / (wo.n (1 + Lambda)) with the Lambda by which it
-    masks; samples have the exact one in any case.
+    The lobe has `distribution`, which comes from `distribution_form`.
+
+    That is Beckmann's only; other lobes stay as they are. A lobe states D (wo.m) / (wo.n (1 + Lambda)) with the
+    Lambda by which it masks; samples have the exact one in any case.
     """
     masks_rational = "rational Beckmann Lambda" in departures
     states_rational = "rational Beckmann density" in departures

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Departures that are a change of the scene: the same integrator, given what Cycles reads in place of what the user set."""
+"""Departures that are a change of the scene.
+
+The integrator is the same. It is given what Cycles reads in place of what the user set.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,9 @@ NARROW = float(np.float32(0.1))
 
 
 def departed(scene: Scene, departures: Set[str]) -> Scene:
-    """`scene` as it stands after the named departures; names that change no scene are passed over.
+    """Return `scene` after the named departures.
+
+    Names that change no scene are passed over.
 
     Where Blender's releases depart in several forms, that of `scene.blender` is taken; of the newest one without it.
     """
@@ -43,7 +48,10 @@ def departed(scene: Scene, departures: Set[str]) -> Scene:
 
 
 def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
-    """The ramp that goes through `ramp` at 257 evenly spaced factors, linear between them, constant where `ramp` is."""
+    """Return `ramp` as Cycles tabulates it, at 257 evenly spaced factors.
+
+    It is linear between the factors, and constant where `ramp` is.
+    """
     node = np.linspace(0.0, 1.0, _CELLS + 1)
     color = color_ramp(replace(ramp, output="COLOR"), node)
     alpha = color_ramp(replace(ramp, output="ALPHA"), node)
@@ -58,7 +66,10 @@ def tabulated_ramp(ramp: ColorRamp) -> ColorRamp:
 
 
 def tabulated_curves(node: Curves) -> Curves:
-    """The curves as one table of 257 entries a channel, which goes on beyond its ends from the last two of them, or stays."""
+    """Return the curves as one table of 257 entries a channel.
+
+    Beyond its ends it goes on from the last two entries, or stays constant.
+    """
     ends = [end for one in (*node.channels, node.combined) if one is not None for end in (one.low, one.high)]
     low, high = min(ends), max(ends)
     x = np.linspace(low, high, _CELLS + 1)
@@ -79,7 +90,10 @@ def tabulated_layer(node: Expression, tables: Tables) -> Expression:
 
 
 def lossless_coat(node: Expression) -> Expression:
-    """A coat that takes from below what its facets hand to each other; other nodes as they are."""
+    """Return a coat without loss; other nodes stay as they are.
+
+    The coat takes from the layer below what its facets hand to each other.
+    """
     return replace(node, lossless=True) if isinstance(node, BeneathLayer) and node.coat else node
 
 
@@ -92,7 +106,10 @@ _NODES: dict[str, Callable[[Expression], Expression]] = {
 
 
 def narrow_factor(spread: float) -> float:
-    """(3 / h^3) (tan h - h), h = `spread` / 2 in (0, 0.05]: what Cycles' normalisation multiplies the radiance by."""
+    """Return the factor by which Cycles' normalisation multiplies the radiance.
+
+    It is (3 / h^3) (tan h - h), h = `spread` / 2 in (0, 0.05].
+    """
     h = 0.5 * spread
     return 3.0 * (math.tan(h) - h) / h**3 if h > 1e-3 else 1.0 + 0.4 * h * h
 
@@ -113,7 +130,10 @@ def _with_sockets(material: Material, changed: Callable[[Expression], Expression
 
 
 class _Rewriter:
-    """Expressions with `changes` done to every node, inputs first; nodes that several share stay shared."""
+    """Applies `changes` to every node of an expression, inputs first.
+
+    Nodes that several expressions share stay shared.
+    """
 
     def __init__(self, changes: Sequence[Callable[[Expression], Expression]]) -> None:
         self._changes = changes

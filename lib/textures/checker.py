@@ -7,7 +7,9 @@ import numpy as np
 
 
 def checker(vector: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """True where the first colour shows, at `vector` (3, n) times `scale`: cells with an odd sum of coordinates.
+    """Return whether the first colour shows at `vector` (3, n) times `scale`.
+
+    It shows in cells with an odd sum of coordinates.
 
     Blender nudges the point by a millionth, so that a whole coordinate falls to the side of the origin; so does this.
     """

@@ -18,7 +18,10 @@ def luminance(color: np.ndarray) -> np.ndarray:
 
 
 def hue(color: np.ndarray) -> np.ndarray:
-    """Hue in [0, 1) of `color` (3, n), 0 for greys. Smith, "Color Gamut Transform Pairs", SIGGRAPH 1978."""
+    """Return the hue in [0, 1) of `color` (3, n), 0 for greys.
+
+    Smith, "Color Gamut Transform Pairs", SIGGRAPH 1978.
+    """
     r, g, b = color
     top = color.max(axis=0)
     span = top - color.min(axis=0)
@@ -36,10 +39,12 @@ def rgb_to_hsv(color: np.ndarray) -> np.ndarray:
 
 
 def hsv_to_rgb(hsv: np.ndarray) -> np.ndarray:
-    """Colour (3, n) of hue, saturation, value (3, n); the inverse of `rgb_to_hsv` for hues of 0..1.
+    """Return the colour (3, n) of hue, saturation, value (3, n).
 
-    The turn of hue is cut into six sectors. Outside 0..1 a hue counts to the last one, at its place in its own sector: so
-    Blender's nodes do.
+    It is the inverse of `rgb_to_hsv` for hues of 0..1.
+
+    The circle of hues is cut into six sectors. A hue outside 0..1 belongs to the last sector, at its place in its own
+    sector, as in Blender's nodes.
     """
     h, s, v = hsv
     turn = np.where(h == 1.0, 0.0, h) * 6
@@ -53,7 +58,10 @@ def hsv_to_rgb(hsv: np.ndarray) -> np.ndarray:
 
 
 def rgb_to_hsl(color: np.ndarray) -> np.ndarray:
-    """Hue, saturation, lightness of `color` (3, n); lightness is at most 1, and saturation infinite where its scale is 0."""
+    """Return hue, saturation, lightness of `color` (3, n).
+
+    Lightness is at most 1, and saturation is infinite where its scale is 0.
+    """
     top, bottom = color.max(axis=0), color.min(axis=0)
     span, lightness = top - bottom, np.minimum(0.5 * (top + bottom), 1.0)
     scale = np.where(lightness > 0.5, 2 - top - bottom, top + bottom)
@@ -63,7 +71,10 @@ def rgb_to_hsl(color: np.ndarray) -> np.ndarray:
 
 
 def hsl_to_rgb(hsl: np.ndarray) -> np.ndarray:
-    """Colour (3, n) of hue, saturation, lightness (3, n); the inverse of `rgb_to_hsl` for hues of 0..1."""
+    """Return the colour (3, n) of hue, saturation, lightness (3, n).
+
+    It is the inverse of `rgb_to_hsl` for hues of 0..1.
+    """
     h, s, lightness = hsl
     chroma = (1 - np.abs(2 * lightness - 1)) * s
     return (_hue_to_pure(h) - 0.5) * chroma + lightness

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a node's function is given: the shading points, and a way to evaluate the node's inputs there."""
+"""The input of a node's function.
+
+It has the shading points, and a way to evaluate the node's inputs there.
+"""
 
 from __future__ import annotations
 
@@ -38,11 +41,17 @@ class Context(Protocol):
         ...
 
     def edge_distance(self) -> np.ndarray:
-        """Distance in metres from the nearest line through two corners of the point's triangle, (n,)."""
+        """Return the distance (n,) from the nearest line through two corners of the triangle.
+
+        It is in metres. The triangle is that of the point.
+        """
         ...
 
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
+        """Return the tangent (3, n), the bitangent's sign (n,) and the normal (3, n).
+
+        They are for normal maps, in object space, on the front side.
+        """
         ...
 
     def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
@@ -55,7 +64,10 @@ class Context(Protocol):
 
 
 class WithoutSurface(Context):
-    """Base of contexts that are no points of a surface, as directions of the world; what only surfaces have raises TypeError."""
+    """Base of contexts that are not points of a surface, as directions of the world.
+
+    What only surfaces have raises TypeError.
+    """
 
     @property
     def n(self) -> NoReturn:
@@ -112,13 +124,19 @@ def _refuse(what: str) -> NoReturn:
 
 
 class InputEvaluator(Protocol):
-    """Gives the inputs of a node at the points of `context`; `evaluate.Evaluator` is the one that is."""
+    """Evaluates the inputs of a node at the points of `context`.
+
+    `evaluate.Evaluator` implements it.
+    """
 
     context: Context
     images: ImageSet
 
     def __call__(self, expression: Expression) -> np.ndarray:
-        """A value as () or (n,), a colour as (3, 1) or (3, n); shared with others, so never write into it."""
+        """Return a value as () or (n,), a colour as (3, 1) or (3, n).
+
+        The result is shared with others: never write into it.
+        """
         ...
 
     def moved(self, context: Context) -> InputEvaluator:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Converter and Color nodes, with the meaning that Cycles gives them outside the usual domain."""
+"""Blender's Converter and Color nodes.
+
+Outside the usual domain they have the meaning that Cycles gives them.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,10 @@ def map_range(
     interpolation: str,
     clamp: bool,
 ) -> np.ndarray:
-    """`x` carried from the interval `source` to `target`; what an empty source gives is the lower end, 0 for values in Cycles."""
+    """Map `x` from the interval `source` to `target`.
+
+    An empty source gives the lower end; in Cycles it gives 0 for values.
+    """
     low, high = source
     span = high - low
     t = np.where(span != 0.0, (x - low) / np.where(span == 0.0, 1.0, span), 0.0)
@@ -67,7 +73,10 @@ def _map_range(node: cv.MapRange, read: InputEvaluator) -> np.ndarray:
 
 
 def vector_math(operation: str, a: np.ndarray, b: np.ndarray, c: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """The Vector Math node on (3, 1) or (3, n): a vector, or (n,) for the three operations that give a value."""
+    """Evaluate the Vector Math node on (3, 1) or (3, n).
+
+    The result is a vector, or (n,) for the three operations that give a value.
+    """
     if operation in _BY_COMPONENT:
         return np.asarray(OPERATIONS[_BY_COMPONENT[operation]](a, b, c), np.float64)
     a, b, c = np.broadcast_arrays(a, b, c)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's RGB, Vector and Float Curves: each curve a table that Blender makes, straight lines beyond its ends.
+"""Blender's RGB, Vector and Float Curves.
+
+Each curve is a table that Blender makes, with straight lines beyond its ends.
 
 Cycles has a table of its own, lib.departures.scene.tabulated_curves.
 """

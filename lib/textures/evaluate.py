@@ -34,10 +34,12 @@ from .tiles import lies_in_tile
 
 
 class Evaluator:
-    """Evaluates expressions over one set of points; what several of them share (the same node object) is computed once.
+    """Evaluates expressions over one set of points.
 
-    `evaluator(expression)` gives a value as () or (n,) and a colour as (3, 1) or (3, n). Results are shared: never write
-    into them.
+    A node object that several expressions share is computed once.
+
+    `evaluator(expression)` gives a value as () or (n,) and a colour as (3, 1) or (3, n). Results are shared: never
+    write into them.
     """
 
     def __init__(self, context: Context, images: ImageSet) -> None:

@@ -65,18 +65,27 @@ def walk(expression: ex.Expression) -> Iterator[ex.Expression]:
 
 
 def is_constant(expression: ex.Expression) -> TypeGuard[ex.Constant]:
-    """Whether the expression is a constant as it stands; fold first to find those that come down to one."""
+    """Return whether the expression is a constant without folding.
+
+    Fold first to find expressions that come down to a constant.
+    """
     return isinstance(expression, ex.Constant)
 
 
 class Folder:
-    """Folds expressions; nodes shared between several stay shared, so that they are still evaluated once."""
+    """Folds expressions.
+
+    Nodes shared between several expressions stay shared, so that they are still evaluated once.
+    """
 
     def __init__(self) -> None:
         self._done: dict[int, tuple[ex.Expression, ex.Expression]] = {}
 
     def __call__(self, expression: ex.Expression) -> ex.Expression:
-        """An expression with the same value everywhere, with constant parts computed and neutral nodes gone."""
+        """Return an expression that equals the given one at every point.
+
+        Constant parts are computed, and neutral nodes are removed.
+        """
         if id(expression) not in self._done:
             old = inputs(expression)
             new = {name: self(value) for name, value in old.items()}
@@ -92,7 +101,9 @@ def fold(expression: ex.Expression) -> ex.Expression:
 
 
 def fold_scene(scene: Scene) -> Scene:
-    """`scene` with all sockets of its materials and its world folded; lights, meshes and images stay the same objects.
+    """Return `scene` with all sockets of its materials and its world folded.
+
+    Lights, meshes and images stay the same objects.
 
     Nodes that several sockets of a material share stay shared.
     """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The integer hashes behind Blender's procedural textures: Jenkins' lookup3 (public domain), on whole arrays."""
+"""The integer hashes of Blender's procedural textures, on whole arrays.
+
+They are Jenkins' lookup3 (public domain).
+"""
 
 from __future__ import annotations
 
@@ -70,12 +73,18 @@ WHITE_NOISE: dict[int, tuple[tuple[int | float, ...], ...]] = {
 
 
 def hash_rows(point: np.ndarray | list[np.ndarray], rows: tuple[tuple[int | float, ...], ...]) -> np.ndarray:
-    """A number in [0, 1] for each of `rows`, which name coordinates of the point by whole numbers and add constants, (rows, n)."""
+    """Return a number in [0, 1] for each of `rows`, (rows, n).
+
+    The rows name coordinates of the point by whole numbers, and add constants.
+    """
     return np.stack([hash_floats(*(point[k] if isinstance(k, int) else k for k in row)) for row in rows])
 
 
 def pcg(cells: np.ndarray) -> np.ndarray:
-    """Two to four numbers in [0, 1] for each cell of whole coordinates, (d, n): Jarzynski and Olano 2020, with signed words."""
+    """Return two to four numbers in [0, 1] for each cell of whole coordinates, (d, n).
+
+    Jarzynski and Olano 2020, with signed words.
+    """
     v = [c.astype(np.int64).astype(np.int32) for c in cells]
     with np.errstate(over="ignore"):
         v = [c * np.int32(1664525) + np.int32(1013904223) for c in v]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sampling images: nearest, bilinear or by cubic B-splines, texel centres at halves, v growing from the bottom row."""
+"""Sampling of images: nearest, bilinear or by cubic B-splines.
+
+Texel centres are at halves, and v grows from the bottom row.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ from ..srgb import srgb_decode
 
 
 def equirectangular(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(u, v) of `direction` (3, n), of any length: +x at the centre, +y a quarter to the left, +z at the top (v = 1)."""
+    """Return (u, v) of `direction` (3, n), of any length.
+
+    +x is at the centre, +y a quarter to the left, +z at the top (v = 1).
+    """
     x, y, z = direction
     return 0.5 - np.arctan2(y, x) / (2 * np.pi), 0.5 + np.arctan2(z, np.hypot(x, y)) / np.pi
 
@@ -27,15 +33,18 @@ def _wrap_index(index: np.ndarray, size: int, extension: str) -> np.ndarray:
 
 
 def _cubic_weights(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """The uniform cubic B-spline's weights of four neighbours at `t` in 0..1 between the middle two. Texels are not interpolated."""
+    """Return the uniform cubic B-spline's weights of four neighbours.
+
+    `t` in 0..1 is the place between the middle two. Texels are not interpolated.
+    """
     s = 1.0 - t
     return s**3 / 6.0, (4.0 - 3.0 * t**2 * (1.0 + s)) / 6.0, (4.0 - 3.0 * s**2 * (1.0 + t)) / 6.0, t**3 / 6.0
 
 
 class _Axis:
-    """Along one axis of `size` texels: the texels around coordinate `x` (in images) and their weights.
+    """The texels around coordinate `x` (in images), and their weights, along one axis.
 
-    Outside an image with extension 'CLIP' the weights are 0: there is nothing.
+    The axis has `size` texels. With extension 'CLIP' the weights outside the image are 0.
     """
 
     def __init__(self, x: np.ndarray, size: int, interpolation: str, extension: str) -> None:
@@ -61,7 +70,10 @@ class _Axis:
 
 
 def _gather(texels: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Rows `index` (n,) of `texels` (m, 4), turned to (4, n) float64; `mode` only spares NumPy a check."""
+    """Return rows `index` (n,) of `texels` (m, 4), turned to (4, n) float64.
+
+    `mode` only spares NumPy a check.
+    """
     return texels.take(index, axis=0, mode="clip").T.astype(np.float64, order="C")
 
 
@@ -87,7 +99,10 @@ class ImageSet:
         extension: str = "REPEAT",
         association: str = "SEPARATE",
     ) -> np.ndarray:
-        """RGBA (4, n) of image `index` at (u, v), each (n,); colours linear. The names are ImageTexture's."""
+        """Return RGBA (4, n) of image `index` at (u, v), each (n,), with linear colours.
+
+        The names are ImageTexture's.
+        """
         texels = self._prepared(index, association)
         height, width = self._images[index].pixels.shape[:2]
         across = _Axis(u, width, interpolation, extension)
@@ -117,7 +132,10 @@ class ImageSet:
         return self._texels[key]
 
     def _associated(self, image: Image, association: str) -> np.ndarray:
-        """The texels (n, 4) of `image`, decoded and multiplied by alpha as far as that comes before interpolation."""
+        """Return the texels (n, 4) of `image`, decoded.
+
+        They are multiplied by alpha where that comes before interpolation.
+        """
         texels = image.pixels.reshape(-1, 4)
         decode = image.encoding == "SRGB" and self._decode_first
         multiplied = association != "SEPARATE" and not image.multiplied

@@ -14,10 +14,12 @@ _ROLE = "scene_linear"
 
 
 def linearize(pixels: np.ndarray, space: str, config: Path) -> np.ndarray:
-    """RGBA (height, width, 4), float32, whose colours are codes of `space`, with colours of the role scene_linear.
+    """Convert the colours of RGBA (height, width, 4), float32, to scene_linear.
 
-    `config` is the OpenColorIO configuration that defines both. Alpha is straight and stays. Raises EtalonError where the space
-    cannot be converted.
+    The input colours are codes of `space`; the result has colours of the role scene_linear.
+
+    `config` is the OpenColorIO configuration that defines both. Alpha is straight and stays. Raises EtalonError where
+    the space cannot be converted.
     """
     height, width, _ = pixels.shape
     codes = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, height, 3, "float"))

@@ -30,7 +30,10 @@ def _euler_xyz(rotation: np.ndarray) -> list[list[np.ndarray]]:
 
 
 def mapping(kind: str, vector: np.ndarray, location: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """`vector` scaled, turned, moved ('POINT'), or the inverse ('TEXTURE'), or without the move ('VECTOR'), or as a normal.
+    """Map `vector` as Blender's Mapping node does.
+
+    'POINT' scales, turns and moves it. 'TEXTURE' is the inverse, 'VECTOR' leaves out the move, and the last kind maps a
+    normal.
 
     All (3, 1) or (3, n); division by a scale of 0 gives 0, as in Cycles.
     """

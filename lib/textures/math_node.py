@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Math node: every operation with the meaning that Cycles gives it outside the usual domain.
+"""Blender's Math node.
 
-Where an argument has no real result (division by 0, root or logarithm of a negative) Cycles returns a number, mostly 0, rather
-than an infinity; these functions return the same.
+Every operation has the meaning that Cycles gives it outside the usual domain.
+
+Where an argument has no real result (division by 0, root or logarithm of a negative) Cycles returns a number, mostly
+0, rather than an infinity; these functions return the same.
 """
 
 from __future__ import annotations

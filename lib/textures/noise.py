@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Noise texture: Perlin's gradient noise in one to four dimensions, and the fractals made of it.
+"""Blender's Noise texture: Perlin's gradient noise and the fractals made of it.
 
-Perlin 2002, "Improving noise"; Musgrave in "Texturing and Modeling", ch. 16. A point is a list of one to four coordinates, (n,) each.
+It has one to four dimensions.
+
+Perlin 2002, "Improving noise"; Musgrave in "Texturing and Modeling", ch. 16. A point is a list of one to four
+coordinates, (n,) each.
 """
 
 from __future__ import annotations
@@ -61,7 +64,9 @@ def perlin(point: Point) -> np.ndarray:
 
 
 def fbm(point: Point, detail: np.ndarray, roughness: np.ndarray, lacunarity: np.ndarray, normalize: bool) -> np.ndarray:
-    """Fractal sum of octaves, each `lacunarity` times finer and `roughness` times weaker; to [0, 1] if `normalize`.
+    """Return the fractal sum of octaves, scaled to [0, 1] if `normalize`.
+
+    Each octave is `lacunarity` times finer and `roughness` times weaker.
 
     `detail`, () or (n,), is the number of octaves beyond the first; its broken part fades the last one in.
     """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Normals that textures turn: Blender's Normal Map and Bump nodes. Results are unit vectors of the world on the viewer's side."""
+"""Normals that textures turn: Blender's Normal Map and Bump nodes.
+
+Results are unit vectors of the world on the viewer's side.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's procedural textures, each a function of coordinates: gradients, waves, bricks, magic, noise."""
+"""Blender's procedural textures, each a function of coordinates.
+
+They are gradients, waves, bricks, magic and noise.
+"""
 
 from __future__ import annotations
 

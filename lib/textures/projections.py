@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Projections of images: where a point or a direction lies in an image, (u, v) with (0, 0) at the lower left corner."""
+"""Projections of images: where a point or a direction lies in an image.
+
+The result is (u, v) with (0, 0) at the lower left corner.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,9 @@ def sphere(point: np.ndarray) -> Place:
 
 
 def tube(point: np.ndarray) -> Place:
-    """(u, v) of points (3, n): longitude around the vertical axis through (1/2, 1/2), and the height z.
+    """Return (u, v) of points (3, n): longitude around the vertical axis, and the height z.
+
+    The axis goes through (1/2, 1/2).
 
     u is 1/2 towards +y and grows towards -x. The axis itself is at (0, 0), as in Blender.
     """
@@ -34,10 +39,12 @@ def tube(point: np.ndarray) -> Place:
 
 
 def mirror_ball(direction: np.ndarray) -> Place:
-    """(u, v) of directions (3, n), of any length, on a ball that mirrors them to a viewer far away at -y.
+    """Return (u, v) of directions (3, n), of any length, on a mirror ball.
 
-    The ball's normal is half way between the direction and the one to the viewer. +y, behind the ball, has no single place; it
-    is put at the middle, as in Blender.
+    The ball mirrors them to a viewer far away at -y.
+
+    The ball's normal is half way between the direction and the one to the viewer. +y, behind the ball, has no single
+    place; it is put at the middle, as in Blender.
     """
     x, y, z = direction
     length = np.sqrt(x * x + y * y + z * z)
@@ -50,7 +57,9 @@ def mirror_ball(direction: np.ndarray) -> Place:
 
 
 def box_faces(point: np.ndarray, normal: np.ndarray) -> Iterator[Place]:
-    """(u, v) of points (3, n) on the faces of a box across x, y and z; `normal` (3, n) tells the two faces of a pair apart.
+    """Return (u, v) of points (3, n) on the faces of a box across x, y and z.
+
+    `normal` (3, n) tells the two faces of a pair apart.
 
     The images of opposite faces are mirrored, so that each is seen the right way round from outside.
     """
@@ -61,11 +70,13 @@ def box_faces(point: np.ndarray, normal: np.ndarray) -> Iterator[Place]:
 
 
 def box_weights(normal: np.ndarray, blend: float) -> np.ndarray:
-    """Weights (3, n) of a box's faces across x, y and z, of sum 1, for normals (3, n) and a width of the blend in 0..1.
+    """Return weights (3, n) of a box's faces across x, y and z, of sum 1.
 
-    With a = |n| and the share s_ij = a_i / (a_i + a_j), face i counts alone where s_ij > (1 + blend) / 2 for both others. Between two
-    faces the share grows linearly from (1 - blend) / 2 to (1 + blend) / 2. Where three meet, the weights are linear in a / sum(a).
-    A normal with no choice, on an edge without a blend, belongs to x: so Blender.
+    They are for normals (3, n) and a width of the blend in 0..1.
+
+    With a = |n| and the share s_ij = a_i / (a_i + a_j), face i counts alone where s_ij > (1 + blend) / 2 for both
+    others. Between two faces the share grows linearly from (1 - blend) / 2 to (1 + blend) / 2. Where three meet, the
+    weights are linear in a / sum(a). A normal with no choice, on an edge without a blend, belongs to x: so Blender.
     """
     a = np.abs(normal) / np.abs(normal).sum(axis=0)
     limit = 0.5 * (1.0 + blend)

@@ -16,7 +16,10 @@ _CARDINAL_TENSION = 0.71
 
 
 def color_ramp(ramp: ColorRamp, factor: np.ndarray) -> np.ndarray:
-    """Colour (3, n) or alpha (n,) of `ramp` at `factor`, a value of shape () or (n,), clamped to 0..1."""
+    """Return the colour (3, n) or alpha (n,) of `ramp` at `factor`.
+
+    `factor` is a value of shape () or (n,), clamped to 0..1.
+    """
     x = np.clip(np.atleast_1d(factor), 0.0, 1.0)
     rgba = _rgba(ramp, x)
     if ramp.output == "COLOR":
@@ -54,7 +57,10 @@ def _rgba(ramp: ColorRamp, x: np.ndarray) -> np.ndarray:
 
 
 def _spline_weights(t: np.ndarray, interpolation: str) -> tuple[np.ndarray, ...]:
-    """Weights of the four stops around: a uniform cubic B-spline, or a cardinal spline of tension 0.71."""
+    """Return the weights of the four stops around.
+
+    The spline is a uniform cubic B-spline, or a cardinal spline of tension 0.71.
+    """
     s = 1 - t
     if interpolation == "B_SPLINE":
         return (s**3 / 6, (4 - 6 * t * t + 3 * t**3) / 6, (4 - 6 * s * s + 3 * s**3) / 6, t**3 / 6)
@@ -84,7 +90,10 @@ def _rows(table: np.ndarray, index: np.ndarray) -> np.ndarray:
 
 
 def _hue_step(difference: np.ndarray, direction: str) -> np.ndarray:
-    """How far to turn from one hue to the next: the near way, the far way, always falling (CCW) or always growing (CW)."""
+    """Return how far to turn from one hue to the next.
+
+    Near and far ways, or always falling (CCW) or always growing (CW).
+    """
     if direction == "NEAR":
         return difference - (difference > 0.5) + (difference < -0.5)
     if direction == "CCW":

@@ -13,8 +13,10 @@ from .fold import walk
 
 @dataclass(frozen=True)
 class Requirements:
-    """What materials read: names of UV maps ('' is the active render map) and attributes ('' is the active render colour), and
-    whether generated coordinates.
+    """What materials read: UV maps, attributes and generated coordinates.
+
+    UV maps are names ('' is the active render map), attributes are names ('' is the active render colour), and
+    generated coordinates are read or not.
     """
 
     uv_maps: frozenset[str]
@@ -23,7 +25,10 @@ class Requirements:
 
 
 def requirements(materials: Iterable[Material]) -> Requirements:
-    """What `materials` read, through their textures and through the tangents of anisotropic lobes."""
+    """Return what `materials` read.
+
+    They read through their textures and through the tangents of anisotropic lobes.
+    """
     uv_maps: set[str] = set()
     attributes: set[str] = set()
     generated = False

@@ -19,10 +19,13 @@ _TOUCH = np.float32(1e-6)
 
 
 def skipped_tiles(mesh: Mesh, materials: tuple[Material, ...]) -> Iterator[tuple[int, int]]:
-    """(index of the material, number of the tile) of what Cycles shows as missing although its file is there.
+    """Return the tiles that Cycles shows as missing although their file is there.
 
-    Where an image reads a UV map directly, Cycles loads only the tiles that have a corner of a face. A tile is named where the
-    bounds of a triangle's texture coordinates reach into it, so some that no triangle covers may be named too.
+    Each is (index of the material, number of the tile).
+
+    Where an image reads a UV map directly, Cycles loads only the tiles that have a corner of a face. A tile is named
+    where the bounds of a triangle's texture coordinates reach into it, so some that no triangle covers may be named
+    too.
     """
     for index, material in enumerate(materials):
         for uv_map, numbers in _tiles_by_map(material).items():
@@ -56,7 +59,10 @@ def _tiles_by_map(material: Material) -> dict[str, list[int]]:
 
 
 def _without_neutral_mappings(vector: Expression) -> Expression:
-    """What feeds `vector` once Mapping nodes that change nothing are gone, as they are in Cycles."""
+    """Return what feeds `vector` without the Mapping nodes that change nothing.
+
+    Cycles leaves these out, too.
+    """
     neutral = (BLACK, BLACK, WHITE)
     while (
         isinstance(vector, Mapping)

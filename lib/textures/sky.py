@@ -14,7 +14,10 @@ from .images import ImageSet
 
 
 def place_in_table(direction: np.ndarray, azimuth: float) -> tuple[np.ndarray, np.ndarray]:
-    """(u, v), each (n,) in 0..1, of directions (3, n) in the table of a sky; v from the bottom."""
+    """Return (u, v) of directions (3, n) in the table of a sky.
+
+    u and v are (n,) in 0..1; v counts from the bottom.
+    """
     x, y, z = direction
     u = 0.5 - (np.arctan2(y, x) - azimuth) / (2.0 * np.pi)
     elevation = np.arcsin(np.clip(z, -1.0, 1.0))
@@ -22,7 +25,10 @@ def place_in_table(direction: np.ndarray, azimuth: float) -> tuple[np.ndarray, n
 
 
 def table_directions(width: int, height: int, azimuth: float) -> np.ndarray:
-    """Unit vectors (height, width, 3) at the texels' centres of a sky's table, row 0 at the bottom."""
+    """Return unit vectors (height, width, 3) at the texels' centres of a sky's table.
+
+    Row 0 is at the bottom.
+    """
     angle = azimuth + 2.0 * np.pi * (0.5 - (np.arange(width) + 0.5) / width)
     root = 2.0 * (np.arange(height) + 0.5) / height - 1.0
     elevation = np.copysign(0.5 * np.pi * root**2, root)[:, None]

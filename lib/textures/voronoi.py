@@ -102,7 +102,10 @@ def _nearest(point: np.ndarray, shape: Shape, rank: int) -> Found:
 
 
 def _smooth(point: np.ndarray, shape: Shape) -> Found:
-    """The nearest point, blended with its neighbours; what comes out depends on the order of the cells."""
+    """Return the nearest point, blended with its neighbours.
+
+    The result depends on the order of the cells.
+    """
     base = np.floor(point)
     inside = point - base
     total: list[np.ndarray] = []
@@ -174,14 +177,20 @@ def _radius(point: np.ndarray, shape: Shape) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Fractal:
-    """Octaves: `detail` beyond the first, () or (n,), each `lacunarity` times finer and `roughness` times weaker."""
+    """Octaves of a fractal: `detail`, () or (n,), is their number beyond the first.
+
+    Each is `lacunarity` times finer and `roughness` times weaker.
+    """
 
     detail: np.ndarray
     roughness: np.ndarray
     lacunarity: np.ndarray
 
     def octaves(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Scale and amplitude of each octave, and how far it counts, (n,) or (): 1, or the broken part of detail."""
+        """Yield the scale and amplitude of each octave, and its weight, (n,) or ().
+
+        The weight is 1, or the fraction of detail for the last octave.
+        """
         scale, amplitude = np.ones(1), np.ones(1)
         for octave in range(int(np.ceil(np.max(self.detail))) + 1):
             yield scale, amplitude, np.clip(self.detail - (octave - 1.0), 0.0, 1.0) if octave else np.ones(1)
