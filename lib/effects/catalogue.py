@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The catalogue: every effect that can be simulated, the stage that it belongs to, and the question that decides about it.
+"""Every effect that can be simulated, its stage, and the question that decides on it.
 
 A new effect is one name in names.py and one row here.
 """
@@ -34,7 +34,10 @@ from .transport import light
 
 @dataclass(frozen=True)
 class Entry:
-    """One effect: the `stage` of the integrator that does its work (most of it), and the question that decides whether it is needed."""
+    """One effect: its stage, and the question that decides whether it is needed.
+
+    `stage` is the stage of the integrator that does most of its work.
+    """
 
     effect: Effect
     stage: Stage

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene holds, as far as the catalogue asks: what is seen, what shines, what its geometry allows; each worked out once."""
+"""What a scene holds, as far as the catalogue asks; each fact is computed once.
+
+The facts are what is seen, what emits light, and what the geometry allows.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,10 @@ def scatters(closure: Closure) -> bool:
 
 
 def is_smooth(closure: Closure) -> bool:
-    """Whether a folded closure scatters into one direction or two, which no light sample ever finds."""
+    """Return whether a folded closure scatters into one direction or two.
+
+    No light sample ever finds these directions.
+    """
     if isinstance(closure, Glass | Refraction):
         return is_zero(closure.roughness)
     return (
@@ -150,7 +156,10 @@ class Facts:
 
     @cached_property
     def rough(self) -> list[str]:
-        """Names of the materials that scatter into more than one or two directions, by a lobe or in their volume."""
+        """Return the names of materials that scatter into more than one or two directions.
+
+        They do so by a lobe or in their volume.
+        """
         rough = [
             m.name for m in self.materials if any(scatters(x.closure) and not is_smooth(x.closure) for x in m.lobes)
         ]

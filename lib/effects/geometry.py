@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether light that leaves a face can meet another one: not in a plane, and not outside a closed convex body."""
+"""Whether light that leaves a face can meet another face.
+
+It cannot in a plane, nor outside a closed convex body.
+"""
 
 from __future__ import annotations
 
@@ -30,10 +33,12 @@ _LARGEST_TURN = 2e-3
 
 
 def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
-    """Whether a ray that leaves a face can meet a face, and why; `behind` names the materials through which light gets to back sides.
+    """Return whether a ray that leaves a face can meet a face, and why.
 
-    False is a proof, up to the rounding of vertices: either all faces lie in one plane, or none has anything in front of it, they are
-    closed and opaque, and the camera is outside. True may only mean that no proof was found.
+    `behind` names the materials through which light gets to back sides.
+
+    False is a proof, up to the rounding of vertices: either all faces lie in one plane, or none has anything in front
+    of it, they are closed and opaque, and the camera is outside. True may only mean that no proof was found.
     """
     count, vertices = mesh.triangle_count, mesh.vertices.shape[1]
     if count == 0:
@@ -61,7 +66,10 @@ def meets_again(mesh: Mesh, camera: Camera, behind: list[str]) -> Answer:
 
 
 def _shape(mesh: Mesh, batches: Iterable[np.ndarray]) -> tuple[bool, bool]:
-    """Whether all vertices lie on the planes of the faces in `batches`, and whether they lie on or behind them."""
+    """Return whether all vertices lie on the planes of the faces in `batches`.
+
+    The second result says whether they lie on or behind these planes.
+    """
     center = _center(mesh)
     centered = mesh.vertices - center
     flat = True
@@ -76,7 +84,10 @@ def _shape(mesh: Mesh, batches: Iterable[np.ndarray]) -> tuple[bool, bool]:
 
 
 def _within(heights: np.ndarray, planes: _Planes, places: np.ndarray) -> bool:
-    """Whether no height (k, v) of `places` (3, v) over the planes exceeds what rounding can make of zero."""
+    """Return whether no height (k, v) of `places` (3, v) over the planes is positive.
+
+    A height counts as positive if it exceeds what rounding can make of zero.
+    """
     for face in np.flatnonzero(heights.max(axis=1) > planes.tolerance):
         above = np.flatnonzero(heights[face] > planes.tolerance[face])
         away = np.linalg.norm(places[:, above] - planes.corner[:, face, None], axis=0)
@@ -90,7 +101,10 @@ def _center(mesh: Mesh) -> np.ndarray:
 
 
 class _Planes(NamedTuple):
-    """Planes of k faces: a corner and the unit normal (3, k), distance from the centre, tolerance and turn (k,); see above."""
+    """Planes of k faces.
+
+    They are a corner and the unit normal (3, k), distance from the centre, tolerance and turn (k,); see above.
+    """
 
     corner: np.ndarray
     normal: np.ndarray
@@ -112,7 +126,10 @@ def _planes(mesh: Mesh, center: np.ndarray, faces: np.ndarray) -> _Planes:
 
 
 def _closed(mesh: Mesh) -> bool:
-    """Whether every edge belongs to two faces that run along it in opposite directions; vertices in one place count as one."""
+    """Return whether every edge belongs to two faces that run along it in opposite directions.
+
+    Vertices in one place count as one.
+    """
     along, against = directed_edges(weld(mesh.vertices, mesh.triangles))
     return bool(np.all(along == against) and np.all(along[1:] != along[:-1]))
 
@@ -127,7 +144,10 @@ def _outside(mesh: Mesh, camera: Camera) -> bool:
 
 
 def _starts(camera: Camera) -> tuple[np.ndarray, float]:
-    """Points (3, k) and a radius: camera rays begin in balls about the points, or between them."""
+    """Return points (3, k) and a radius that bound the origins of camera rays.
+
+    Camera rays begin in balls about the points, or between them.
+    """
     lens = camera.aperture
     margin = 0.0
     if lens is not None:

@@ -12,7 +12,10 @@ from .plan import Plan
 
 
 def light_passes(scene: Scene, plan: Plan) -> tuple[LightPass, ...]:
-    """The passes that may hold light, in their order: by the lobes of the materials that are seen, the lights and the world."""
+    """Return the passes that may hold light, in their order.
+
+    They follow from the lobes of the materials that are seen, the lights and the world.
+    """
     facts = Facts(scene)
     closures = [type(lobe.closure) for material in facts.materials for lobe in material.lobes]
     families = {family for closure in closures for family in closure.families}

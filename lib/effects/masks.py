@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Questions about who sees whom: masks of rays, linked lights, lights without shadows or with few bounces."""
+"""Questions about who sees whom.
+
+They concern masks of rays, linked lights, and lights without shadows or with few bounces.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,7 @@ def reads_flags(owner: Material | World, *others: str) -> bool:
 
 
 def flags_in(owner: Material | World | WeightedClosure) -> set[str]:
-    """The flags and counts of rays that a material, a part of it or a world asks for, by their names."""
+    """Return the ray flags and counts that a material, a part of it or a world reads, by name."""
     if isinstance(owner, Material):
         return set().union(*map(flags_in, owner.lobes))
     sockets = [owner.radiance] if isinstance(owner, World) else [owner.weight, *vars(owner.closure).values()]

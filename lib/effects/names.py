@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The names of the effects, and of the stages of the integrator in which their work is done."""
+"""The names of the effects, and of the integrator's stages that do their work."""
 
 from __future__ import annotations
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The plan: which effects a scene calls for, each with the fact that decided it. The integrator asks it and runs nothing else."""
+"""The plan: which effects a scene needs, each with the fact that decided it.
+
+The integrator asks the plan and runs nothing else.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,10 @@ class Decision:
 
 @dataclass(frozen=True)
 class Plan:
-    """Decisions on every effect of the catalogue, in its order. A plan that `prunes` leaves out lobes that add nothing, too."""
+    """Decisions on every effect of the catalogue, in its order.
+
+    A plan that `prunes` leaves out lobes that add nothing, too.
+    """
 
     decisions: tuple[Decision, ...]
     prunes: ClassVar[bool] = True
@@ -35,13 +41,19 @@ class Plan:
         return {decision.effect: decision.needed for decision in self.decisions}
 
     def needs(self, effect: Effect) -> bool:
-        """Whether the effect is needed; raises EtalonError where the plan holds no decision about it."""
+        """Return whether the effect is needed.
+
+        Raises EtalonError where the plan holds no decision about it.
+        """
         if effect not in self._answers:
             raise EtalonError(f"no effect is called '{effect}'; see lib/effects/names.py")
         return self._answers[effect]
 
     def forcing(self, *effects: Effect) -> Forced:
-        """The same plan with the named effects run although the scene does not call for them; all where none is named."""
+        """Return the same plan with the named effects run although the scene does not need them.
+
+        All effects run where none is named.
+        """
         for effect in effects:
             self.needs(effect)
         return Forced(
@@ -54,12 +66,18 @@ class Plan:
 
 @dataclass(frozen=True)
 class Forced(Plan):
-    """A plan that runs more than its scene calls for, which shows what is saved and that nothing is lost."""
+    """A plan that runs more effects than its scene needs.
+
+    It shows what the plan saves, and that nothing is lost.
+    """
 
     prunes: ClassVar[bool] = False
 
 
 def make_plan(scene: Scene) -> Plan:
-    """Ask every effect of the catalogue whether this scene calls for it; constants are folded once for all of them."""
+    """Ask every effect of the catalogue whether this scene needs it.
+
+    Constants are folded once for all effects.
+    """
     facts = Facts(scene)
     return Plan(tuple(Decision(entry.effect, *entry.is_needed(facts)) for entry in EFFECTS))

@@ -45,7 +45,10 @@ def is_rough(closure: Microfacets | Diffuse) -> bool:
 
 
 def is_replaced(closure: Glossy) -> bool:
-    """Whether the options of a rendering gave the closure a model or a Fresnel term that its node does not have."""
+    """Return whether the render options gave the closure another model or Fresnel term.
+
+    Another is one that its node does not have.
+    """
     return closure.fresnel != "none" or (not is_smooth(closure) and closure.distribution not in _OF_NODES)
 
 
@@ -72,7 +75,10 @@ def _nodes(facts: Facts, kinds: tuple[type, ...]) -> list[str]:
 
 
 def socket(kinds: tuple[type, ...], none: str) -> Question:
-    """Whether a socket of a material that is seen holds a node of one of `kinds`, its constant parts worked out."""
+    """Return whether a socket of a visible material holds a node of one of `kinds`.
+
+    Its constant parts are computed first.
+    """
     return lambda facts: named(_nodes(facts, kinds), "material", none)
 
 

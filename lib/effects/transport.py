@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Questions about light and its way: what shines, what is sampled, what can be hidden, how far paths go."""
+"""Questions about light transport.
+
+What emits light, what is sampled, what can be hidden, and how far paths go.
+"""
 
 from __future__ import annotations
 
@@ -111,7 +114,10 @@ def _sampled(facts: Facts) -> int:
 
 
 def _mesh_samplers(facts: Facts) -> int:
-    """How many samplers emissive faces have: one for those that the same rays see and that are linked alike."""
+    """Return how many samplers emissive faces have.
+
+    There is one for faces that the same rays see and that are linked alike.
+    """
     kinds = {(thing.rays, thing.links) for thing in facts.shining if thing.rays & SCATTERED}
     return len(kinds) if mesh_lights(facts)[0] else 0
 
@@ -190,7 +196,7 @@ def last_hits(facts: Facts) -> Answer:
 
 
 def second_hits(facts: Facts) -> Answer:
-    """Whether it must be asked what scattered rays meet, and those that pass transparent faces."""
+    """Return whether scattered rays, and those through transparent faces, are intersected."""
     again, why = facts.meets_again
     if again and not scattered_rays(facts)[0] and not facts.transparent:
         return False, "no ray goes on from the first face"

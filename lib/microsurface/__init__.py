@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Microfacets as they are: height fields of known statistics, traced, beside what masking formulas say of them."""
+"""Microfacets as they are, compared with masking formulas.
+
+Height fields of known statistics are traced, beside what the formulas say of them.
+"""

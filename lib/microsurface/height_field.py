@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Height fields with Gaussian heights and slopes: the surface that Beckmann's distribution describes."""
+"""Height fields with Gaussian heights and slopes.
+
+This is the surface that Beckmann's distribution describes.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,14 @@ from ..scene.mesh import Mesh, Object
 
 
 def gaussian_field(rng: np.random.Generator, cells: int, correlation: float, alpha: float) -> np.ndarray:
-    """Heights (cells, cells) of a periodic field, in cells, whose slopes have Beckmann's `alpha`.
+    """Return the heights (cells, cells) of a periodic field with Beckmann's `alpha`.
 
-    Gaussian heights with the autocorrelation exp(-(r / correlation)^2), `correlation` in cells, made of white noise by its spectrum. The
-    slopes of the triangles, differences between neighbours, then have the variance alpha^2 / 2 along each axis (Beckmann and
-    Spizzichino 1963, ch. 5; Heitz 2014, sec. 5.3): the heights are scaled so that they have it exactly in the mean.
+    The heights are in cells; `alpha` is that of the slopes.
+
+    Gaussian heights with the autocorrelation exp(-(r / correlation)^2), `correlation` in cells, made of white noise
+    by its spectrum. The slopes of the triangles, differences between neighbours, then have the variance alpha^2 / 2
+    along each axis (Beckmann and Spizzichino 1963, ch. 5; Heitz 2014, sec. 5.3): the heights are scaled so that they
+    have it exactly in the mean.
     """
     frequency = 2.0 * np.pi * np.fft.fftfreq(cells)
     squared = np.add.outer(frequency**2, frequency**2)[:, : cells // 2 + 1]
@@ -24,7 +30,10 @@ def gaussian_field(rng: np.random.Generator, cells: int, correlation: float, alp
 
 
 def power_mean(power: np.ndarray, cells: int) -> float:
-    """The mean over all frequencies of a spectrum (cells, cells // 2 + 1) that `rfft2` halves: the variance it gives to white noise."""
+    """Return the mean over all frequencies of a spectrum (cells, cells // 2 + 1).
+
+    `rfft2` halves the spectrum. The mean is the variance that it gives to white noise.
+    """
     columns = np.full(power.shape[1], 2.0)
     columns[0] = 1.0
     if cells % 2 == 0:
@@ -33,9 +42,12 @@ def power_mean(power: np.ndarray, cells: int) -> float:
 
 
 def tiled_mesh(heights: np.ndarray, margin: int) -> Mesh:
-    """The triangles of a periodic field (n, n), one cell wide each, repeated by `margin` cells on every side.
+    """Return the triangles of a periodic field (n, n), one cell wide each.
 
-    The field itself covers 0 to n along x and y. Both diagonals of a cell occur, in a chessboard's order, so that none is preferred.
+    They are repeated by `margin` cells on every side.
+
+    The field itself covers 0 to n along x and y. Both diagonals of a cell occur, in a chessboard's order, so that
+    none is preferred.
     """
     count = heights.shape[0]
     index = np.arange(-margin, count + margin + 1)

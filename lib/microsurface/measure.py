@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Height fields traced at some angles, beside the formulas: which geometry underlies G, in numbers with errors."""
+"""Height fields traced at some angles, beside the formulas.
+
+This shows which geometry underlies G, in numbers with errors.
+"""
 
 from __future__ import annotations
 
@@ -59,10 +62,12 @@ def measure_microsurface(
     seed: int = 0,
     progress: Progress = NO_PROGRESS,
 ) -> list[Figures]:
-    """Trace `fields` independent height fields of Beckmann's `alpha` under each of the `angles`, in degrees.
+    """Trace `fields` independent height fields under each of the `angles`, in degrees.
 
-    `correlation`: the length of correlation in cells of the grid. Errors come from the differences between fields, of which there must
-    be two or more. Raises Cancelled when asked to stop.
+    The fields have Beckmann's `alpha`.
+
+    `correlation`: the length of correlation in cells of the grid. Errors come from the differences between fields, of
+    which there must be two or more. Raises Cancelled when asked to stop.
     """
     directions = [np.array([np.sin(a), 0.0, np.cos(a)]) for a in np.radians(angles)]
     found = np.empty((fields, len(angles), 4))
@@ -89,9 +94,12 @@ def measure_microsurface(
 
 
 def write_field(path: Path, alpha: float, correlation: float, seed: int, cells: int = CELLS) -> None:
-    """Write the first field that `measure_microsurface` traces as a PLY mesh, with half a period more on every side.
+    """Write the first field that `measure_microsurface` traces as a PLY mesh.
 
-    One unit is a cell. The field itself covers 0 to `cells` along x and y. Raises EtalonError where the file cannot be written.
+    The mesh has half a period more on every side.
+
+    One unit is a cell. The field itself covers 0 to `cells` along x and y. Raises EtalonError where the file cannot
+    be written.
     """
     (first,) = np.random.SeedSequence(seed).spawn(1)
     heights = gaussian_field(np.random.default_rng(first), cells, correlation, alpha)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What masking formulas say of a Beckmann surface: the same three numbers that `traced` finds on height fields."""
+"""What masking formulas say of a Beckmann surface.
+
+These are the same three numbers that `traced` finds on height fields.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,18 @@ _NORMAL = np.array([[0.0], [0.0], [1.0]])
 
 
 def visible_share(direction: np.ndarray, alpha: float) -> float:
-    """Smith's G1 = 1 / (1 + Lambda): the share of the facets that `direction` (3,) sees, of those that face it (Heitz 2014, eq. 43)."""
+    """Return Smith's G1 = 1 / (1 + Lambda) (Heitz 2014, eq. 43).
+
+    It is the share of the facets that `direction` (3,) sees, of those that face it.
+    """
     return float(1.0 / (1.0 + Beckmann().smith_lambda(direction[:, None], alpha, alpha)[0]))
 
 
 def shared_by_mirror(direction: np.ndarray, alpha: float) -> dict[str, float]:
-    """G of level facets for `direction` (3,) and the one that they mirror it to, by each of FORMULAS."""
+    """Return G of level facets for a direction and its mirror direction, by each of FORMULAS.
+
+    `direction` is (3,).
+    """
     wo = direction[:, None]
     wi = wo * np.array([[-1.0], [-1.0], [1.0]])
     both = _masking(wi, wo, _NORMAL, alpha)
@@ -29,10 +38,12 @@ def shared_by_mirror(direction: np.ndarray, alpha: float) -> dict[str, float]:
 
 
 def reflected_once(direction: np.ndarray, alpha: float) -> dict[str, float]:
-    """The part of light along -`direction` (3,) that white mirrors reflect once and that then leaves, by each of FORMULAS.
+    """Return the share of light that white mirrors reflect once and that then leaves.
 
-    The integral of D(m) G(i, o, m) (o.m)+ / (n.o) over normals m whose mirrored direction i lies above the horizon, by the midpoint
-    rule over visible normals, to 1e-3.
+    The light goes along -`direction` (3,). There is one share for each of FORMULAS.
+
+    The integral of D(m) G(i, o, m) (o.m)+ / (n.o) over normals m whose mirrored direction i lies above the horizon,
+    by the midpoint rule over visible normals, to 1e-3.
     """
     u = (np.arange(_POINTS) + 0.5) / _POINTS
     u1, u2 = (one.ravel() for one in np.meshgrid(u, u))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What rays find on a height field: which facets two directions see, and what a field of mirrors reflects."""
+"""What rays find on a height field.
+
+They find which facets two directions see, and what a field of mirrors reflects.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,9 @@ _LAPS = 100
 
 
 class TracedField:
-    """One periodic height field of `cells` x `cells`, and a ray caster over it and half of its neighbours.
+    """One periodic height field of `cells` x `cells`, and its ray caster.
+
+    The ray caster covers the field and half of its neighbours.
 
     Rays that leave these are moved back by whole periods, so that the field has no end.
     """
@@ -28,7 +33,9 @@ class TracedField:
         self._caster = Raycaster(tiled_mesh(heights, self._margin))
 
     def seen(self, directions: list[np.ndarray], count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Facets at `count` places that are uniform over the mean plane: normals (3, n), area per place (n,), seen (directions, n).
+        """Return the facets at `count` places that are uniform over the mean plane.
+
+        The results are normals (3, n), area per place (n,), seen (directions, n).
 
         `directions` (3,) unit, upwards. A facet that faces away from a direction is not seen along it.
         """
@@ -42,7 +49,10 @@ class TracedField:
         return normal, 1.0 / normal[2], found
 
     def reflected(self, direction: np.ndarray, count: int) -> tuple[float, float]:
-        """Of light along -`direction` (3,) on white mirrors: the part that leaves after one reflection, and after any number."""
+        """Return the share of light that leaves white mirrors after one reflection, and after any.
+
+        The light goes along -`direction` (3,). The second share counts any number of reflections.
+        """
         point = np.concatenate([self._rng.uniform(0.0, self._cells, (2, count)), np.full((1, count), self._top + 1.0)])
         ray, free = np.repeat(-direction[:, None], count, axis=1), []
         for _ in range(_BOUNCES + 1):
@@ -56,7 +66,10 @@ class TracedField:
         return free[1] / count, sum(free) / count
 
     def _next(self, origin: np.ndarray, ray: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The triangles (n,) that rays meet, -1 for those that leave the field upwards, and where (3, n), a whole period off or not."""
+        """Return the triangles (n,) that rays meet, and where (3, n).
+
+        The triangle is -1 for rays that leave the field upwards. The places may be a whole period off.
+        """
         triangle, met = np.full(origin.shape[1], -1, np.int32), origin.copy()
         index = np.arange(origin.shape[1])
         for _ in range(_LAPS):
@@ -74,7 +87,10 @@ class TracedField:
         return triangle, met
 
     def _facets(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points (3, n) on the field above uniform places, the upward normals there, and offsets that rays need."""
+        """Return points (3, n) on the field above uniform places.
+
+        The other results are the upward normals there, and the offsets that rays need.
+        """
         place = self._rng.uniform(0.0, self._cells, (2, count))
         origin = np.concatenate([place, np.full((1, count), self._top + 1.0)])
         down = np.zeros((3, count))

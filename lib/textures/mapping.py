@@ -32,8 +32,8 @@ def _euler_xyz(rotation: np.ndarray) -> list[list[np.ndarray]]:
 def mapping(kind: str, vector: np.ndarray, location: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Map `vector` as Blender's Mapping node does.
 
-    'POINT' scales, turns and moves it. 'TEXTURE' is the inverse, 'VECTOR' leaves out the move, and the last kind maps a
-    normal.
+    'POINT' scales, turns and moves it. 'TEXTURE' is the inverse, 'VECTOR' leaves out the move, and any other kind
+    maps a normal.
 
     All (3, 1) or (3, n); division by a scale of 0 gives 0, as in Cycles.
     """
