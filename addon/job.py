@@ -71,7 +71,10 @@ def export(scene: bpy.types.Scene, partial: bool = False, motion_blur: bool = Fa
     def read(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:
         return export_scene(depsgraph, partial=partial, set_frame=set_frame if motion_blur else None)
 
-    return render_skies(with_render_frames(scene, read))
+    try:
+        return render_skies(with_render_frames(scene, read))
+    except Refused as refused:
+        raise Refused(refused.refusals, allows_partial=not motion_blur) from refused
 
 
 def _pass_by(comparison: Comparison) -> None:

@@ -42,10 +42,13 @@ class Refusal:
 
 
 class Refused(EtalonError):
-    """The scene asks for effects that are not simulated; nothing is replaced in silence."""
+    """The scene asks for effects that are not simulated; nothing is replaced in silence.
 
-    def __init__(self, refusals: tuple[Refusal, ...] | list[Refusal]) -> None:
-        self.refusals = tuple(refusals)
+    `allows_partial`: --partial may be advised for materials.
+    """
+
+    def __init__(self, refusals: tuple[Refusal, ...] | list[Refusal], allows_partial: bool = True) -> None:
+        self.refusals, self.allows_partial = tuple(refusals), allows_partial
         super().__init__("; ".join(str(r) for r in self.refusals))
 
 

@@ -62,19 +62,23 @@ def group_refusals(refusals: Iterable[Refusal]) -> list[Reason]:
 def describe_refusals(refused: Refused) -> list[str]:
     """A line for each reason, and one for what can be compared as things are, if anything can."""
     reasons = group_refusals(refused.refusals)
-    rest = what_would_work(reasons)
+    rest = what_would_work(reasons, refused.allows_partial)
     return [str(reason) for reason in reasons] + ([rest] if rest is not None else [])
 
 
-def what_would_work(reasons: Sequence[Reason]) -> str | None:
-    """What can be compared as things are, in a sentence; None where nothing can."""
+def what_would_work(reasons: Sequence[Reason], allows_partial: bool = True) -> str | None:
+    """What can be compared as things are, in a sentence; None where nothing can.
+
+    Materials stand in the way too where --partial is not allowed.
+    """
     assignments = [f"--set {shlex.quote(one)}" for reason in reasons for one in reason.assignments]
     if len(assignments) > MOST_ASSIGNMENTS:
         assignments = []
-    others = [one for one in reasons if one.kind != MATERIAL and not (assignments and one.assignments)]
+    partial = [one for one in reasons if one.kind == MATERIAL and allows_partial]
+    others = [one for one in reasons if one not in partial and not (assignments and one.assignments)]
     if len(others) == len(reasons):
         return None
-    options = ["--partial"] * any(reason.kind == MATERIAL for reason in reasons) + assignments
+    options = ["--partial"] * bool(partial) + assignments
     what = "compares" if len(options) == 1 else "compare"
     if not others:
         return f"{' '.join(options)} {what} the rest"

@@ -59,7 +59,7 @@ class AnotherBlender:
         """The scene, exported there; raises Refused or EtalonError."""
         reply = next(self._replies())
         if "refusals" in reply:
-            raise Refused([Refusal(**refusal) for refusal in reply["refusals"]])
+            raise Refused([Refusal(**refusal) for refusal in reply["refusals"]], reply["allows_partial"])
         if "error" in reply:
             raise EtalonError(reply["error"])
         self.name, self.settings = reply["name"], reply["settings"]

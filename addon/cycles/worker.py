@@ -108,7 +108,7 @@ def _serve(request: dict[str, Any], package: str) -> None:
                     rays=done.rays,
                 )
         except errors.Refused as refused:
-            say(refusals=[vars(refusal) for refusal in refused.refusals])
+            say(refusals=[vars(one) for one in refused.refusals], allows_partial=refused.allows_partial)
         except errors.EtalonError as error:
             say(error=str(error))
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import bpy
 import numpy as np
 
-from ...lib.errors import Refusal, Refused
+from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.scene.camera import Camera
 from ...lib.scene.matrices import affine
 from ...lib.scene.mesh import Mesh
@@ -72,16 +72,16 @@ def check_blur(depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]) -> bool:
     if not (render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur):
         return False
     if scene.cycles.rolling_shutter_type != "NONE":
-        path = "scene.cycles.rolling_shutter_type='NONE'"
+        path = "scene.cycles.rolling_shutter_type=NONE"
         refusals.append(Refusal(owner, "a rolling shutter", "set Rolling Shutter to None", path))
     if render.motion_blur_position != "CENTER":
-        path = "scene.render.motion_blur_position='CENTER'"
+        path = "scene.render.motion_blur_position=CENTER"
         refusals.append(
             Refusal(owner, "a shutter that does not open about the frame", "set Position to Center on Frame", path)
         )
     heights = {point.location[1] for point in render.motion_blur_shutter_curve.curves[0].points}
-    if len(heights) > 1:
-        refusals.append(Refusal(owner, "a Shutter Curve that is not flat", "make its points equally high"))
+    if len(heights) > 1 or min(heights) <= 0.0:
+        refusals.append(Refusal(owner, "a Shutter Curve that is not flat", "make its points equally high, above 0"))
     return True
 
 
@@ -100,11 +100,15 @@ def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], Non
     for k in range(most):
         if k != most // 2:
             set_frame(now + (k / (most - 1) - 0.5) * shutter)
-            states[k] = _read_state(depsgraph)
+            states[k] = _read_state(depsgraph, middle)
     ordered = [states[k] for k in range(most)]
     refusals = list(_find_refused(ordered, middle))
     if refusals:
         raise Refused(list(dict.fromkeys(refusals)))
+    if len(middle.things) != len(mesh.objects):
+        raise EtalonError(
+            f"{scene.name}: objects with faces cannot be told apart for motion blur; rename the namesakes"
+        )
     objects, positions = _read_objects(ordered, middle, mesh)
     camera = _keys([state.camera.world_from_camera for state in ordered], camera_keys)
     return Motion(objects, positions, camera) if objects or positions or camera is not None else None
@@ -118,14 +122,14 @@ def _count_keys(thing: bpy.types.Object, parent: bpy.types.Object) -> int:
     return min(2 ** max(1, *(one.motion_steps for one in both)) + 1, _MOST_KEYS)
 
 
-def _read_state(depsgraph: bpy.types.Depsgraph) -> _State:
-    """What there is at the time for which the depsgraph is evaluated."""
+def _read_state(depsgraph: bpy.types.Depsgraph, middle: _State | None = None) -> _State:
+    """What there is at the time for which the depsgraph is evaluated; what is as in the `middle` is shared with it."""
     things: dict[Key, _Thing] = {}
     shapes: dict[int, _Shape] = {}
     lights: dict[Key, np.ndarray] = {}
     for instance in depsgraph.object_instances:
         thing, parent = instance.object, instance.parent or instance.object
-        key = thing.name, parent.name, tuple(instance.persistent_id) if instance.is_instance else ()
+        key = thing.name_full, parent.name_full, tuple(instance.persistent_id) if instance.is_instance else ()
         if not instance.show_self:
             continue
         if thing.type == "LIGHT":
@@ -136,7 +140,7 @@ def _read_state(depsgraph: bpy.types.Depsgraph) -> _State:
                 continue
             pointer = thing.data.as_pointer()
             if pointer not in shapes:
-                shapes[pointer] = _read_shape(faces)
+                shapes[pointer] = _like(_read_shape(faces), key, middle)
             deforms = thing.cycles.use_deform_motion and parent.cycles.use_deform_motion
             keys = _count_keys(thing, parent)
             things[key] = _Thing(thing.name, affine(instance.matrix_world), pointer, keys, deforms and keys > 1)
@@ -153,6 +157,15 @@ def _read_shape(mesh: bpy.types.Mesh) -> _Shape:
     velocity = mesh.attributes.get("velocity")
     has_velocity = velocity is not None and velocity.domain == "POINT" and velocity.data_type == "FLOAT_VECTOR"
     return _Shape(positions.reshape(-1, 3).T.astype(np.float64), corners, starts, has_velocity)
+
+
+def _like(shape: _Shape, key: Key, middle: _State | None) -> _Shape:
+    """The shape of the thing `key` in the middle where it is the same, so that it is kept once; else `shape`."""
+    if middle is None or key not in middle.things:
+        return shape
+    other = middle.shapes[middle.things[key].pointer]
+    pairs = ((shape.positions, other.positions), (shape.corners, other.corners), (shape.starts, other.starts))
+    return other if all(np.array_equal(*pair) for pair in pairs) else shape
 
 
 def _find_refused(states: list[_State], middle: _State) -> Iterator[Refusal]:

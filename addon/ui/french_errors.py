@@ -117,6 +117,9 @@ ERRORS: dict[str, str] = {
     "{name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces": (
         "{name} : la lumière de matériaux non simulés atteint chaque pixel ; simplifiez-les ou réduisez les rebonds"
     ),
+    "{name}: objects with faces cannot be told apart for motion blur; rename the namesakes": (
+        "{name} : des objets ne peuvent être distingués pour le flou de mouvement ; renommez les homonymes"
+    ),
     "--partial does not know motion blur; leave --partial or --motion-blur out": (
         "Partiel ne connaît pas le flou de mouvement ; désactivez l'un des deux"
     ),

@@ -245,7 +245,7 @@ REMEDIES: dict[str, str] = {
     "give them the same": "donnez-leur les mêmes",
     "keep them constant, or leave --motion-blur out": "gardez-les constants, ou désactivez Flou de mouvement",
     "leave --motion-blur out": "désactivez Flou de mouvement",
-    "make its points equally high": "mettez ses points à la même hauteur",
+    "make its points equally high, above 0": "mettez ses points à la même hauteur, au-dessus de 0",
     "move the marker out of the shutter's time": "sortez le marqueur du temps de l'obturateur",
     "remove the attribute, or switch Deformation off in its motion blur settings": (
         "supprimez l'attribut, ou désactivez Deformation dans ses réglages de flou"

@@ -43,7 +43,7 @@ def motion(facts: Facts) -> Answer:
     """Whether anything moves while the shutter is open."""
     keys = facts.scene.motion
     if keys is None:
-        return False, "nothing moves while the shutter is open"
+        return False, "no motion is simulated"
     moving = sorted({*keys.objects, *keys.positions})
     names = [facts.scene.mesh.objects[k].name for k in moving] + ["the camera"] * (keys.camera is not None)
     return named(names, "while the shutter is open, these move:", "nothing moves while the shutter is open")

@@ -182,7 +182,7 @@ class SequentialTest:
         known = np.isfinite(rare) & (replicates >= FEWEST)
         self._differs = np.where(now, np.where(known, p, np.inf), self._differs)
         shown = p_different(*ends) / share <= ONE_DIFFERS * self.level / self.outcomes.size
-        self._brighter = np.where(now, self._reached & shown, self._brighter)
+        self._brighter = np.where(now, self._reached & shown & (replicates >= FEWEST), self._brighter)
         gap = difference(candidate, reference, self.floor)
         self._claim(replicates, gap, np.isnan(reference.mean + candidate.mean).any(axis=1))
         self.looks.append(

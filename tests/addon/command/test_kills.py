@@ -111,7 +111,7 @@ class Place:
 
 
 @pytest.mark.parametrize(
-    "kills", [pytest.param(2, marks=pytest.mark.slow), pytest.param(50, marks=pytest.mark.benchmark)]
+    "kills", [pytest.param(4, marks=pytest.mark.slow), pytest.param(50, marks=pytest.mark.benchmark)]
 )
 def test_kills_lose_nothing_and_leave_nothing(tmp_path, rng, kills):
     place = Place(tmp_path)

@@ -51,6 +51,14 @@ def test_a_refusal_ends_with_what_would_work(refusals, last):
     assert describe_refusals(Refused(refusals))[-1] == last
 
 
+def test_partial_is_not_advised_where_it_is_not_allowed():
+    """As beside --motion-blur: materials stand in the way like everything else."""
+    assert describe_refusals(Refused(SKINS, allows_partial=False)) == [str(one) for one in group_refusals(SKINS)]
+    *_, last = describe_refusals(Refused([*SKINS, SETTABLE], allows_partial=False))
+    assert last.endswith(", --set scene.render.use_simplify=false compares the rest")
+    assert "--partial" not in last
+
+
 def test_reasons_are_counted_over_files_whatever_their_names():
     other = Refusal("material 'Ear'", "node 'Other' (Principled BSDF), socket 'Subsurface', ", "set it to 0")
     files = [

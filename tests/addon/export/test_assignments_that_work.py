@@ -4,6 +4,7 @@
 import bpy
 import pytest
 from etalon.addon.command.assignments import assign
+from etalon.addon.job import export
 from etalon.lib.errors import Refused
 
 
@@ -22,3 +23,15 @@ def test_what_a_refusal_says_to_set_makes_the_scene_pass(studio):
     for refusal in refusals:
         assign(refusal.assignment)
     assert studio.export().mesh.triangle_count == 6
+
+
+def test_what_a_refusal_of_the_shutter_says_to_set_makes_the_scene_pass(studio):
+    studio.quad("floor")
+    studio.scene.render.use_motion_blur = True
+    studio.scene.render.motion_blur_position, studio.scene.cycles.rolling_shutter_type = "START", "TOP"
+    with pytest.raises(Refused) as caught:
+        export(studio.scene, motion_blur=True)
+    for refusal in caught.value.refusals:
+        assign(refusal.assignment)
+    assert export(studio.scene, motion_blur=True).motion is None
+    assert not caught.value.allows_partial

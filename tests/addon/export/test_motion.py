@@ -69,6 +69,19 @@ def test_keys_are_where_things_are_at_the_shutters_frames(studio, moving):
     assert studio.scene.render.use_motion_blur
 
 
+def test_a_linked_namesake_keeps_what_moves_apart(studio, moving, tmp_path):
+    """Two objects of one name, of which one stands still, come before the one that moves."""
+    studio.quad("first", z=-1.0)
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {bpy.data.objects["first"]})
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.objects = ["first"]
+    studio.scene.collection.objects.link(wanted.objects[0])
+    scene = exported(studio)
+    names = [thing.name for thing in scene.mesh.objects]
+    assert names.count("first") == 2
+    assert list(scene.motion.objects) == [names.index("square")]
+
+
 def test_vertices_of_a_mesh_that_deforms_are_those_at_the_keys(studio, moving):
     """Of the second of two users of one mesh, too, whose vertices follow those of the first."""
     bend(moving)

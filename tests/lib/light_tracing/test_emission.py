@@ -66,7 +66,7 @@ def test_a_ray_back_meets_the_light_where_the_ray_left_it(name, rng):
     rays = emit(light, rng)
     distance, radiance = light.intersect(rays.origin + 0.7 * rays.direction, -rays.direction)
     met = rays.brightness > 0.0
-    assert met.sum() > 1000  # most rays of a squeezed spot leave outside its cone
+    assert met.mean() > (0.05 if name == "squeezed spot" else 0.5)  # most rays of that one leave outside its cone
     far = np.isinf(distance[met])
     np.testing.assert_allclose(distance[met][~far], 0.7, rtol=1e-9)
     np.testing.assert_allclose(luminance(radiance)[met], rays.brightness[met], rtol=1e-9)
