@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The empirical models that the documents name, as lobes: what was used before microfacets, and what each of them gets wrong."""
+"""Empirical BRDF models from before microfacets, as lobes, and what each gets wrong.
+
+They are the models that the documents name.
+"""

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Models that are a power of the cosine about one direction: Phong, modified Phong, Lafortune.
+"""Phong, modified Phong and Lafortune: powers of the cosine about one direction.
 
-The exponent follows from alpha: (h.n)^N about the half vector, N = 2 / alpha^2 - 2 as Blender has it, is about as wide as (r.i)^n about the
-mirror direction with n = N / 4, since a facet that turns by an angle turns the mirror direction by twice that angle. Isotropic:
-alpha = sqrt(alpha_x alpha_y). The lobes of Phong and modified Phong are white at normal incidence.
+The exponent follows from alpha: (h.n)^N about the half vector, N = 2 / alpha^2 - 2 as Blender has it, is about as
+wide as (r.i)^n about the mirror direction with n = N / 4, since a facet that turns by an angle turns the mirror
+direction by twice that angle. Isotropic: alpha = sqrt(alpha_x alpha_y). The lobes of Phong and modified Phong are
+white at normal incidence.
 """
 
 from __future__ import annotations
@@ -23,9 +24,12 @@ from ..vectors import dot, orthonormal_basis
 
 
 class MirrorPower(Lobe):
-    """A lobe (a.i)^n about an axis a, sampled by its power: density (n + 1) / (2 pi) (a.i)^n per steradian.
+    """A lobe (a.i)^n about an axis a, sampled by its power.
 
-    `wo` (3, n); alpha_x and alpha_y () or (n,) in (0, 1]. A subclass says its axis and what the value is beside the density.
+    The density is (n + 1) / (2 pi) (a.i)^n per steradian.
+
+    `wo` (3, n); alpha_x and alpha_y () or (n,) in (0, 1]. A subclass says its axis and what the value is beside the
+    density.
     """
 
     def __init__(self, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray) -> None:
@@ -34,7 +38,10 @@ class MirrorPower(Lobe):
         self._above = wo[2] > 0.0
 
     def _shape(self, wo: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray | float]:
-        """The unit axis, (3, n), and a factor on the value, () or (n,): the mirror direction and 1."""
+        """Return the unit axis, (3, n), and a factor on the value, () or (n,).
+
+        By default these are the mirror direction and 1.
+        """
         return np.stack([-wo[0], -wo[1], wo[2]]), 1.0
 
     @abstractmethod
@@ -51,7 +58,10 @@ class MirrorPower(Lobe):
         return to_rgb(pdf * self._over_density(wi)), pdf
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Direction, weight, density: phi = 2 pi u1, cos(theta) = (1 - u2)^(1 / (n + 1)) about the axis (Lafortune and Willems 1994)."""
+        """Sample a direction, and return it with its weight and density.
+
+        phi = 2 pi u1, cos(theta) = (1 - u2)^(1 / (n + 1)) about the axis (Lafortune and Willems 1994).
+        """
         log_cos = np.log1p(-np.minimum(u2, LARGEST_UNIFORM)) / (self._n + 1.0)
         sine, cosine = np.sqrt(-np.expm1(2.0 * log_cos)), np.exp(log_cos)
         x, y = circle(u1)
@@ -69,9 +79,12 @@ class MirrorPower(Lobe):
 
 
 class Phong(MirrorPower):
-    """Phong 1975, as light: f cos = (n + 1) / (2 pi) (r.i)^n, without the cosine of the light that every surface receives by.
+    """Phong 1975, as light, without the cosine by which every surface receives light.
 
-    So f = (n + 1) / (2 pi) (r.i)^n / (i.n) is not reciprocal, and seen from the light's side it reflects without a bound at grazing.
+    f cos = (n + 1) / (2 pi) (r.i)^n.
+
+    So f = (n + 1) / (2 pi) (r.i)^n / (i.n) is not reciprocal, and seen from the light's side it reflects without a
+    bound at grazing.
     """
 
     def _over_density(self, wi: np.ndarray) -> np.ndarray:
@@ -79,17 +92,22 @@ class Phong(MirrorPower):
 
 
 class ModifiedPhong(MirrorPower):
-    """f = (n + 2) / (2 pi) (r.i)^n (Lewis 1993, "Making shaders more physically plausible"; Lafortune and Willems 1994): reciprocal."""
+    """Modified Phong, which is reciprocal: f = (n + 2) / (2 pi) (r.i)^n.
+
+    Lewis 1993, "Making shaders more physically plausible"; Lafortune and Willems 1994.
+    """
 
     def _over_density(self, wi: np.ndarray) -> np.ndarray:
         return (self._n + 2.0) / (self._n + 1.0) * np.maximum(wi[2], 0.0)
 
 
 class Lafortune(MirrorPower):
-    """f = (n + 2) / (2 pi) (cx i.x o.x + cy i.y o.y + cz i.z o.z)^n, one lobe (Lafortune et al. 1997, eq. 8).
+    """Lafortune's model with one lobe (Lafortune et al. 1997, eq. 8).
 
-    `coefficients` are cx, cy and cz in [-1, 1]. (-1, -1, 1) is modified Phong; a smaller cz than |cx| tilts the lobe towards grazing, as real
-    surfaces do; three positive ones send light back. Reciprocal.
+    f = (n + 2) / (2 pi) (cx i.x o.x + cy i.y o.y + cz i.z o.z)^n.
+
+    `coefficients` are cx, cy and cz in [-1, 1]. (-1, -1, 1) is modified Phong; a smaller cz than |cx| tilts the lobe
+    towards grazing, as real surfaces do; three positive ones send light back. Reciprocal.
     """
 
     def __init__(

@@ -34,10 +34,12 @@ EMPIRICAL: dict[str, Callable[..., LobeForm]] = {
 
 
 def directional_albedo(form: LobeForm, cos_o: float, alpha_x: float, alpha_y: float, order: int = 160) -> float:
-    """The light that a lobe reflects to a viewer at `cos_o` in (0, 1], over the x axis, out of an even sky of 1: the integral of f cos over wi.
+    """Return the light that a lobe reflects to a viewer out of an even sky of 1.
 
-    By quadrature of the weights over the square of the uniforms, `order` nodes along u2 and twice as many along u1. Where a lobe is cut
-    off by the horizon, it has three digits.
+    It is the integral of f cos over wi. The viewer is at `cos_o` in (0, 1], over the x axis.
+
+    By quadrature of the weights over the square of the uniforms, `order` nodes along u2 and twice as many along u1.
+    Where a lobe is cut off by the horizon, it has three digits.
     """
     node, weight = leggauss(order)
     u2, weight = 0.5 + 0.5 * node, 0.5 * weight

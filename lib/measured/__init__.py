@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measured materials: readers of MERL and RGL files, which give the BRDF for pairs of directions."""
+"""Measured materials: readers of MERL and RGL files.
+
+The files give the BRDF for pairs of directions.
+"""

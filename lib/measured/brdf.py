@@ -13,7 +13,10 @@ from ..plural import plural
 
 
 class MeasuredBrdf(ABC):
-    """A BRDF that is a table; `isotropic` says that it depends on the azimuths' difference alone."""
+    """A BRDF that is a table.
+
+    `isotropic` says that it depends on the azimuths' difference alone.
+    """
 
     isotropic: bool
 

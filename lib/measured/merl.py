@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MERL's `.binary` files: 90 x 90 x 180 isotropic values in half and difference angles (Matusik et al. 2003).
+"""MERL's `.binary` files: isotropic values in half and difference angles.
 
-Three int32 sizes, then float64 for red, green and blue. The half vector's angle to the normal is cell k from k^2 to (k + 1)^2 over 90^2 of
-90 degrees, the difference vector's angle is in whole degrees, its azimuth in whole degrees from 0 to 180: f is reciprocal.
-Stored values times 1/1500, 1.15/1500 and 1.66/1500 are f. Negative values mark directions that were not measured.
+There are 90 x 90 x 180 values (Matusik et al. 2003).
+
+Three int32 sizes, then float64 for red, green and blue. The half vector's angle to the normal is cell k from k^2 to
+(k + 1)^2 over 90^2 of 90 degrees, the difference vector's angle is in whole degrees, its azimuth in whole degrees
+from 0 to 180: f is reciprocal. Stored values times 1/1500, 1.15/1500 and 1.66/1500 are f. Negative values mark
+directions that were not measured.
 """
 
 from __future__ import annotations
@@ -29,13 +32,19 @@ TRUSTED_COSINE = float(np.cos(np.radians(80.0)))
 
 @dataclass(frozen=True)
 class Merl(MeasuredBrdf):
-    """One MERL material: `values` f in sr^-1, (3, 90, 90, 180), NaN where there was no measurement."""
+    """One MERL material.
+
+    `values` are f in sr^-1, (3, 90, 90, 180), NaN where there was no measurement.
+    """
 
     values: np.ndarray
     isotropic: bool = True
 
     def evaluate(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """Return f |n.wi| of the cell that holds the directions, (3, n); no interpolation, as the authors' own reader."""
+        """Return f |n.wi| of the cell that holds the directions, (3, n).
+
+        There is no interpolation, as in the authors' own reader.
+        """
         half, difference, azimuth = half_difference_angles(wi, wo)
         h = np.minimum((90.0 * np.sqrt(half / (0.5 * np.pi))).astype(int), 89)
         d = np.minimum((90.0 * difference / (0.5 * np.pi)).astype(int), 89)
@@ -45,10 +54,12 @@ class Merl(MeasuredBrdf):
 
 
 def half_difference_angles(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rusinkiewicz's angles theta_h, theta_d in [0, pi/2] and phi_d in [0, pi), each (n,), of unit directions (3, n).
+    """Return Rusinkiewicz's angles of unit directions (3, n).
 
-    The difference vector is wi in the frame whose z is the half vector and whose x is the direction of growing theta_h; phi_d and
-    phi_d + pi are one, by reciprocity (Rusinkiewicz 1998).
+    The angles are theta_h, theta_d in [0, pi/2] and phi_d in [0, pi), each (n,).
+
+    The difference vector is wi in the frame whose z is the half vector and whose x is the direction of growing
+    theta_h; phi_d and phi_d + pi are one, by reciprocity (Rusinkiewicz 1998).
     """
     m = wi + wo
     m = m / np.sqrt(np.maximum(dot(m, m), 1e-300))
@@ -64,7 +75,10 @@ def half_difference_angles(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, 
 def directions_of_angles(
     half: np.ndarray, difference: np.ndarray, azimuth: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The directions wi and wo, (3, n), whose `half_difference_angles` are given, with the half vector in the x-z plane."""
+    """Return the directions wi and wo, (3, n), of given `half_difference_angles`.
+
+    The half vector is in the x-z plane.
+    """
     sine, cosine = np.sin(half), np.cos(half)
     x, y, z = np.sin(difference) * np.cos(azimuth), np.sin(difference) * np.sin(azimuth), np.cos(difference)
     wi = np.stack([cosine * x + sine * z, y, cosine * z - sine * x])
@@ -94,7 +108,10 @@ def read_merl(path: Path) -> Merl:
 
 @functools.cache
 def _measured_cells() -> np.ndarray:
-    """The cells in whose middle both directions lie within 80 degrees of the normal, (90, 90, 180)."""
+    """Return the cells whose directions lie within 80 degrees of the normal, (90, 90, 180).
+
+    Both directions at the middle of the cell count.
+    """
     k, d, p = np.meshgrid(*(np.arange(n) + 0.5 for n in SHAPE), indexing="ij")
     wi, wo = directions_of_angles(np.square(k / 90.0) * 0.5 * np.pi, np.radians(d), np.radians(p))
     return (wi[2] > TRUSTED_COSINE) & (wo[2] > TRUSTED_COSINE)

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""RGL's `.bsdf` files: a BRDF in the coordinates of its own microfacets (Dupuy and Jakob 2018, section 5).
+"""RGL's `.bsdf` files: a BRDF in the coordinates of its own microfacets.
 
-With the half vector m in the square's coordinates u(m), and the file's densities of visible normals warping it to a uniform s,
-f |n.wi| = c(s) D(u(m)) / (4 sigma(u(wo))): `ndf` is D, `sigma` the projected area of the microfacets, c the file's `rgb` or `spectra`.
-u has sqrt(2 theta / pi) along x and (phi + pi) / (2 pi) along y. The file's first direction, which the tables depend on, is here wo.
+Dupuy and Jakob 2018, section 5.
+
+With the half vector m in the square's coordinates u(m), and the file's densities of visible normals warping it to a
+uniform s, f |n.wi| = c(s) D(u(m)) / (4 sigma(u(wo))): `ndf` is D, `sigma` the projected area of the microfacets, c
+the file's `rgb` or `spectra`. u has sqrt(2 theta / pi) along x and (phi + pi) / (2 pi) along y. The file's first
+direction, which the tables depend on, is here wo.
 """
 
 from __future__ import annotations
@@ -25,7 +28,10 @@ _SHAPES = {"phi_i": 1, "theta_i": 1, "ndf": 2, "sigma": 2, "vndf": 4, "luminance
 
 @dataclass(frozen=True)
 class Rgl(MeasuredBrdf):
-    """One RGL material. `color` is a table for red, green and blue each; `reduction` is how many times the azimuths repeat."""
+    """One RGL material.
+
+    `color` is a table for red, green and blue each; `reduction` is how many times the azimuths repeat.
+    """
 
     ndf: SquareTable
     sigma: SquareTable
@@ -53,7 +59,10 @@ class Rgl(MeasuredBrdf):
 
 
 def _fold(wi: np.ndarray, wo: np.ndarray, reduction: int) -> tuple[np.ndarray, np.ndarray]:
-    """Turn (2 repeats) or mirror (4) both directions so that wo lies in the part of the azimuths that was measured, which begins at -pi."""
+    """Turn (2 repeats) or mirror (4) both directions into the measured azimuths of wo.
+
+    The part of the azimuths that was measured begins at -pi.
+    """
     if reduction < 2:
         return wi, wo
     flip_y = np.where(wo[1] < 0.0, 1.0, -1.0)
@@ -103,7 +112,10 @@ def read_rgl(path: Path) -> Rgl:
 
 
 def _color(path: Path, fields: dict[str, np.ndarray]) -> np.ndarray:
-    """The colours, (3, phi, theta, height, width): the field `rgb`, or `spectra` seen under an even white light."""
+    """Return the colours, (3, phi, theta, height, width).
+
+    They are the field `rgb`, or `spectra` seen under an even white light.
+    """
     if "rgb" in fields and fields["rgb"].ndim == 5 and fields["rgb"].shape[2] == 3:
         require_numbers(path, "the colours", fields["rgb"])
         return np.moveaxis(fields["rgb"].astype(float), 2, 0)
@@ -117,7 +129,10 @@ def _color(path: Path, fields: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _rgb_weights(wavelengths: np.ndarray) -> np.ndarray:
-    """What a spectrum, linear between increasing `wavelengths` (w,) in nm, adds to each colour under D65, (3, w)."""
+    """Return what a spectrum adds to each colour under D65, (3, w).
+
+    The spectrum is linear between increasing `wavelengths` (w,) in nm.
+    """
     hats = np.array([np.interp(NODES, wavelengths, one) for one in np.eye(len(wavelengths))])
     steps = np.gradient(NODES)
     steps[[0, -1]] *= 0.5

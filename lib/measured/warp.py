@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bilinear functions on the unit square that depend on further parameters, and the map that makes their density uniform."""
+"""Bilinear functions on the unit square, and the map that makes their density uniform.
+
+The functions depend on further parameters.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ import numpy as np
 
 
 class SquareTable:
-    """Samples on a regular grid of the square, (*parameters, height, width): bilinear between them, linear between parameters.
+    """Samples on a regular grid of the square, (*parameters, height, width).
+
+    They are bilinear on the square, and linear between parameters.
 
     `knots` are the increasing values of each parameter; beyond the ends the end counts. The last axis runs with x.
     """
@@ -21,7 +26,10 @@ class SquareTable:
         self._strides = [int(np.prod([len(k) for k in knots[i + 1 :]])) for i in range(len(knots))]
 
     def slices(self, parameters: tuple[np.ndarray, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The slices between which parameters (n,) lie: pairs of indices and weights, (n,), which sum to 1."""
+        """Return the slices between which parameters (n,) lie.
+
+        They are pairs of indices and weights, (n,), which sum to 1.
+        """
         ends = []
         for knots, stride, value in zip(self._knots, self._strides, parameters, strict=True):
             if len(knots) == 1:
@@ -39,7 +47,10 @@ class SquareTable:
         ]
 
     def cells(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Column and row of the cell that holds points of the square, and where in it they lie, in [0, 1], each (n,)."""
+        """Return the column and row of the cell that holds points of the square.
+
+        The places of the points in the cell follow, in [0, 1], each (n,).
+        """
         height, width = self._shape
         s, t = np.clip(x, 0.0, 1.0) * (width - 1), np.clip(y, 0.0, 1.0) * (height - 1)
         column, row = np.minimum(s.astype(int), width - 2), np.minimum(t.astype(int), height - 2)
@@ -58,7 +69,9 @@ class SquareTable:
 
 
 class SquareWarp(SquareTable):
-    """Densities on the square, each slice scaled to the integral 1: `to_uniform` maps their samples to uniforms.
+    """Densities on the square, each slice scaled to the integral 1.
+
+    `to_uniform` maps their samples to uniforms.
 
     y follows the marginal density, x the density given y (Dupuy and Jakob 2018, section 4.2).
     """
