@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The random numbers of many Markov chains, as the path tracer asks for them, and their mutations."""
+"""The random numbers of many Markov chains, and their mutations.
+
+The path tracer asks for them as it asks a sampler.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,12 @@ LEAST_STEP, LARGEST_STEP = 1.0 / 1024.0, 1.0 / 64.0
 
 
 class ChainUniforms(RandomTile):
-    """Pairs of uniforms for `count` chains over an image of `width` x `height` pixels; chains stand in place of pixels.
+    """Pairs of uniforms for `count` chains over an image of `width` x `height` pixels.
 
-    The pair of the pixel is scaled to the whole raster. A pair that no path has asked for yet is drawn when one does: until then it is
-    uniform, whatever the chain does.
+    Chains stand in place of pixels.
+
+    The pair of the pixel is scaled to the whole raster. A pair that no path has asked for yet is drawn when one does:
+    until then it is uniform, whatever the chain does.
     """
 
     def __init__(self, generator: np.random.Generator, count: int, width: int, height: int) -> None:
@@ -61,7 +66,10 @@ class ChainUniforms(RandomTile):
         return x, y
 
     def _mutated(self, state: np.ndarray) -> np.ndarray:
-        """Proposals for a pair, (2, n): uniform, or moved by LARGEST exp(-log(LARGEST / LEAST) u) to either side, around the end."""
+        """Return proposals for a pair, (2, n).
+
+        They are uniform, or moved by LARGEST exp(-log(LARGEST / LEAST) u) to either side, around the end.
+        """
         generator = self._generator
         sign = np.where(generator.random(state.shape) < 0.5, -1.0, 1.0)
         length = LARGEST_STEP * np.exp(-np.log(LARGEST_STEP / LEAST_STEP) * generator.random(state.shape))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Replicates of an image by Metropolis light transport: groups of chains over a pool of threads."""
+"""Replicates of an image by Metropolis light transport.
+
+Groups of chains run over a pool of threads.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,11 @@ SHARE = 4
 
 @dataclass(frozen=True)
 class _Values:
-    """What paths bring: radiance (3, n), its luminance (n,), the pixel (n,) of the image; which of them are not finite, (n,) bool."""
+    """What paths contribute.
+
+    It has the radiance (3, n), its luminance (n,), the pixel (n,) of the image, and which of them are not finite,
+    (n,) bool.
+    """
 
     radiance: np.ndarray
     brightness: np.ndarray
@@ -51,11 +58,14 @@ class _Values:
 
 
 class MetropolisRenderer:
-    """The scene by Metropolis light transport in the space of the random numbers of the path tracer (Kelemen et al. 2002).
+    """Renders by Metropolis light transport (Kelemen et al. 2002).
 
-    Each group of chains first traces independent samples. Their mean brightness is the normalisation b, and the chains start at some of
-    them, picked by brightness. So the image is unbiased, however short the chains are (Veach 1997, section 11.3.1). Replicates
-    share nothing. Raises Refused for unsupported materials and motion, EtalonError for a sampler: the chains have random numbers of their own.
+    The chains move in the space of the random numbers of the path tracer.
+
+    Each group of chains first traces independent samples. Their mean brightness is the normalisation b, and the
+    chains start at some of them, picked by brightness. So the image is unbiased, however short the chains are (Veach
+    1997, section 11.3.1). Replicates share nothing. Raises Refused for unsupported materials and motion, EtalonError
+    for a sampler: the chains have random numbers of their own.
     """
 
     name = "Metropolis"
@@ -74,7 +84,10 @@ class MetropolisRenderer:
             raise Refused([Refusal(f"material '{name}'", what, remedy) for name, what in unknown])
 
     def render(self, replicate: int, samples: int, progress: Progress = NO_PROGRESS) -> Rendering:
-        """One independent replicate of `samples` paths for every pixel, those of the normalisation included; raises Cancelled."""
+        """Render one independent replicate of `samples` paths for every pixel.
+
+        The paths include those of the normalisation. Raises Cancelled.
+        """
         begin = perf_counter()
         camera = self.scene.camera
         shape = (camera.height, camera.width)
@@ -130,7 +143,10 @@ class MetropolisRenderer:
         return sums, rays
 
     def _trace(self, uniforms: ChainUniforms, count: int) -> tuple[_Values, int]:
-        """What the proposals of all chains bring, and the rays traced. What is not finite is 0 here."""
+        """Return what the proposals of all chains contribute, and the rays traced.
+
+        What is not finite is 0 here.
+        """
         camera = self.scene.camera
         sums, chain = PixelSums(count), np.arange(count)
         tracer = Tracer(self._kernel, uniforms, sums, StageClock())
@@ -145,7 +161,10 @@ class MetropolisRenderer:
 
 
 def _resample(weight: np.ndarray, uniform: float, count: int) -> np.ndarray:
-    """Indices (count,), each picked in proportion to its weight (n,), by one uniform and even steps."""
+    """Return indices (count,), each picked in proportion to its weight (n,).
+
+    They are picked by one uniform and even steps.
+    """
     edges = np.cumsum(weight)
     return np.searchsorted(edges, (np.arange(count) + uniform) / count * edges[-1], side="right").clip(
         0, weight.size - 1

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Progressive photon mapping: an estimator with a stated bias, which falls with the radius."""
+"""Progressive photon mapping: an estimator with a stated bias.
+
+The bias falls with the radius.
+"""

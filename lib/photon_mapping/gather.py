@@ -28,10 +28,12 @@ INNER = 0.5
 
 
 class GatherTracer(Tracer):
-    """Path tracing through Dirac lobes; at finite lobes, the estimate of density of the photons within `radius`.
+    """Path tracing through Dirac lobes, with a photon density estimate at finite lobes.
 
-    L(wo) = sum over photons of f(light, wo) |light.n| / |light.ng| flux / (pi radius^2) (Jensen 1996). `sums` has the image, `excess` the
-    difference between it and the photons' part from discs of half the area, which tells the bias.
+    The estimate uses the photons within `radius`.
+
+    L(wo) = sum over photons of f(light, wo) |light.n| / |light.ng| flux / (pi radius^2) (Jensen 1996). `sums` has the
+    image, `excess` the difference between it and the photons' part from discs of half the area, which tells the bias.
     """
 
     def __init__(

@@ -55,7 +55,10 @@ class _PhotonTracer(LightTracer):
 def trace_photons(
     kernel: Kernel, emitters: Emitters, sampler: SobolSampler | RandomSampler, number: int, count: int
 ) -> Photons:
-    """The photons of pass `number`, of `count` light paths; the sampler has DEPTH points in each net."""
+    """Trace the photons of pass `number`, from `count` light paths.
+
+    The sampler has DEPTH points in each net.
+    """
     pixels = kernel.scene.camera.width * kernel.scene.camera.height
     groups = -(-count // DEPTH)
     # Numbers after the pixels', as in light tracing.

@@ -39,7 +39,10 @@ GATHERED = 8192
 
 @dataclass(frozen=True)
 class Bias:
-    """The relative error of the image's mean that discs of these radii leave: first and last radius in metres, and the bias."""
+    """The relative error of the image's mean that discs of these radii leave.
+
+    The fields are the first and the last radius in metres, and the bias.
+    """
 
     first: float
     last: float
@@ -50,10 +53,12 @@ class Bias:
 
 
 class PhotonMappingRenderer:
-    """The scene by probabilistic progressive photon mapping (Knaus and Zwicker 2011): each sample is a pass with a map of its own.
+    """Renders by probabilistic progressive photon mapping (Knaus and Zwicker 2011).
 
-    Passes are independent, and their radius follows from their number, so replicates are independent and share one bias. Raises Refused for
-    what paths from the lights do not simulate.
+    Each sample is a pass with a photon map of its own.
+
+    Passes are independent, and their radius follows from their number, so replicates are independent and share one
+    bias. Raises Refused for what paths from the lights do not simulate.
     """
 
     name = "photon mapping"
@@ -75,7 +80,10 @@ class PhotonMappingRenderer:
         return make(self.options.seed, replicate, depth)
 
     def _first_radius(self) -> float:
-        """The median distance of a photon from its NEIGHBOURS-th neighbour, in a map that is counted nowhere."""
+        """Return the median distance of a photon from its NEIGHBOURS-th neighbour.
+
+        It is measured in a photon map that is not used for the image.
+        """
         sampler = self._sampler(FIRST_CALLS.number(0), DEPTH)
         photons = trace_photons(self._kernel, self._emitters, sampler, 0, LEAST_PATHS)
         if len(photons.tree.data) <= NEIGHBOURS:
@@ -84,7 +92,10 @@ class PhotonMappingRenderer:
         return float(np.median(distance)) * float(np.sqrt(LEAST_PATHS / self._paths))
 
     def radii(self, passes: int) -> np.ndarray:
-        """The radius of each pass, metres: r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1) (Knaus and Zwicker 2011, eq. 16)."""
+        """Return the radius of each pass, in metres.
+
+        r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1) (Knaus and Zwicker 2011, eq. 16).
+        """
         i = np.arange(1, passes)
         return self._radius * np.sqrt(np.concatenate([[1.0], np.cumprod((i + ALPHA) / (i + 1.0))]))
 
@@ -140,7 +151,10 @@ class PhotonMappingRenderer:
     def _pass(
         self, eye: SobolSampler | RandomSampler, light: SobolSampler | RandomSampler, number: int, radius: float
     ) -> tuple[PixelSums, np.ndarray, int]:
-        """The sums of one pass, the excess of its image over that of discs of half the area (3,), and its rays."""
+        """Return the sums of one pass, its excess (3,), and its rays.
+
+        The excess is that of its image over the image from discs of half the area.
+        """
         photons = trace_photons(self._kernel, self._emitters, light, number, self._paths)
         width, pixels = self.scene.camera.width, self.scene.camera.width * self.scene.camera.height
         whole, excess, rays = PixelSums(pixels), np.zeros(3), photons.rays
