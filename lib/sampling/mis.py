@@ -7,7 +7,9 @@ import numpy as np
 
 
 def power_heuristic(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Weight of the strategy with density `p` against one with density `q`; Veach 1997, eq. 9.14, beta = 2.
+    """Return the weight of the strategy with density `p` against one with density `q`.
+
+    Veach 1997, eq. 9.14, beta = 2.
 
     Written with the ratio so that a near-specular density is never squared past the largest double. `p` must be
     positive; it may be infinite (a delta lobe), and the weight is then 1. `q` must be finite.
@@ -23,10 +25,12 @@ CUTOFF = 0.2
 
 
 def cutoff_power_heuristic(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """The power heuristic for densities `p` and `q` (n,), but 0 where p < `CUTOFF` q, and 1 where q < `CUTOFF` p.
+    """Return the power heuristic for densities `p` and `q` (n,), with a cutoff.
 
-    The cutoff heuristic of two strategies (Veach 1997, section 9.2.3), with the power heuristic for what it leaves: samples of
-    the poorer strategy no longer add their own noise. Domains as for `power_heuristic`.
+    It is 0 where p < `CUTOFF` q, and 1 where q < `CUTOFF` p.
+
+    The cutoff heuristic of two strategies (Veach 1997, section 9.2.3), with the power heuristic for what it leaves:
+    samples of the poorer strategy no longer add their own noise. Domains as for `power_heuristic`.
     """
     weight = power_heuristic(p, q)
     weight[q < CUTOFF * p] = 1.0

@@ -59,10 +59,13 @@ def sobol_pairs(log2_count: int) -> np.ndarray:
 
 
 def owen_scramble(depth: int, keys: np.ndarray) -> np.ndarray:
-    """Nested uniform scramblings (Owen 1995) of the points k / 2**depth, (..., 2**depth) uint64 below 2**32.
+    """Return nested uniform scramblings (Owen 1995) of the points k / 2**depth.
 
-    `keys`, uint64 (..., 1), one for each scrambling. Each of the first `depth` bits is flipped by a hash of all bits above it. No two
-    points share all of these, so that the bits below are independent of point to point: one hash of the point gives all of them.
+    The result is (..., 2**depth) uint64 below 2**32.
+
+    `keys`, uint64 (..., 1), one for each scrambling. Each of the first `depth` bits is flipped by a hash of all bits
+    above it. No two points share all of these, so that the bits below are independent of point to point: one hash of
+    the point gives all of them.
     """
     scrambled = np.zeros(keys.shape, np.uint64)
     for bit in range(depth):
@@ -75,7 +78,10 @@ def owen_scramble(depth: int, keys: np.ndarray) -> np.ndarray:
 
 
 def _hash_level(bit: int, keys: np.ndarray) -> np.ndarray:
-    """A hash of each choice of the first `bit` bits, (..., 2**bit); a leading one tells the level."""
+    """Return a hash of each choice of the first `bit` bits, (..., 2**bit).
+
+    A leading one tells the level.
+    """
     with np.errstate(over="ignore"):
         return hash64(keys + _GOLDEN * np.arange(1 << bit, 2 << bit, dtype=np.uint64))
 
@@ -96,7 +102,10 @@ class SobolSampler:
         self._lock = threading.Lock()
 
     def _table(self, dimension: int) -> np.ndarray:
-        """The point sets of one dimension, (SETS * n,) uint64: the first coordinate in the lower half, the second in the upper."""
+        """Return the point sets of one dimension, (SETS * n,) uint64.
+
+        The first coordinate is in the lower half, the second in the upper.
+        """
         table = self._tables.get(dimension)
         if table is None:
             with self._lock:
@@ -151,7 +160,10 @@ def _uniform(bits: np.ndarray) -> np.ndarray:
 
 
 class RandomSampler:
-    """Plain independent uniforms behind the same interface, for showing what stratification buys."""
+    """Plain independent uniforms behind the same interface.
+
+    They show what stratification gains.
+    """
 
     def __init__(self, seed: int, replicate: int, samples: int) -> None:
         self.samples = samples

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every use of random numbers that an image depends on, in one place: its replicates, its dimensions, its keys.
+"""Every use of random numbers that an image depends on, in one place.
 
-A pair of uniforms is named by (seed, replicate, dimension); `stream_key` in sobol.py makes one key of the three. Two uses are
-independent if they share no replicate, or no dimension within one. Whoever needs a new use gives it a range here.
-Generators that no image sees are seeded where they stand: the bootstrap of a forecast, the timings of model forms, the places of
-the stability atlas.
+The uses are its replicates, its dimensions and its keys.
+
+A pair of uniforms is named by (seed, replicate, dimension); `stream_key` in sobol.py makes one key of the three. Two
+uses are independent if they share no replicate, or no dimension within one. Whoever needs a new use gives it a range
+here. Generators that no image sees are seeded where they stand: the bootstrap of a forecast, the timings of model
+forms, the places of the stability atlas.
 """
 
 from __future__ import annotations
@@ -23,7 +25,10 @@ class Stream:
     count: int
 
     def number(self, k: int) -> int:
-        """The replicate number of the stream's `k`-th image, k from 0; raises EtalonError beyond its range."""
+        """Return the replicate number of the stream's `k`-th image, k from 0.
+
+        Raises EtalonError beyond the stream's range.
+        """
         if not 0 <= k < self.count:
             raise EtalonError(
                 f"{self.use}: there are {self.count} replicates, and number {k} is asked for; "
@@ -80,20 +85,32 @@ PIXEL_KEYS, RANDOM_NUMBERS, METROPOLIS = -2, -1, -3
 
 
 def step_dimension(step: int, decision: int) -> int:
-    """The dimension of a `decision` (BSDF, LIGHT, CHOICES or FATE) at a step of the path, counted from 0."""
+    """Return the dimension of a `decision` at a step of the path, counted from 0.
+
+    `decision` is BSDF, LIGHT, CHOICES or FATE.
+    """
     return FIRST_STEP + DIMENSIONS_PER_STEP * step + decision
 
 
 def light_step_dimension(step: int, decision: int) -> int:
-    """The dimension of a `decision` (ADJOINT_CHOICES, _BSDF, _LENS or _FATE) at a step of a path from a light, counted from 0."""
+    """Return the dimension of a `decision` at a step of a path from a light, from 0.
+
+    `decision` is ADJOINT_CHOICES, _BSDF, _LENS or _FATE.
+    """
     return FIRST_LIGHT_STEP + DIMENSIONS_PER_STEP * step + decision
 
 
 def walk_dimension(step: int, decision: int) -> int:
-    """The dimension of a `decision` (ENTER, ENTRY or WALK_KEY) about a walk below a surface at a step of the path, counted from 0."""
+    """Return the dimension of a `decision` about a walk below a surface at a step, from 0.
+
+    `decision` is ENTER, ENTRY or WALK_KEY. The step is that of the path.
+    """
     return WALK + 3 * step + decision
 
 
 def volume_step_dimension(step: int, decision: int) -> int:
-    """The dimension of a `decision` (VOLUME_PLACE, ...) at a step of a path through volumes, counted from 0."""
+    """Return the dimension of a `decision` at a step of a path through volumes, from 0.
+
+    `decision` is VOLUME_PLACE, ...
+    """
     return FIRST_VOLUME_STEP + 6 * step + decision

@@ -32,7 +32,10 @@ class Distribution1D:
         return self._rows.index(u)
 
     def sample(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Index (n,) intp for uniforms `u` in [0, 1), and what is left of `u`: a uniform again, (n,)."""
+        """Return the index (n,) intp for uniforms `u` in [0, 1), and the rest of `u`.
+
+        The rest is a uniform again, (n,).
+        """
         return self._rows.sample(None, u)
 
 
@@ -50,7 +53,10 @@ class Distribution2D:
         self.probability = self._rows.probability * self._marginal.probability[:, None]
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Row by `u1`, column by `u2`, both intp, and what is left of each uniform: the place in the cell, in [0, 1)."""
+        """Return the row by `u1`, the column by `u2`, and the rest of each uniform.
+
+        Row and column are intp. The rests are the place in the cell, in [0, 1).
+        """
         row, down = self._marginal.sample(u1)
         column, along = self._rows.sample(row, u2)
         return row, column, down, along
@@ -89,7 +95,10 @@ class _Rows:
         return index.astype(np.intp)
 
     def sample(self, row: np.ndarray | None, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Index (n,) by `u` within `row` (n,) (None where there is one row only), and the rest of `u`."""
+        """Return the index (n,) by `u` within `row` (n,), and the rest of `u`.
+
+        `row` is None where there is one row only.
+        """
         if self._length == 1:
             return np.zeros(u.shape, np.intp), u.copy()
         flat = self._flat_index(row, u)

@@ -26,7 +26,10 @@ def uniform_disk(u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def cosine_hemisphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-    """Direction with density cos(theta) / pi, (3, n): phi = 2 pi u1, theta = acos(sqrt(1 - u2)) (documents, example 1)."""
+    """Return a direction (3, n) with density cos(theta) / pi.
+
+    phi = 2 pi u1, theta = acos(sqrt(1 - u2)) (documents, example 1).
+    """
     direction = np.empty((3, u1.shape[0]))
     x, y = circle(u1)
     radius = np.sqrt(u2)
@@ -55,7 +58,9 @@ def uniform_sphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
 
 
 def regular_polygon(u1: np.ndarray, u2: np.ndarray, sides: int, rotation: float) -> tuple[np.ndarray, np.ndarray]:
-    """Point uniform on the regular polygon of circumradius 1 with vertices at rotation + (2 k + 1) pi / sides.
+    """Return a point that is uniform on a regular polygon of circumradius 1.
+
+    Its vertices are at rotation + (2 k + 1) pi / sides.
 
     u1 picks the triangle (and is stretched again), the square root warp fills it.
     """

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wavelengths of light and the colours that they bring: the CIE 1931 observer under D65, in linear Rec. 709.
+"""Wavelengths of light and their colours, in linear Rec. 709.
 
-A path that carries the colour (r, g, b) stands for light of D65's spectrum, weighed by r, g and b. Where what happens to it depends on the
-wavelength, its colour is the integral of color_weight(wavelength) times what happens there: all of it where nothing does.
+The colours are those of the CIE 1931 observer under D65.
+
+A path that carries the colour (r, g, b) stands for light of D65's spectrum, weighed by r, g and b. Where what happens
+to it depends on the wavelength, its colour is the integral of color_weight(wavelength) times what happens there: all
+of it where nothing does.
 """
 
 from __future__ import annotations
@@ -56,7 +59,10 @@ _REC709 = np.array(
 
 
 def _color_table() -> tuple[np.ndarray, np.ndarray]:
-    """Wavelengths (81,) and the density of each colour there, (3, 81) nm^-1, whose integral is 1."""
+    """Return wavelengths (81,) and the density of each colour there, (3, 81) nm^-1.
+
+    The integral of each density is 1.
+    """
     observer = np.array([row.split() for row in _OBSERVER], np.float64)
     nodes = 380.0 + _STEP * np.arange(observer.shape[1])
     d65 = np.interp(nodes, nodes[::2], np.array(_D65.split(), np.float64))
@@ -72,13 +78,18 @@ _CHOICE = Distribution1D(_LIGHTNESS[1:] + _LIGHTNESS[:-1])
 
 
 def sample_wavelength(u: np.ndarray) -> np.ndarray:
-    """Wavelengths in nanometres, (n,), for uniforms `u` in [0, 1): the more colour they bring, the more often."""
+    """Return wavelengths in nanometres, (n,), for uniforms `u` in [0, 1).
+
+    Wavelengths that bring more colour are more frequent.
+    """
     cell, along = _CHOICE.sample(u)
     return NODES[cell] + _STEP * along
 
 
 def color_weight(wavelength: np.ndarray) -> np.ndarray:
-    """The colour of a wavelength over the density of `sample_wavelength`, (3, n); its mean over samples is 1.
+    """Return the colour of a wavelength over the density of `sample_wavelength`, (3, n).
+
+    Its mean over samples is 1.
 
     Colours of the spectrum lie outside Rec. 709, so that components are negative there.
     """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places along a ray at equal angles as seen from a pivot: dense where the ray comes close to a small light."""
+"""Places along a ray at equal angles as seen from a pivot.
+
+They are dense where the ray comes close to a small light.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ class Span(NamedTuple):
 
 
 def make_span(origin: np.ndarray, direction: np.ndarray, length: np.ndarray, pivot: np.ndarray) -> Span:
-    """The parts of rays (3, n) over `length` (n,), which may be infinite, as seen from `pivot` (3, n)."""
+    """The parts of rays (3, n) over `length` (n,), as seen from `pivot` (3, n).
+
+    `length` may be infinite.
+    """
     offset = pivot - origin
     along = dot(offset, direction)
     away = np.sqrt(dot(offset, offset))
@@ -37,7 +43,9 @@ def make_span(origin: np.ndarray, direction: np.ndarray, length: np.ndarray, piv
 
 
 def angle(along: np.ndarray, beside: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """The angle under which a pivot sees `length` metres of a ray, (n,); the rest as in `Span`.
+    """Return the angle under which a pivot sees `length` metres of a ray, (n,).
+
+    The other parameters are as in `Span`.
 
     By the tangent of a difference, which does not cancel where the part is short or far away.
     """
@@ -58,6 +66,9 @@ def sample(part: Span, u: np.ndarray) -> np.ndarray:
 
 
 def density(part: Span, distance: np.ndarray) -> np.ndarray:
-    """The density, per metre, with which `sample` gives a `distance` (n,) (Kulla and Fajardo 2012, eq. 5)."""
+    """Return the density of `distance` (n,) in `sample`, per metre.
+
+    Kulla and Fajardo 2012, eq. 5.
+    """
     off = distance - part.along
     return part.beside / (part.angle * (part.beside * part.beside + off * off))

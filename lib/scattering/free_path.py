@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a homogeneous volume leaves of light, and how far light flies in it before it is scattered."""
+"""Transmittance of homogeneous volumes, and free paths in them.
+
+The free path is how far light flies before it is scattered.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +10,30 @@ import numpy as np
 
 
 def depth(extinction: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """The optical depth extinction length, (n,); 0 where nothing is extinguished, over an infinite length too."""
+    """Return the optical depth: extinction times length, (n,).
+
+    It is 0 where nothing is extinguished, over an infinite length too.
+    """
     extinction, length = np.broadcast_arrays(extinction, length)
     return np.multiply(extinction, length, out=np.zeros(extinction.shape), where=extinction > 0.0)
 
 
 def transmittance(extinction: np.ndarray, distance: np.ndarray) -> np.ndarray:
-    """The part exp(-extinction distance) of light that is left after `distance` (n,) in metres; shape of `extinction` (3, n), 1/m.
+    """Return the part exp(-extinction distance) of light that is left after `distance`.
 
-    Beer and Lambert's law (Pharr, Jakob and Humphreys 2023, eq. 11.9). Distances may be infinite: where nothing is extinguished all
-    of the light is left even then. Both are at least 0.
+    `distance` is (n,) in metres; the result has the shape of `extinction` (3, n), 1/m.
+
+    Beer and Lambert's law (Pharr, Jakob and Humphreys 2023, eq. 11.9). Distances may be infinite: where nothing is
+    extinguished all of the light is left even then. Both are at least 0.
     """
     return np.exp(-depth(extinction, distance))
 
 
 def mean_transmittance(tau: np.ndarray) -> np.ndarray:
-    """The mean of exp(-x) over x from 0 to `tau`, (1 - exp(-tau)) / tau; 1 at 0, and it does not cancel near it."""
+    """Return the mean of exp(-x) over x from 0 to `tau`, (1 - exp(-tau)) / tau.
+
+    It is 1 at 0, and it does not cancel near it.
+    """
     return np.divide(-np.expm1(-tau), tau, out=np.ones(np.shape(tau)), where=tau > 0.0)
 
 
@@ -39,10 +50,13 @@ def attenuated_length(extinction: np.ndarray, length: np.ndarray) -> np.ndarray:
 
 
 def sample_distance(extinction: np.ndarray, length: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Distances (n,) up to `length` with a density proportional to exp(-extinction t), by uniforms `u` in [0, 1).
+    """Return distances (n,) up to `length`, of density proportional to exp(-extinction t).
 
-    t = -log(1 - u (1 - exp(-tau))) / extinction with tau the optical depth; where that is 0, t = u length. An infinite length needs an
-    extinction above 0 (Pharr, Jakob and Humphreys 2023, section A.4.2, restricted to the length).
+    They come from uniforms `u` in [0, 1).
+
+    t = -log(1 - u (1 - exp(-tau))) / extinction with tau the optical depth; where that is 0, t = u length. An
+    infinite length needs an extinction above 0 (Pharr, Jakob and Humphreys 2023, section A.4.2, restricted to the
+    length).
     """
     tau = depth(extinction, length)
     dense = tau > 0.0
@@ -51,5 +65,8 @@ def sample_distance(extinction: np.ndarray, length: np.ndarray, u: np.ndarray) -
 
 
 def distance_density(extinction: np.ndarray, length: np.ndarray, distance: np.ndarray) -> np.ndarray:
-    """The density, per metre, with which `sample_distance` gives a `distance`; shapes broadcast. Infinite lengths need extinction."""
+    """Return the density of `distance` in `sample_distance`, per metre.
+
+    Shapes broadcast. Infinite lengths need extinction.
+    """
     return np.exp(-depth(extinction, distance)) / attenuated_length(extinction, length)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The medium below a surface: from the colour and radius that a user gives to extinction and single-scattering albedo.
+"""The medium below a surface: extinction and single-scattering albedo.
 
-Cycles' material model (kernel/closure/bssrdf.h, kernel/integrator/subsurface_random_walk.h): the colour is about the albedo of a thick
-body under diffuse light, and each mapping inverts that relation.
+They follow from the colour and radius that a user gives.
+
+Cycles' material model (kernel/closure/bssrdf.h, kernel/integrator/subsurface_random_walk.h): the colour is about the
+albedo of a thick body under diffuse light, and each mapping inverts that relation.
 """
 
 from __future__ import annotations
@@ -82,7 +84,9 @@ class Medium:
 
 
 def albedo_van_de_hulst(color: np.ndarray, g: np.ndarray) -> np.ndarray:
-    """The single-scattering albedo of a half space that reflects `color` of diffuse light; d'Eon 2023, eq. 53.7.
+    """Return the single-scattering albedo of a half space with diffuse albedo `color`.
+
+    The half space reflects `color` of diffuse light; d'Eon 2023, eq. 53.7.
 
     `color` in [0, 1]. By van de Hulst's similarity parameter s^2 = (1 - albedo) / (1 - g albedo).
     """
@@ -103,16 +107,21 @@ def albedo_fitted(color: np.ndarray, g: np.ndarray) -> np.ndarray:
 
 
 def dipole_reflectance(albedo: np.ndarray, internal: np.ndarray) -> np.ndarray:
-    """What a half space reflects of light at normal incidence, by the dipole; Jensen et al. 2001, eq. 15.
+    """Return what a half space reflects of light at normal incidence, by the dipole.
 
-    `albedo` is the reduced one, alpha' in [0, 1]; `internal` is A = (1 + F) / (1 - F) of the boundary's mean internal reflectance F.
+    Jensen et al. 2001, eq. 15.
+
+    `albedo` is the reduced one, alpha' in [0, 1]; `internal` is A = (1 + F) / (1 - F) of the boundary's mean internal
+    reflectance F.
     """
     s = np.sqrt(3.0 * (1.0 - albedo))
     return 0.5 * albedo * (1.0 + np.exp(-4.0 / 3.0 * internal * s)) * np.exp(-s)
 
 
 def dipole_albedo(color: np.ndarray, ior: np.ndarray) -> np.ndarray:
-    """The reduced albedo whose `dipole_reflectance` is `color`, by bisection; at most 0.999999.
+    """Return the reduced albedo whose `dipole_reflectance` is `color`; at most 0.999999.
+
+    It is found by bisection.
 
     The boundary's mean internal reflectance is Jensen et al. 2001's fit to the index `ior`.
     """
@@ -128,11 +137,14 @@ def dipole_albedo(color: np.ndarray, ior: np.ndarray) -> np.ndarray:
 
 
 def make_medium(mapping: str, color: np.ndarray, radius: np.ndarray, g: np.ndarray, ior: np.ndarray) -> Medium:
-    """The medium of a `mapping` out of MAPPINGS for `color` and `radius` (m), (3, n) each; `g` and `ior` (n,).
+    """Return the medium of a `mapping` out of MAPPINGS for `color` and `radius`.
 
-    'VAN_DE_HULST': the radius is the mean free path 1 / extinction. 'FITTED': it is 4 pi times the reduced mean free path
-    1 / ((1 - g) extinction), the form before Blender 5.2. 'SKIN': the dipole's diffusion length. The last two read a negative g as
-    the first does. Where the radius is 0 a channel never enters, and its extinction is finite. `g` is taken to lie in [-0.99, 0.99].
+    `color` and `radius` (m) are (3, n) each; `g` and `ior` are (n,).
+
+    'VAN_DE_HULST': the radius is the mean free path 1 / extinction. 'FITTED': it is 4 pi times the reduced mean free
+    path 1 / ((1 - g) extinction), the form before Blender 5.2. 'SKIN': the dipole's diffusion length. The last two
+    read a negative g as the first does. Where the radius is 0 a channel never enters, and its extinction is finite.
+    `g` is taken to lie in [-0.99, 0.99].
     """
     color, g = np.clip(color, 0.0, 1.0), np.clip(g, -_MOST_ANISOTROPY, _MOST_ANISOTROPY)
     if mapping == "FITTED":

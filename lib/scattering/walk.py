@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random walks in homogeneous media inside of bodies, from a face to the face where they leave.
+"""Random walks in homogeneous media inside of bodies.
 
-Free paths are exponential, and one colour channel, chosen by what each carries, says how long they are; all channels count by the balance
-heuristic (Wilkie et al. 2014). Nothing bounds the number of scatterings but roulette, which leaves the mean as it is.
+They go from a face to the face where they leave.
+
+Free paths are exponential, and one colour channel, chosen by what each carries, says how long they are; all channels
+count by the balance heuristic (Wilkie et al. 2014). Nothing bounds the number of scatterings but roulette, which
+leaves the mean as it is.
 """
 
 from __future__ import annotations
@@ -56,7 +59,10 @@ class Walks:
 
 @dataclass(frozen=True)
 class Exits:
-    """Where walks leave the body: index (n,) of the walk, triangle, u, v (n,), position, direction of travel, throughput (3, n)."""
+    """Where walks leave the body.
+
+    The fields are the index (n,) of the walk, triangle, u, v (n,), position, direction of travel, throughput (3, n).
+    """
 
     index: np.ndarray
     triangle: np.ndarray
@@ -68,11 +74,13 @@ class Exits:
 
 
 def walk(closest: Closest, is_far: IsFar, walks: Walks, keys: np.ndarray, most: int | None = None) -> tuple[Exits, int]:
-    """Follow walks that have just entered until they leave; the exits, and how many rays were traced.
+    """Follow walks that have just entered until they leave.
 
-    `keys` (n,) uint64 seed the random numbers of each walk. A walk that meets no face goes on: the body may be open, and the medium
-    has no other bound; where it `is_far`, it ends at random. `most` ends walks after so many free paths, and takes long ones for
-    isotropic as Cycles does.
+    Returns the exits, and how many rays were traced.
+
+    `keys` (n,) uint64 seed the random numbers of each walk. A walk that meets no face goes on: the body may be open,
+    and the medium has no other bound; where it `is_far`, it ends at random. `most` ends walks after so many free
+    paths, and takes long ones for isotropic as Cycles does.
     """
     level = walks.throughput.max(axis=0)
     exits, rays, step = [], 0, 0
@@ -113,7 +121,10 @@ def walk(closest: Closest, is_far: IsFar, walks: Walks, keys: np.ndarray, most: 
 
 
 def similar(medium: Medium) -> Medium:
-    """The isotropic medium that scatters light as far by the similarity relation: sigma_s (1 - g) in place of sigma_s."""
+    """Return the isotropic medium that scatters light as far by the similarity relation.
+
+    It has sigma_s (1 - g) in place of sigma_s.
+    """
     scattering = medium.albedo * medium.extinction * (1.0 - medium.anisotropy)
     extinction = medium.extinction * (1.0 - medium.albedo) + scattering
     return replace(
@@ -122,7 +133,10 @@ def similar(medium: Medium) -> Medium:
 
 
 def sample_free_path(walks: Walks, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A length (n,), exponential in a channel chosen by `u` too, and the chances (3, n) of the channels."""
+    """Sample a length (n,), exponential in a channel that `u` also chooses.
+
+    The second result is the chances (3, n) of the channels.
+    """
     carried = walks.throughput * walks.medium.albedo
     total = carried.sum(axis=0)
     chance = carried / np.where(total > 0.0, total, 1.0)
@@ -148,7 +162,10 @@ def free_path_weight(medium: Medium, length: np.ndarray, left: np.ndarray, chanc
 
 
 def _survival(throughput: np.ndarray, level: np.ndarray, step: int) -> np.ndarray:
-    """The chance to go on, (n,): by what is left of the first throughput's `level`, and less than 1 in long walks."""
+    """Return the chance to go on, (n,).
+
+    It follows from what is left of the first throughput's `level`, and is less than 1 in long walks.
+    """
     left = throughput.max(axis=0) / np.where(level > 0.0, level, 1.0)
     chance = np.clip(left, 0.0, 1.0)
     return chance * (step / (step + 1.0)) if step >= _LONG else chance
