@@ -132,7 +132,7 @@ def test_decisions_are_those_of_whole_images(monkeypatch):
     def decide():
         reference = Painter("the reference", grey(1.0, 96, 80), 0.1)
         candidate = Painter("Cycles", grey(1.003, 96, 80), 0.1, change=noisy_corner())
-        options = CompareOptions(time=None, samples=1, replicates=473)
+        options = CompareOptions(time=None, samples=1, replicates=533)
         return compare(blank(96, 80), reference, candidate, {}, options), candidate.windows
 
     parts, windows = decide()
