@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ashikhmin and Shirley's Phong model, as Blender's Glossy BSDF has it: the specular lobe without its Fresnel."""
+"""Ashikhmin and Shirley's Phong model, as in Blender's Glossy BSDF.
+
+It is the specular lobe without its Fresnel factor.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +19,20 @@ _LEAST_ALPHA = 1e-4
 
 
 def exponent(alpha: np.ndarray) -> np.ndarray:
-    """The exponent n = 2 / alpha^2 - 2 that Blender takes for `alpha`, which is clipped to [1e-4, 1]."""
+    """Return the exponent n = 2 / alpha^2 - 2 that Blender uses for `alpha`.
+
+    `alpha` is clipped to [1e-4, 1].
+    """
     return 2.0 / np.clip(alpha, _LEAST_ALPHA, 1.0) ** 2 - 2.0
 
 
 def sample_half_vector(nx: np.ndarray, ny: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-    """Half vector, (3, n), with a density proportional to (h.n)^e, e = (nx hx^2 + ny hy^2) / (1 - hz^2).
+    """Sample a half vector, (3, n).
 
-    Ashikhmin and Shirley 2000, eq. 6 to 9: tan(phi) = sqrt((nx + 1) / (ny + 1)) tan(2 pi u1), cos(theta) = (1 - u2)^(1 / (e + 1)).
-    `nx` and `ny` not negative, () or (n,); `u1` and `u2` (n,) in [0, 1].
+    Its density is proportional to (h.n)^e, e = (nx hx^2 + ny hy^2) / (1 - hz^2).
+
+    Ashikhmin and Shirley 2000, eq. 6 to 9: tan(phi) = sqrt((nx + 1) / (ny + 1)) tan(2 pi u1), cos(theta) = (1 -
+    u2)^(1 / (e + 1)). `nx` and `ny` not negative, () or (n,); `u1` and `u2` (n,) in [0, 1].
     """
     c, s = circle(u1)
     c = c * np.sqrt(ny + 1.0)
@@ -37,10 +45,12 @@ def sample_half_vector(nx: np.ndarray, ny: np.ndarray, u1: np.ndarray, u2: np.nd
 
 
 class AshikhminShirley(Lobe):
-    """f = sqrt((nx + 1)(ny + 1)) / (8 pi) (h.n)^e / (h.o max(i.n, o.n)), e = (nx hx^2 + ny hy^2) / (1 - hz^2).
+    """Ashikhmin and Shirley's specular lobe without its Fresnel factor.
 
-    Ashikhmin and Shirley 2000, eq. 4, with n = 2 / alpha^2 - 2 (Blender), alpha_x and alpha_y, () or (n,), in [1e-4, 1].
-    Sampled by its half vectors, eq. 6 to 9.
+    f = sqrt((nx + 1)(ny + 1)) / (8 pi) (h.n)^e / (h.o max(i.n, o.n)), e = (nx hx^2 + ny hy^2) / (1 - hz^2).
+
+    Ashikhmin and Shirley 2000, eq. 4, with n = 2 / alpha^2 - 2 (Blender), alpha_x and alpha_y, () or (n,), in [1e-4,
+    1]. Sampled by its half vectors, eq. 6 to 9.
     """
 
     def __init__(self, wo: np.ndarray, alpha_x: np.ndarray, alpha_y: np.ndarray) -> None:
@@ -49,7 +59,10 @@ class AshikhminShirley(Lobe):
         self._above = wo[2] > 0.0
 
     def _lobe(self, wi: np.ndarray, m: np.ndarray, cos_om: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value f |cos| and density for wi = reflection of wo about m, whose cosine with both is `cos_om`."""
+        """Return the value f |cos| and the density for wi = reflection of wo about m.
+
+        `cos_om` is the cosine between m and both directions.
+        """
         wo = self._wo
         x2, y2 = m[0] * m[0], m[1] * m[1]
         sine2 = x2 + y2

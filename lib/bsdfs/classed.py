@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mixture whose lobes send out rays of several classes, which do not see the same things: no lobe stands in for one of another class.
+"""A mixture whose lobes send out rays of several classes.
 
-The one-sample model (Veach 1997, section 9.2.4) weighs a direction by all lobes that may have given it. Where the rays of two lobes meet
-different things, each class has an integral of its own, and a direction is weighed by the lobes of its class.
+Rays of different classes do not see the same things, so no lobe stands in for one of another class.
+
+The one-sample model (Veach 1997, section 9.2.4) weighs a direction by all lobes that may have given it. Where the
+rays of two lobes meet different things, each class has an integral of its own, and a direction is weighed by the
+lobes of its class.
 """
 
 from __future__ import annotations
@@ -31,7 +34,9 @@ class ClassedMixture(Mixture):
         return np.where(lobe.reflects(wi), self._class_of[near], self._class_of[far])
 
     def evaluate_classes(self, wi: np.ndarray) -> Iterator[tuple[int, np.ndarray, list[tuple[int, np.ndarray]]]]:
-        """Each class, its density (n,) in `sample_classes`, and the number and coloured value f |cos| (3, n) of each of its lobes.
+        """Return, for each class, its density and the values of its lobes.
+
+        The density (n,) is that of `sample_classes`. Each lobe has its number and its coloured value f |cos| (3, n).
 
         Deltas are left out.
         """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The light that microfacets lose between each other, given back in the shape of the lobe itself (Blender's Multiscatter GGX)."""
+"""Compensation for the light that single scattering loses between microfacets.
+
+It has the shape of the lobe itself (Blender's Multiscatter GGX).
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,15 @@ EXACT: Albedos = (directional_albedo, average_albedo)
 def multiple_scattering(
     cos_o: np.ndarray, alpha: float | np.ndarray, color: np.ndarray, albedos: Albedos = EXACT
 ) -> np.ndarray:
-    """1 + Fms (1 - E) / E with Fms = Fss Eavg / (1 - Fss (1 - Eavg)), (3, n): single scattering times this is all of it.
+    """Return the factor, (3, n), that turns single scattering into all of the scattering.
 
-    Turquin 2019, "Practical multiple scattering compensation for microfacet models", eq. 15 and 16, with the colour of many
-    bounces after Fdez-Aguera 2019. `cos_o` (n,); `alpha` () or (n,), sqrt(alpha_x alpha_y); `color` (3, 1) or (3, n), Fss, at
-    least 0; `albedos` the functions E and Eavg. White gives 1 / E: no light is lost. It is not reciprocal: wi has no part in it.
-    NaN where Fss (1 - Eavg) reaches 1: each bounce between facets then gives more light than the one before, and their sum is infinite.
+    It is 1 + Fms (1 - E) / E with Fms = Fss Eavg / (1 - Fss (1 - Eavg)).
+
+    Turquin 2019, "Practical multiple scattering compensation for microfacet models", eq. 15 and 16, with the colour
+    of many bounces after Fdez-Aguera 2019. `cos_o` (n,); `alpha` () or (n,), sqrt(alpha_x alpha_y); `color` (3, 1) or
+    (3, n), Fss, at least 0; `albedos` the functions E and Eavg. White gives 1 / E: no light is lost. It is not
+    reciprocal: wi has no part in it. NaN where Fss (1 - Eavg) reaches 1: each bounce between facets then gives more
+    light than the one before, and their sum is infinite.
     """
     directional, mean = albedos
     lost = 1.0 / directional(np.clip(cos_o, 0.0, 1.0), alpha)
@@ -41,7 +47,10 @@ def albedos_of(tables: Tables | None) -> Albedos:
 
 
 class Compensated(Wrapper):
-    """`lobe` with its value and weight multiplied by `factor`, (3, n); its directions and their density stay as they are."""
+    """`lobe` with its value and weight multiplied by `factor`, (3, n).
+
+    Its directions and their density stay as they are.
+    """
 
     def __init__(self, lobe: Lobe, factor: np.ndarray) -> None:
         super().__init__(lobe)

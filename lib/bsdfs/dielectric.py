@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rough interfaces between two media: microfacets that reflect and refract (Walter et al. 2007)."""
+"""Rough interfaces between two media: microfacets that reflect and refract.
+
+Walter et al. 2007.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,9 @@ _SPLIT = 2.0**16
 
 @dataclass(frozen=True)
 class Interface:
-    """What a microfacet does with light: it reflects F `reflection` and refracts (1 - F) `transmission`, colours (3, 1) or (3, n).
+    """The reflectance and the colours of an interface at one microfacet.
+
+    It reflects F `reflection` and refracts (1 - F) `transmission`, colours (3, 1) or (3, n).
 
     Without a `fresnel` it refracts all, and under total reflection nothing (Blender's Refraction BSDF).
     """
@@ -31,7 +36,10 @@ class Interface:
     transmission: np.ndarray
 
     def shares(self, cos: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Reflected and refracted colours (3, n) at the cosine (n,), and the chance (n,) with which reflection is sampled."""
+        """Return the reflected and refracted colours (3, n) and the chance of reflection (n,).
+
+        They are those at the cosine (n,). Reflection is sampled with that chance.
+        """
         if self.fresnel is None:
             through = np.where(dielectric(cos, eta) < 1.0, 1.0, 0.0)
             return np.zeros((3, 1)), through * self.transmission, np.zeros_like(cos)
@@ -54,13 +62,16 @@ class Interface:
 
 
 class RoughDielectric(Lobe):
-    """Microfacets of `alpha_x` and `alpha_y`, () or (n,), between media of relative index `eta`, () or (n,), far side over near, not 1.
+    """Microfacets of `alpha_x` and `alpha_y` between media of relative index `eta`.
 
-    Reflection F D G / (4 |o.n|), refraction (1 - F) D G |i.m| |o.m| eta^2 / (|eta i + o|^2 |o.n|), the factor |i.n| included
-    (Walter et al. 2007, eq. 20 and 21); radiance is not scaled by 1 / eta^2, as in Cycles. Visible normals are sampled, then reflection
-    or refraction by their shares. `masking_form`: 'correlated' or 'separable' on either side; 'torrance_sparrow' where light is
-    reflected, for which alone its cavities are, and 'correlated' where it is refracted. `backs_refract` lets `evaluate` count refraction
-    through facets that a direction sees from behind, which no sample takes: a departure.
+    All are () or (n,). `eta` is the index of the far side over that of the near side, and is not 1.
+
+    Reflection F D G / (4 |o.n|), refraction (1 - F) D G |i.m| |o.m| eta^2 / (|eta i + o|^2 |o.n|), the factor |i.n|
+    included (Walter et al. 2007, eq. 20 and 21); radiance is not scaled by 1 / eta^2, as in Cycles. Visible normals
+    are sampled, then reflection or refraction by their shares. `masking_form`: 'correlated' or 'separable' on either
+    side; 'torrance_sparrow' where light is reflected, for which alone its cavities are, and 'correlated' where it is
+    refracted. `backs_refract` lets `evaluate` count refraction through facets that a direction sees from behind,
+    which no sample takes: a departure.
     """
 
     def __init__(
@@ -158,7 +169,10 @@ class RoughDielectric(Lobe):
 
 
 class SmoothInterface(DeltaLobe):
-    """A smooth interface that tints: the mirror's direction or Snell's, by the shares of `interface`."""
+    """A smooth interface that tints.
+
+    It samples the mirror direction or Snell's direction, by the shares of `interface`.
+    """
 
     def __init__(self, wo: np.ndarray, eta: np.ndarray, interface: Interface) -> None:
         self._wo, self._eta, self._interface = wo, eta, interface
@@ -184,5 +198,8 @@ class SmoothInterface(DeltaLobe):
 
 
 def _refraction_factor(cos_om: np.ndarray, cos_im: np.ndarray, eta: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """|i.m| |o.m| eta^2 / |eta i + o|^2, with |eta i + o| = `length`: where reflection has 1/4 (Walter et al. 2007, eq. 17)."""
+    """Return the factor of refraction that takes the place of 1/4 in reflection.
+
+    It is |i.m| |o.m| eta^2 / |eta i + o|^2, with |eta i + o| = `length` (Walter et al. 2007, eq. 17).
+    """
     return np.abs(cos_om * cos_im) * np.square(eta / np.maximum(length, FLOOR))

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reflectances of surfaces under a thin film (Blender's Thin Film sockets); see lib/microfacets/thin_film.py.
+"""Reflectances of surfaces under a thin film (Blender's Thin Film sockets).
+
+See lib/microfacets/thin_film.py.
 
 Called with cosines (n,) they give colours (3, n). `thickness` in nm and the film's `index` are () or (n,).
 Where the film is thinner than 0.1 nm there is none.
@@ -35,7 +37,9 @@ _NODES = 8193
 
 @dataclass(frozen=True)
 class Film:
-    """A film: `thickness`, `index` over that outside, and the transform of colours by which it is summed.
+    """A thin film: its `thickness` and its `index` over the index outside.
+
+    It also holds the transform of colours by which it is summed.
 
     `outside` is the index there, () or (n,): wavelengths are those of the vacuum.
     """
@@ -51,7 +55,10 @@ class Film:
 
 
 def make_film(thickness: np.ndarray, index: np.ndarray, by_table: bool) -> Film | None:
-    """A film, None where it is nowhere thick enough to be one; `by_table` sums it as Cycles does, a departure."""
+    """Make a film; return None where it is nowhere thick enough to be one.
+
+    `by_table` sums it as Cycles does, which is a departure.
+    """
     if not np.any(np.asarray(thickness) > LEAST_THICKNESS):
         return None
     thickness, index = np.maximum(thickness, 0.0), np.maximum(index, LEAST_INDEX)
@@ -175,9 +182,12 @@ class FilmF82(_UnderFilm):
 
 @dataclass(frozen=True)
 class FilmDielectric(_UnderFilm):
-    """A dielectric of relative index `eta`, () or (n,), under a film, its reflectance stretched from its own to `f0` (3, 1) or (3, n).
+    """A dielectric of relative index `eta`, () or (n,), under a film.
 
-    Blender's definition of the stretch: F times 1 + s (f0 / F0 - 1), with s from 0 where F is 1 to 1 where F is at most F0.
+    Its reflectance is stretched from its own value at normal incidence to `f0` (3, 1) or (3, n).
+
+    Blender's definition of the stretch: F times 1 + s (f0 / F0 - 1), with s from 0 where F is 1 to 1 where F is at
+    most F0.
     """
 
     eta: np.ndarray
@@ -199,13 +209,19 @@ class FilmDielectric(_UnderFilm):
         return np.where(plain > 1e-5, self.f0 / np.maximum(plain, 1e-5), 1.0)
 
     def parts(self, cos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What is reflected without a tint, and what of it a tint multiplies, F and s F, (3, n) each."""
+        """Return what is reflected without a tint, and the part that a tint multiplies.
+
+        They are F and s F, (3, n) each.
+        """
         color = self._reflected(cos)
         share = np.clip((1.0 - color) / np.maximum(1.0 - reflectance_at_normal(self.eta), 1e-12), 0.0, 1.0)
         return color, share * color
 
     def _below(self, inside: np.ndarray, index: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Squared amplitude and phase of both polarisations at the dielectric; beyond the critical angle all of it."""
+        """Return the squared amplitude and the phase of both polarisations at the dielectric.
+
+        Beyond the critical angle all is reflected.
+        """
         away = self.eta / index
         beyond, total = cosine_in_film(inside, away)
         return [
@@ -216,7 +232,10 @@ class FilmDielectric(_UnderFilm):
 
 @dataclass(frozen=True)
 class Tabulated:
-    """A reflectance that is the same at all points, linear between its values at even cosines, `table` (3, k); to 1e-5."""
+    """A reflectance that is the same at all points, read from a table.
+
+    It is linear between its values at even cosines, `table` (3, k); exact to 1e-5.
+    """
 
     table: np.ndarray
     average: np.ndarray
@@ -236,7 +255,10 @@ class Tabulated:
 
 
 def under_film(curve: FilmConductor | FilmF82 | FilmDielectric) -> FilmConductor | FilmF82 | FilmDielectric | Tabulated:
-    """The reflectance, from a table where it is the same at all points and smooth: never beyond a critical angle."""
+    """Return the reflectance of `curve`, from a table where that is possible.
+
+    It has to be the same at all points and smooth; it is not smooth where there is a critical angle.
+    """
     film, own = curve.film, [getattr(curve, f.name) for f in fields(curve) if f.name != "film"]
     values = [film.thickness, film.index, *own]
     constant = all(np.ndim(v) == 0 or np.shape(v)[-1] == 1 for v in values)

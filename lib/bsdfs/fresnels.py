@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reflectances that microfacet lobes carry: called with the cosine at the microfacet they give (n,) or, coloured, (3, n).
+"""Reflectances that microfacet lobes carry.
+
+Called with the cosine at the microfacet they return (n,) or, coloured, (3, n).
 
 Parameters are () or (n,); colours (3, 1) or (3, n). `part(index)` gives the same at fewer points.
 """
@@ -94,7 +96,10 @@ class Conductor(_PerPoint):
 
     @property
     def average_cycles(self) -> np.ndarray:
-        """The mean of the F82 curve through the same F(1) and F(1/7), which Cycles takes; up to 2 % off for metals."""
+        """Return the mean of the F82 curve through the same F(1) and F(1/7), as Cycles does.
+
+        It is up to 2 % off for metals.
+        """
         one = np.ones(1)
         f0, edge = self(one), self(one / 7.0)
         return F82(f0, edge / fresnel.schlick(one / 7.0, f0)).average
@@ -126,7 +131,10 @@ class Schlick(_PerPoint):
 
 @dataclass(frozen=True)
 class CookTorrance(_PerPoint):
-    """The exact dielectric, colour by colour, whose index gives the colour `f0` at normal incidence (Cook and Torrance 1982)."""
+    """The exact dielectric, for each colour channel by itself (Cook and Torrance 1982).
+
+    Its index is the one that gives the colour `f0` at normal incidence.
+    """
 
     f0: np.ndarray
 
@@ -176,7 +184,10 @@ class F82(_PerPoint):
 
 @dataclass(frozen=True)
 class TintedDielectric(_PerPoint):
-    """The exact dielectric's curve stretched to begin at the colour `f0` and to end at 1 (Blender's Principled BSDF)."""
+    """The exact dielectric's curve, stretched to begin at the colour `f0` and to end at 1.
+
+    It is that of Blender's Principled BSDF.
+    """
 
     eta: np.ndarray
     f0: np.ndarray
@@ -195,9 +206,12 @@ class TintedDielectric(_PerPoint):
 
     @property
     def average_cycles(self) -> np.ndarray:
-        """The mean by which Cycles colours multiple scattering, (3, 1) or (3, n): a fit, up to 1 % off.
+        """Return the mean by which Cycles colours multiple scattering, (3, 1) or (3, n).
 
-        Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks", for the mean of the dielectric's curve.
+        It is a fit, up to 1 % off.
+
+        Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks", for the mean of the dielectric's
+        curve.
         """
         eta = np.asarray(self.eta, np.float64)
         below = 0.997118 + eta * (0.1014 - eta * (0.965241 + eta * 0.130607))

@@ -19,10 +19,13 @@ from .fresnels import reflectance_at_normal, tinted_dielectric
 def layer_reflectance(
     cos_o: np.ndarray, alpha: np.ndarray, eta: float, tint: np.ndarray, compensated: bool, lossless: bool = False
 ) -> np.ndarray:
-    """Directional albedo (3, n) of a glossy layer of index `eta` and `tint`, (3, 1) or (3, n); `cos_o` (n,), `alpha` () or (n,).
+    """Return the directional albedo (3, n) of a glossy layer of index `eta`.
 
-    It is that of the lobe itself, `compensated` for multiple scattering where the lobe is: nothing is lost between layers. `lossless`
-    takes the light that facets hand to each other for reflected: the albedo divided by E + Fms (1 - E), a departure of Cycles.
+    `tint` (3, 1) or (3, n); `cos_o` (n,); `alpha` () or (n,).
+
+    The albedo is that of the lobe itself, `compensated` for multiple scattering where the lobe is: nothing is lost
+    between layers. `lossless` takes the light that facets hand to each other for reflected: the albedo divided by
+    E + Fms (1 - E), a departure of Cycles.
     """
     if eta == 1.0:
         return np.zeros((3, cos_o.size))
@@ -43,7 +46,9 @@ def layer_reflectance_cycles(
     lossless: bool,
     tables: Tables,
 ) -> np.ndarray:
-    """The same as Cycles estimates it, from `tables`: f0 + (1 - f0) times `layer_share_cycles`, as if single scattering lost nothing.
+    """Return the directional albedo of a glossy layer as Cycles estimates it.
+
+    It is f0 + (1 - f0) times `layer_share_cycles`, from `tables`, as if single scattering lost nothing.
 
     What the compensation takes from coloured light, 1 less E + Fms (1 - E), is taken off again, unless `lossless`.
     """
@@ -85,7 +90,10 @@ def film_layer_reflectance(
 
 @functools.lru_cache(maxsize=32)
 def _film_tables(eta: float, thickness: float, index: float, exact: bool, part: int) -> list[np.ndarray]:
-    """For each colour the albedo of one of `FilmDielectric.parts`, which are interpolated between 4,097 cosines."""
+    """Tabulate the albedo of one of `FilmDielectric.parts` for each colour.
+
+    The parts are interpolated between 4,097 cosines.
+    """
     film = Film(np.asarray(thickness), np.asarray(index), exact_sensitivity() if exact else cycles_sensitivity())
     cosines = np.linspace(0.0, 1.0, 4097)
     curves = FilmDielectric(film, np.asarray(eta), reflectance_at_normal(np.full((3, 1), eta))).parts(cosines)[part]
@@ -103,10 +111,12 @@ def beneath_layer(
     lossless: bool = False,
     film: Film | None = None,
 ) -> np.ndarray:
-    """1 - weight times the largest colour of the layer's albedo, (n,), at least 0; under a `film`, if one is given.
+    """Return the share of light, (n,), at least 0, that a layer leaves for those below it.
 
-    The largest, so that a tinted layer leaves no tint of its complement below (Blender's choice). With `tables` the albedo is Cycles'
-    estimate; `lossless` as in `layer_reflectance`.
+    It is 1 - weight times the largest colour of the layer's albedo; under a `film`, if one is given.
+
+    The largest is taken, so that a tinted layer leaves no tint of its complement below (Blender's choice). With `tables` the
+    albedo is Cycles' estimate; `lossless` as in `layer_reflectance`.
     """
     alpha = np.clip(roughness, 0.0, 1.0) ** 2
     compensated = distribution == "MULTI_GGX"
@@ -120,7 +130,10 @@ def beneath_layer(
 
 
 def coat_tint(ior: np.ndarray, tint: np.ndarray, weight: np.ndarray, cos_wo: np.ndarray) -> np.ndarray:
-    """(1 - weight) + weight tint^(1 / cos), (3, n): Beer's law along the refracted view through a coat of thickness 1."""
+    """Return the tint of a coat of thickness 1, (3, n), by Beer's law.
+
+    It is (1 - weight) + weight tint^(1 / cos), along the refracted direction to the viewer.
+    """
     ior = np.maximum(ior, 1.0)
     inside = np.sqrt((ior - 1.0) * (ior + 1.0) + cos_wo * cos_wo) / ior
     return (1.0 - weight) + weight * np.maximum(tint, 0.0) ** (1.0 / inside)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lobe is: made for the `wo` of n points, it is asked for values, samples and densities of directions `wi`."""
+"""The interface of lobes.
+
+A lobe is made for the `wo` of n points, and returns values, samples and densities of directions `wi`.
+"""
 
 from __future__ import annotations
 
@@ -25,18 +28,30 @@ class Lobe(ABC):
 
     @abstractmethod
     def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the value f |cos theta_i|, (3, n), and the density of `sample`, per steradian of `wi`, (n,)."""
+        """Return the value f |cos theta_i|, (3, n), and the density of `sample`, (n,).
+
+        The density is per steradian of `wi`.
+        """
 
     @abstractmethod
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return wi (3, n), weight f |cos| / pdf (3, n), pdf (n,), which is 0 where the sample is rejected."""
+        """Return the direction wi (3, n), its weight f |cos| / pdf (3, n) and its pdf (n,).
+
+        The pdf is 0 where the sample is rejected.
+        """
 
     def widening(self, wi: np.ndarray) -> np.ndarray:
-        """Return by what factor a delta lobe widens a solid angle from wo to `wi`, (n,): reflection keeps it."""
+        """Return the factor (n,) by which a delta lobe widens a solid angle from wo to `wi`.
+
+        For reflection it is 1.
+        """
         return np.ones(wi.shape[1])
 
     def reflects(self, wi: np.ndarray) -> np.ndarray:
-        """Return whether light from `wi` (3, n) arrives on the side of the lobe's normal, (n,) bool."""
+        """Return whether light from `wi` (3, n) arrives on the side of the lobe's normal.
+
+        The result is (n,) bool.
+        """
         return wi[2] > 0.0
 
     @abstractmethod
@@ -73,5 +88,8 @@ class Wrapper(Lobe):
 
 
 def to_rgb(value: np.ndarray) -> np.ndarray:
-    """Show `value` (n,) as the colour (3, n) that it is without a hue; nothing is copied, and the result is read-only."""
+    """Return `value` (n,) as the grey colour (3, n).
+
+    Nothing is copied, and the result is read-only.
+    """
     return np.broadcast_to(value, (3, value.shape[0]))

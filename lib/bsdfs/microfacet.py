@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Microfacet reflection: f = D(m) G(wi, wo, m) / (4 |wi.n| |wo.n|), and the strategies that sample it.
+"""Microfacet reflection and the strategies that sample it.
+
+f = D(m) G(wi, wo, m) / (4 |wi.n| |wo.n|).
 
 Fresnel is not part of it: Blender's Glossy BSDF has none, and a coloured factor multiplies outside.
 """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several lobes at one point: one is picked to be sampled, all are counted (one-sample model, Veach 1997, section 9.2.4)."""
+"""Several lobes at one point: one of them is sampled, and all of them are counted.
+
+This is the one-sample model (Veach 1997, section 9.2.4).
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ from .split import Split
 
 
 class Mixture:
-    """Coloured `lobes`; their `colors` are (3, 1) or (3, n) each. The pick is proportional to the mean of the colour.
+    """Several coloured `lobes`, one of which is picked to be sampled.
+
+    Their `colors` are (3, 1) or (3, n) each. A lobe's chance is proportional to the mean of its colour.
 
     `shares` (lobes, n) are the chances of the pick.
     """
@@ -27,7 +32,10 @@ class Mixture:
             self.shares = np.where(total > 0.0, weight / np.where(total > 0.0, total, 1.0), 1.0 / len(lobes))
 
     def evaluate(self, wi: np.ndarray, split: Split | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Coloured value f |cos| (3, n) and the density (n,) of `sample`, deltas left out; each lobe's part goes to the `split`."""
+        """Return the coloured value f |cos| (3, n) and the density (n,) of `sample`.
+
+        Deltas are left out. Each lobe's part goes to the `split`.
+        """
         if len(self.lobes) == 1:
             value, pdf = self.lobes[0].evaluate(wi)
             value = self.colors[0] * value
@@ -48,7 +56,9 @@ class Mixture:
     def sample(
         self, pick: np.ndarray, u1: np.ndarray, u2: np.ndarray, split: Split | None = None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Direction (3, n), coloured weight (3, n), density (n,), which is infinite where a delta lobe was picked.
+        """Return a direction (3, n), its coloured weight (3, n) and its density (n,).
+
+        The density is infinite where a delta lobe was picked.
 
         Each lobe's part of the weight goes to the `split`.
         """
@@ -75,7 +85,10 @@ class Mixture:
         out: tuple[np.ndarray, np.ndarray, np.ndarray],
         split: Split | None,
     ) -> None:
-        """Sample lobe `k` where it was picked, and weigh the direction by all lobes; fills `out` and `split` at `index`."""
+        """Sample lobe `k` where it was picked, and weight the direction by all lobes.
+
+        Fills `out` and `split` at `index`.
+        """
         direction, factor, density = lobe.sample(*uniforms)
         color = take_color(self.colors[k], index)
         share = self.shares[k, index]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Energy-preserving Oren-Nayar in Fujii's form, as in Blender's Diffuse BSDF with roughness."""
+"""Energy-preserving Oren-Nayar in Fujii's form.
+
+It is that of Blender's Diffuse BSDF with roughness.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,13 @@ _MEAN_LOST = 1.2 - np.pi / 6.0
 
 
 def lost_share(cos: np.ndarray) -> np.ndarray:
-    """What single scattering loses, (1 - E(c)) / B = (pi/2 - 2/3) - G(c), (n,); Portsmouth et al. 2024, eq. 12 and 13.
+    """Return the share that single scattering loses, (1 - E(c)) / B, (n,).
 
-    `cos` (n,), clipped to [0, 1]. E = pi A + B G and 1 - pi A = (pi/2 - 2/3) B, so that nothing is left of 1. With s the sine and
-    t = pi/2 - theta, the printed G = s (theta - 2/3 - s c) + (2/3) (s / c) (1 - s^3) has 1 - s^3 = c^2 (1 + s + s^2) / (1 + s),
-    which keeps its digits at grazing directions.
+    It is (pi/2 - 2/3) - G(c); Portsmouth et al. 2024, eq. 12 and 13.
+
+    `cos` (n,), clipped to [0, 1]. E = pi A + B G and 1 - pi A = (pi/2 - 2/3) B, so that nothing is left of 1. With s
+    the sine and t = pi/2 - theta, the printed G = s (theta - 2/3 - s c) + (2/3) (s / c) (1 - s^3) has 1 - s^3 = c^2
+    (1 + s + s^2) / (1 + s), which keeps its digits at grazing directions.
     """
     c = np.clip(cos, 0.0, 1.0)
     s = np.sqrt((1.0 - c) * (1.0 + c))
@@ -27,11 +32,13 @@ def lost_share(cos: np.ndarray) -> np.ndarray:
 
 
 class OrenNayar(Lobe):
-    """Fujii's "qualitative" Oren-Nayar with its multiple scattering, coloured by `color` (3, n) or (3, 1).
+    """Fujii's "qualitative" Oren-Nayar with its multiple scattering.
 
-    Fujii 2012; Portsmouth, Kutz and Hill 2024, "EON". `roughness` in [0, 1]; sampled by the cosine. Light that is scattered
-    k times carries color^k, so the multiple scattering begins with color^`first`, first = 2. Cycles departs from it: 3 multiplies by
-    color once more, None leaves the multiple scattering out.
+    It is coloured by `color` (3, n) or (3, 1).
+
+    Fujii 2012; Portsmouth, Kutz and Hill 2024, "EON". `roughness` in [0, 1]; sampled by the cosine. Light that is
+    scattered k times carries color^k, so the multiple scattering begins with color^`first`, first = 2. Cycles departs
+    from it: 3 multiplies by color once more, None leaves the multiple scattering out.
     """
 
     diffuse = True

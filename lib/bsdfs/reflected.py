@@ -11,7 +11,10 @@ from .lobe import Lobe, Wrapper
 
 
 class Reflected(Wrapper):
-    """`lobe`, which reflects everything, times the reflectance at the half vector of wi and `wo`, (3, n)."""
+    """A lobe that reflects everything, times a reflectance, (3, n).
+
+    The reflectance is that at the half vector of wi and `wo`.
+    """
 
     def __init__(self, lobe: Lobe, wo: np.ndarray, reflectance: Fresnel) -> None:
         super().__init__(lobe)
@@ -19,7 +22,10 @@ class Reflected(Wrapper):
 
     @property
     def estimate(self) -> np.ndarray:
-        """The reflectance of a smooth surface, raised a little: rough ones reflect more at their facets."""
+        """Return the reflectance of a smooth surface, raised a little.
+
+        Rough surfaces reflect more at their facets.
+        """
         reflectance = np.atleast_2d(self._reflectance(np.clip(self._wo[2], 0.0, 1.0))).mean(axis=0)
         return 0.05 + 0.95 * reflectance
 

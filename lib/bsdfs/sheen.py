@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sheen of a layer of upright fibers: a linearly transformed cosine (Blender's Sheen BSDF 'Microfiber', Principled BSDF)."""
+"""Sheen of a layer of upright fibers: a linearly transformed cosine.
+
+It is that of Blender's Sheen BSDF 'Microfiber' and of its Principled BSDF.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +21,12 @@ _LEAST = 1e-5  # of A and of the albedo: below it the fit is of no use, and the 
 
 
 def sheen_coefficients(cos_o: np.ndarray, roughness: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A, B and the albedo R of the lobe, (n,) each, bilinear between the nodes of the table (sheen.txt).
+    """Return A, B and the albedo R of the lobe, (n,) each.
 
-    `cos_o` (n,), clipped to [0, 1]; `roughness` () or (n,), clipped to [0.001, 1]. R is 0 and A is 1 where there is no lobe.
+    They are bilinear between the nodes of the table (sheen.txt).
+
+    `cos_o` (n,), clipped to [0, 1]; `roughness` () or (n,), clipped to [0.001, 1]. R is 0 and A is 1 where there is
+    no lobe.
     """
     column = np.clip(cos_o, 0.0, 1.0) * _CELLS
     row = np.broadcast_to(np.clip(roughness, LEAST_ROUGHNESS, 1.0) * _CELLS, column.shape)
@@ -35,7 +41,9 @@ def sheen_coefficients(cos_o: np.ndarray, roughness: np.ndarray) -> tuple[np.nda
 
 
 def beneath_sheen(tint: np.ndarray, roughness: np.ndarray, weight: np.ndarray, cos_o: np.ndarray) -> np.ndarray:
-    """1 - R times the largest colour of `weight` `tint`, (n,), at least 0: what sheen leaves for the layers below it.
+    """Return the share of light, (n,), at least 0, that sheen leaves for the layers below it.
+
+    It is 1 - R times the largest colour of `weight` `tint`.
 
     `tint` (3, 1) or (3, n), `weight` () or (n,); values below 0 count as 0.
     """
@@ -45,10 +53,12 @@ def beneath_sheen(tint: np.ndarray, roughness: np.ndarray, weight: np.ndarray, c
 
 
 class Sheen(Lobe):
-    """R D(M wi / |M wi|) |M| / |M wi|^3 with D the cosine over pi and M = ((A, 0, B), (0, A, 0), (0, 0, 1)).
+    """A linearly transformed cosine lobe for sheen.
 
-    Zeltner, Burley and Chiang 2022; x points from the normal to the viewer. M keeps the hemisphere, so that the cosine's
-    density, transformed, is sampled exactly. Not reciprocal: A, B and R are fits that depend on wo.
+    R D(M wi / |M wi|) |M| / |M wi|^3 with D the cosine over pi and M = ((A, 0, B), (0, A, 0), (0, 0, 1)).
+
+    Zeltner, Burley and Chiang 2022; x points from the normal to the viewer. M keeps the hemisphere, so that the
+    cosine's density, transformed, is sampled exactly. Not reciprocal: A, B and R are fits that depend on wo.
     """
 
     diffuse = True

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Smooth interfaces: mirror, glass, refraction. Their densities are infinite; they evaluate to nothing."""
+"""Smooth interfaces: mirror, glass, refraction.
+
+Their densities are infinite, and their values are 0 for all directions.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,9 @@ from .lobe import DeltaLobe, to_rgb
 
 
 def refract(wo: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Snell's direction on the far side, (3, n), and where there is none (total internal reflection), (n,) bool.
+    """Return Snell's direction on the far side, (3, n), and where there is none, (n,) bool.
+
+    There is none under total internal reflection.
 
     `eta` is the index of the far side over that of wo's side.
     """
@@ -22,7 +27,9 @@ def refract(wo: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def refracted_widening(wo: np.ndarray, wi: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """Solid angle about `wi` per solid angle about `wo`, (n,): cos_o / (eta^2 cos_i) beyond the interface, else 1.
+    """Return the solid angle about `wi` per solid angle about `wo`, (n,).
+
+    It is cos_o / (eta^2 cos_i) beyond the interface, else 1.
 
     Snell's law differentiated: n^2 cos dw is the same on both sides (Veach 1997, section 5.2).
     """

@@ -27,7 +27,10 @@ class Split:
     def add(
         self, lobe: int, shape: Lobe, wi: np.ndarray, value: np.ndarray, index: np.ndarray | slice = slice(None)
     ) -> None:
-        """Add what lobe number `lobe`, of `shape` there, has at the points `index`: `value` (3, n) for light from `wi` (3, n)."""
+        """Add the `value` (3, n) of lobe number `lobe`, of `shape`, at the points `index`.
+
+        It is that for light from `wi` (3, n).
+        """
         numbers = self._families[lobe]
         for number in numbers:
             if number in self._values:
@@ -38,7 +41,9 @@ class Split:
                 self._values[number][:, index] += part
 
     def shares(self, total: np.ndarray) -> np.ndarray:
-        """Of the `total` value (3, n), what each family but the last has of all that those before it leave, (count - 1, 3, n).
+        """Return the share that each family but the last takes of what those before it leave.
+
+        `total` is the value (3, n) of all lobes; the result is (count - 1, 3, n).
 
         So shares of 1 and 0 part exactly, and nothing is lost to rounding. 0 where nothing is left.
         """
@@ -51,7 +56,10 @@ class Split:
 
 
 def part_light(light: np.ndarray, shares: np.ndarray) -> list[np.ndarray]:
-    """The light (3, n) of each family by the `shares` of `Split`, (families - 1, 3, n); it adds up to the whole."""
+    """Split `light` (3, n) among the families by the `shares` of `Split`.
+
+    The result, (families - 1, 3, n), adds up to the whole.
+    """
     parts, rest = [], light
     for share in shares:
         parts.append(rest * share)

@@ -9,7 +9,9 @@ from .lobe import Lobe, Wrapper
 
 
 class Tilted(Wrapper):
-    """`lobe`, made in a frame of its own whose axes are the `rows` (3, 3, n) in the common local frame.
+    """A lobe made in a frame of its own.
+
+    The axes of that frame are the `rows` (3, 3, n) in the common local frame.
 
     Light counts only where both normals see it on the same side, whatever strategy finds it.
     """

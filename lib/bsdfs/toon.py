@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cones of light with a straight edge (Blender's Toon BSDF): no model of a surface, and not reciprocal where the cone is the normal's."""
+"""Cones of light with a straight edge (Blender's Toon BSDF).
+
+They model no real surface, and are not reciprocal where the cone is about the normal.
+"""
 
 from __future__ import annotations
 
@@ -15,16 +18,21 @@ _RIGHT_ANGLE = 0.5 * np.pi
 
 
 def cone_half_angle(size: np.ndarray, smooth: np.ndarray) -> np.ndarray:
-    """Half angle in radians of the cone that holds the lobe, edge included; at most a right angle. Parts of a right angle in."""
+    """Return the half angle in radians of the cone that holds the lobe and its edge.
+
+    It is at most a right angle. The arguments are in parts of a right angle.
+    """
     size, smooth = np.clip(size, LEAST_SIZE, 1.0), np.clip(smooth, 0.0, 1.0)
     return np.minimum(size + smooth, 1.0) * _RIGHT_ANGLE
 
 
 class Toon(Lobe):
-    """Intensity / (2 pi (1 - cos s)) within s of an axis, |wi.n| included in it: the normal, or with `glossy` the mirror direction.
+    """A cone about the normal, or with `glossy` about the mirror direction.
 
-    s is the half angle of the whole cone. The intensity is 1 within `size` and falls evenly to 0 over `smooth`, both () or (n,), in parts of
-    a right angle. Directions are uniform in the cone; those below the horizon carry nothing.
+    The value is intensity / (2 pi (1 - cos s)) within s of the axis; |wi.n| is included in it.
+
+    s is the half angle of the whole cone. The intensity is 1 within `size` and falls evenly to 0 over `smooth`, both
+    () or (n,), in parts of a right angle. Directions are uniform in the cone; those below the horizon carry nothing.
     """
 
     def __init__(self, wo: np.ndarray, size: np.ndarray, smooth: np.ndarray, glossy: bool) -> None:

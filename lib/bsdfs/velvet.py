@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ashikhmin's velvet (Blender's Sheen BSDF 'Ashikhmin', and the Velvet BSDF of older files)."""
+"""Ashikhmin's velvet.
+
+It is that of Blender's Sheen BSDF 'Ashikhmin', and of the Velvet BSDF of older files.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,9 @@ LEAST_SIGMA = 0.01
 
 
 def inverted_gaussian(m: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """D(m) = exp(-cot^2 / sigma^2) / (pi sigma^2 sin^4), (n,): few normals along +z, and D cos integrates to 1.
+    """Return the inverted Gaussian D(m) = exp(-cot^2 / sigma^2) / (pi sigma^2 sin^4), (n,).
+
+    Few normals lie along +z. D cos integrates to 1.
 
     After Ashikhmin, Premoze and Shirley 2000, section 5. `m` (3, n) unit vectors; `sigma` > 0, () or (n,).
     """
@@ -27,7 +32,9 @@ def inverted_gaussian(m: np.ndarray, sigma: np.ndarray) -> np.ndarray:
 
 
 class Velvet(Lobe):
-    """D G / (4 |wo.n|) with the inverted Gaussian and V-cavity masking, |wi.n| included; no Fresnel. Sampled uniformly.
+    """The velvet lobe D G / (4 |wo.n|), |wi.n| included.
+
+    D is the inverted Gaussian and G is V-cavity masking. There is no Fresnel factor. Sampled uniformly.
 
     Ashikhmin, Premoze and Shirley 2000. `sigma` () or (n,), clipped to [0.01, 1].
     """

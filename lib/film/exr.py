@@ -48,12 +48,15 @@ DIFFERENCE = Meaning(
 
 
 def write_exr(path: Path | str, channels: dict[str, np.ndarray], meaning: Meaning) -> None:
-    """Write `channels`, name -> (height, width) array, as float32; a reader finds them under the same names.
+    """Write `channels`, name -> (height, width) array, to an OpenEXR file as float32.
+
+    A reader finds them under the same names.
 
     The attributes of the file say what the numbers are.
 
-    "R", "G", "B" make the picture that viewers show; "error.R" is channel R of a layer "error". The file is written beside its
-    place and renamed. Raises EtalonError where it cannot be written, ValueError where the arrays differ in shape.
+    "R", "G", "B" make the picture that viewers show; "error.R" is channel R of a layer "error". The file is written
+    beside its place and renamed. Raises EtalonError where it cannot be written, ValueError where the arrays differ in
+    shape.
     """
     shapes = {np.shape(channel) for channel in channels.values()}
     if len(shapes) != 1:
@@ -63,7 +66,9 @@ def write_exr(path: Path | str, channels: dict[str, np.ndarray], meaning: Meanin
 
 
 def write_film(path: Path | str, film: Film) -> None:
-    """Write a film's radiance (R, G, B), its standard error (error.R ...) and the finite samples of each pixel (samples).
+    """Write a film's radiance, its standard error and the finite samples of each pixel.
+
+    The channels are R, G, B; error.R ...; and samples.
 
     Pixels with non-finite samples are NaN; the standard error is NaN everywhere after a single replicate.
     """
@@ -105,7 +110,10 @@ def _write(
 
 
 def _checksum(beside: Path, names: list[str]) -> int:
-    """The CRC-32 of the channels in a file; OpenImageIO reports that they are written also where the disk is full."""
+    """Return the CRC-32 of the channels in a file.
+
+    OpenImageIO reports that they are written also where the disk is full.
+    """
     found, file = 0, OpenImageIO.ImageInput.open(str(beside))
     if file is None:
         OpenImageIO.geterror()  # which it would print at the end of the process
@@ -120,7 +128,10 @@ def _checksum(beside: Path, names: list[str]) -> int:
 
 
 def _describe(spec: OpenImageIO.ImageSpec, meaning: Meaning) -> None:
-    """Set the attributes that say unit and colour space; OpenEXR calls ImageDescription "comments"."""
+    """Set the attributes that say unit and colour space.
+
+    OpenEXR calls ImageDescription "comments".
+    """
     spec.attribute("ImageDescription", meaning.comment)
     spec.attribute("unit", meaning.unit)
     spec.attribute("colorInteropID", meaning.colour)
@@ -129,7 +140,9 @@ def _describe(spec: OpenImageIO.ImageSpec, meaning: Meaning) -> None:
 
 
 def read_exr(path: Path | str) -> dict[str, np.ndarray]:
-    """Channels of an image file, name -> (height, width) float32 array, row 0 on top; EtalonError where it cannot be read.
+    """Read the channels of an image file, name -> (height, width) float32 array.
+
+    Row 0 is on top. Raises EtalonError where the file cannot be read.
 
     The channels of all its parts, where the file has several.
     """

@@ -41,7 +41,10 @@ class Film:
         return self.nonfinite.shape
 
     def add(self, rendering: Rendering, weight: int = 1) -> None:
-        """Take one replicate more, of `weight` times `samples`; raises EtalonError where the sizes differ."""
+        """Add one replicate, of `weight` times `samples`.
+
+        Raises EtalonError where the sizes differ.
+        """
         bad = nonfinite_pixels(rendering, self.shape)
         where = None if rendering.windows is None else rendering.windows.mask
         self.moments.add(_without(rendering.radiance, bad), where, weight)
@@ -68,7 +71,10 @@ def nonfinite_pixels(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray
 
 
 def finite_or_nan(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray:
-    """The radiance (height, width, 3), all three channels NaN where a sample was not finite; raises as `nonfinite_pixels`."""
+    """Return the radiance (height, width, 3), NaN where a sample was not finite.
+
+    All three channels of such a pixel are NaN. Raises as `nonfinite_pixels`.
+    """
     return _without(rendering.radiance, nonfinite_pixels(rendering, shape))
 
 

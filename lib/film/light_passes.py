@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The names of the light passes: the parts of an image by what scattered the light first, and how often it was scattered."""
+"""The names of the light passes.
+
+They are parts of an image by what scattered the light first, and how often it was scattered.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,9 @@ from enum import StrEnum
 
 
 class Family(StrEnum):
-    """What scatters light, a kind of lobe or a volume, by Cycles' count: translucent lobes are diffuse, glass is glossy on the viewer's side.
+    """What scatters light, a kind of lobe or a volume, as Cycles counts it.
+
+    Translucent lobes are diffuse, and glass is glossy on the viewer's side.
 
     Volumes come last: they have what the lobes leave.
     """
@@ -51,5 +56,8 @@ INDIRECT = frozenset(map(indirect, Family))
 
 
 def is_asked(name: LightPass, passes: str) -> bool:
-    """Whether the option `passes` asks for a pass: by 'all', by its own name or by that of its family."""
+    """Return whether the option `passes` asks for a pass.
+
+    It does by 'all', by the pass's own name or by that of its family.
+    """
     return passes == "all" or name.split()[0] == passes

@@ -14,12 +14,15 @@ _AT_A_TIME = 1 << 16
 
 @dataclass
 class Moments:
-    """Observations of an array: their `mean` and `m2`, the sum of squared deviations from it, both of the array's shape.
+    """The mean and the squared deviations of observations of an array.
 
-    `n` is the sum of their weights, the number of observations where each has the weight 1, or, once some entries have been observed more
-    often, that of each along the leading axes. An observation of weight w is one whose variance is 1 / w of the usual, such as the
-    mean of w usual ones; `m2` counts its squared deviation w times. `times` is how many observations were made where
-    some weights are not 1, of the shape of `n`; None where it is `n`.
+    `mean`, and `m2`, the sum of squared deviations from it, both have the array's shape.
+
+    `n` is the sum of their weights, the number of observations where each has the weight 1, or, once some entries
+    have been observed more often, that of each along the leading axes. An observation of weight w is one whose
+    variance is 1 / w of the usual, such as the mean of w usual ones; `m2` counts its squared deviation w times.
+    `times` is how many observations were made where some weights are not 1, of the shape of `n`; None where it is
+    `n`.
     """
 
     n: int | np.ndarray
@@ -54,7 +57,10 @@ class Moments:
 
     @property
     def df(self) -> int | np.ndarray:
-        """Degrees of freedom of `variance`, one less than there are observations, in a shape that broadcasts against the mean."""
+        """The degrees of freedom of `variance`, one less than there are observations.
+
+        Their shape broadcasts against the mean.
+        """
         return self._spread_out(self.n if self.times is None else self.times) - 1
 
     @overload
@@ -70,7 +76,10 @@ class Moments:
 
     @property
     def variance(self) -> np.ndarray:
-        """Unbiased variance of one observation of weight 1; NaN where fewer than two observations were made."""
+        """The unbiased variance of one observation of weight 1.
+
+        NaN where fewer than two observations were made.
+        """
         df = self.df
         if not isinstance(df, np.ndarray):
             return self.m2 * (np.nan if df < 1 else 1.0 / df)
@@ -123,7 +132,9 @@ def _counted(counts: int | np.ndarray, where: np.ndarray, by: int) -> np.ndarray
 
 
 def merge(a: Moments, b: Moments) -> Moments:
-    """Moments of the observations of `a` and `b` together, each with one count for all entries and all weights 1.
+    """Return the moments of the observations of `a` and `b` together.
+
+    Both have one count for all entries, and all their weights are 1.
 
     Chan, Golub and LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances" (1979),
     eq. 2.1: exact in exact arithmetic, so that tiles, seeds and machines merge in any order.

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts of an image that are compared beside it: light passes, limits of bounces, and the light of one emitter."""
+"""The parts of an image that are compared beside it.
+
+They are light passes, limits of bounces, and the light of one emitter.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ _BOUNCES, _EMITTER = "bounces:", "emitter:"
 
 @dataclass(frozen=True)
 class BounceLimit:
-    """The image with at most so many `bounces`, in Cycles' count: 0 is light that scatters once."""
+    """The image with at most a given number of `bounces`.
+
+    It is in Cycles' count: 0 is light that scatters once.
+    """
 
     bounces: int
 
@@ -22,7 +28,10 @@ class BounceLimit:
 
 @dataclass(frozen=True)
 class EmitterLight:
-    """The light of one emitter: a lamp or an object that emits, by its `name`, or the world, whose name is empty."""
+    """The light of one emitter.
+
+    It is a lamp or an object that emits, by its `name`, or the world, whose name is empty.
+    """
 
     name: str
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Views for the eye: radiance as sRGB, signed differences in two colours, and PNG files of them."""
+"""Pictures of images for viewers, and PNG files of them.
+
+They show radiance as sRGB and signed differences in two colours.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ BELOW, EQUAL, ABOVE = (33, 102, 172), (247, 247, 247), (178, 24, 43)
 
 
 def srgb8(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
-    """Radiance (height, width, 3) times 2^exposure as sRGB code values, uint8, clipped at 1; non-finite pixels magenta."""
+    """Return radiance (height, width, 3) times 2^exposure as sRGB code values, uint8.
+
+    They are clipped at 1. Non-finite pixels are magenta.
+    """
     out = np.empty(radiance.shape, np.uint8)
     for row, values in enumerate(
         radiance
@@ -33,7 +39,10 @@ def srgb8(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
 
 
 def signed8(difference: np.ndarray, limit: float) -> np.ndarray:
-    """A signed difference (height, width) as uint8 colours: blue at -limit, white at 0, red at +limit, magenta where NaN."""
+    """Return a signed difference (height, width) as uint8 colours.
+
+    Blue at -limit, white at 0, red at +limit, magenta where NaN.
+    """
     out = np.empty((*difference.shape, 3), np.uint8)
     for row, values in enumerate(difference):
         known = ~np.isnan(values)
@@ -45,7 +54,10 @@ def signed8(difference: np.ndarray, limit: float) -> np.ndarray:
 
 
 def hatched(pixels: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """The view (height, width, 3) with diagonal stripes over the pixels `where` (height, width)."""
+    """Return the view (height, width, 3) with diagonal stripes over some pixels.
+
+    They are those at `where` (height, width).
+    """
     row, column = np.nonzero(where)
     out = pixels.copy()
     out[row, column] = np.where(((row + column) % 8 < 4)[:, None], NONFINITE, STRIPE)
@@ -53,7 +65,10 @@ def hatched(pixels: np.ndarray, where: np.ndarray) -> np.ndarray:
 
 
 def middle_exposure(radiance: np.ndarray) -> float:
-    """The exposure, in stops, that brings the brightest per cent of the image to white; 0 for a black one."""
+    """Return the exposure, in stops, that brings the brightest 1 % of the image to white.
+
+    It is 0 for a black image.
+    """
     bright = radiance.max(axis=-1, initial=0.0)
     bright = bright[np.isfinite(bright)]
     level = np.quantile(bright, 0.99) if bright.size else 0.0
@@ -78,7 +93,10 @@ def write_png(path: Path, pixels: np.ndarray) -> None:
 
 
 def is_whole_png(content: bytes) -> bool:
-    """Whether all chunks of a PNG file are there, each with its own checksum, up to the one that ends it."""
+    """Return whether a PNG file is complete.
+
+    It is if all chunks are there, each with its own checksum, up to the one that ends the file.
+    """
     start, kind = len(_SIGNATURE), b""
     while kind != b"IEND" and len(content) >= start + 12:
         length = int.from_bytes(content[start : start + 4], "big")

@@ -49,7 +49,10 @@ class Regions:
 
     @cached_property
     def inside(self) -> sparse.csr_array:
-        """Which regions (columns) lie in each region (rows), (K, K) of 0 and 1: no pixel of theirs is without its weight there."""
+        """Which regions (columns) lie in each region (rows), (K, K) of 0 and 1.
+
+        A region lies in another if all of its weight is in pixels where the other one has weight, too.
+        """
         # SciPy's types take what comparing a sparse array gives for one bool.
         shown = (self.weights > 0).astype(float)  # pyright: ignore[reportAttributeAccessIssue]
         whole = np.asarray(self.weights.sum(axis=1)).ravel()
@@ -79,12 +82,15 @@ class Regions:
 def image_regions(
     height: int, width: int, coverage: Coverage, blocks: Sequence[int] = (BLOCK,), left_out: np.ndarray | None = None
 ) -> Regions:
-    """The whole image, what `coverage` names, and grids of `blocks` x `blocks` pixels (less at the right and lower edge).
+    """Return the regions of an image: the whole image, what `coverage` names, and blocks.
 
-    `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs, dense or sparse: the share of
-    each pixel that a camera ray meets first. The grids are given from coarse to fine; regions of the last one are of the kind 'block',
-    those of the others are 'cells'. Pixels that are `left_out` (height, width) belong to no region. What is nowhere
-    visible makes none. Raises EtalonError for weights of another size, negative or not finite.
+    Blocks form grids of `blocks` x `blocks` pixels (less at the right and lower edge).
+
+    `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs, dense or sparse: the share
+    of each pixel that a camera ray meets first. The grids are given from coarse to fine; regions of the last one are
+    of the kind 'block', those of the others are 'cells'. Pixels that are `left_out` (height, width) belong to no
+    region. What is nowhere visible makes none. Raises EtalonError for weights of another size, negative or not
+    finite.
     """
     # Half of what 64 bits would take, of the largest arrays there are.
     pixels = np.arange(height * width, dtype=np.int32)
@@ -120,7 +126,10 @@ def image_regions(
 
 
 def _checked(name: str, weights: np.ndarray | sparse.sparray, height: int, width: int) -> sparse.coo_array:
-    """The coverage of what is called `name`; raises EtalonError for another size, negative or non-finite weights."""
+    """Return the coverage of what is called `name`.
+
+    Raises EtalonError for another size, and for negative or non-finite weights.
+    """
     weights = sparse.coo_array(weights, dtype=float)
     given = tuple(weights.shape or ())
     if given != (height, width):
@@ -159,10 +168,13 @@ def _rows(pixel: np.ndarray, weight: np.ndarray, counts: Sequence[int], pixels: 
 
 
 class RegionMoments:
-    """`moments` (K, 3) of the means of `regions` over replicates; `excluded` (height, width) pixels count for nothing.
+    """The moments of the means of `regions` over replicates.
 
-    `sizes` (K,) is the weight that is left in each region, in pixels; `series` (R, K) the mean over channels in each replicate, NaN where a
-    region was not sampled or has lost pixels since; `weights` (R,) how many times the usual samples each replicate has.
+    `moments` (K, 3); pixels that are `excluded` (height, width) count for nothing.
+
+    `sizes` (K,) is the weight that is left in each region, in pixels; `series` (R, K) the mean over channels in each
+    replicate, NaN where a region was not sampled or has lost pixels since; `weights` (R,) how many times the usual
+    samples each replicate has.
     """
 
     def __init__(self, regions: Regions, excluded: np.ndarray | None = None) -> None:
@@ -175,7 +187,9 @@ class RegionMoments:
         self._weights: list[int] = []
 
     def drawn(self, samples: int) -> np.ndarray:
-        """The independent samples (K,) of each region in a replicate of weight 1 with `samples` per pixel.
+        """Return the number of independent samples (K,) of each region in a replicate.
+
+        The replicate has weight 1 and `samples` per pixel.
 
         They are `most_drawn` at most, which is set where all pixels share a few moments of the shutter.
         """
@@ -192,7 +206,10 @@ class RegionMoments:
         return np.array(self._weights, float)
 
     def means(self, radiance: np.ndarray, of: np.ndarray | slice = slice(None)) -> np.ndarray:
-        """The means (K, 3) of an image (height, width, 3) over the regions `of`; NaN where no pixel is left."""
+        """Return the means (K, 3) of an image (height, width, 3) over the regions `of`.
+
+        NaN where no pixel is left.
+        """
         kept = radiance.reshape(-1, 3)
         if self.excluded.any():
             kept = np.where(self.excluded.reshape(-1, 1), 0.0, kept)
@@ -201,7 +218,10 @@ class RegionMoments:
         return (weights @ kept) / np.where(sizes > 0, sizes, np.nan)[:, None]
 
     def add(self, radiance: np.ndarray, of: np.ndarray | None = None, weight: int = 1) -> None:
-        """Take one replicate (height, width, 3) more, of `weight`, for the regions `of` (K,) bool alone if they are given."""
+        """Add one replicate (height, width, 3), of `weight`.
+
+        It counts for all regions, or only for the regions `of` (K,) bool if they are given.
+        """
         self._weights.append(weight)
         if of is None:
             values = self.means(radiance)
@@ -214,11 +234,14 @@ class RegionMoments:
         self._series.append(np.where(of, values.mean(axis=1), np.nan).astype(np.float32))
 
     def exclude(self, pixels: np.ndarray, film: Moments, of: np.ndarray | None = None) -> None:
-        """Leave out `pixels` (height, width) bool, also in the replicates that were added before; only from the regions `of`, if given.
+        """Leave out `pixels` (height, width) bool, also in the replicates that were added before.
 
-        `film` holds the pixels' own moments over those replicates. The mean without them is then known exactly; of its
-        m2 the covariance is not known, so it is bounded from above: the norm of a sum is at most the sum of norms
-        (Cauchy-Schwarz), hence sqrt(m2(S - sum w x)) <= sqrt(m2(S)) + sum w sqrt(m2(x)). Claims stay valid, at worst late.
+        They are left out of all regions, or only of the regions `of`, if these are given.
+
+        `film` holds the pixels' own moments over those replicates. The mean without them is then known exactly; of
+        its m2 the covariance is not known, so it is bounded from above: the norm of a sum is at most the sum of norms
+        (Cauchy-Schwarz), hence sqrt(m2(S - sum w x)) <= sqrt(m2(S)) + sum w sqrt(m2(x)). Claims stay valid, at worst
+        late.
         """
         new = pixels & ~self.excluded
         if not new.any():

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene's view transform (Standard, AgX, Filmic, ...), applied by OpenColorIO inside OpenImageIO."""
+"""A scene's view transform (Standard, AgX, Filmic, ...).
+
+OpenColorIO inside OpenImageIO applies it.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,9 @@ class ViewTransform:
         return f"{self.view}, {self.look}" if self.look else self.view
 
     def apply(self, radiance: np.ndarray) -> np.ndarray:
-        """Code values, uint8, of radiance (height, width, 3) in linear Rec. 709; pixels that are not finite are black.
+        """Return code values, uint8, of radiance (height, width, 3) in linear Rec. 709.
+
+        Pixels that are not finite are black.
 
         Raises EtalonError where the configuration lacks the view or the look.
         """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of an image: rectangles of pixels that are rendered while the rest is left as it is."""
+"""Rectangles of pixels that are rendered while the rest of the image stays as it is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ Box = tuple[int, int, int, int]
 
 @dataclass(frozen=True)
 class Windows:
-    """Rectangles in an image of `shape` (height, width): `boxes` of first column, first row, last column, last row; they may overlap."""
+    """Rectangles in an image of `shape` (height, width); they may overlap.
+
+    `boxes` has the first column, first row, last column and last row of each.
+    """
 
     shape: tuple[int, int]
     boxes: tuple[Box, ...]
@@ -39,7 +42,9 @@ class Windows:
 
 
 def windows_around(inside: np.ndarray, samples: int) -> Windows:
-    """Few rectangles that cover the pixels `inside` (height, width): two become one if that adds less than a call costs.
+    """Return few rectangles that cover the pixels `inside` (height, width).
+
+    Two rectangles become one if that adds less than a call costs.
 
     `samples` is how many a pixel gets in a call.
     """
