@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: scattering towards the camera. Directions are sampled from the light's side, and weighed by what a camera path would see.
+"""Stage: scattering of paths from the lights, towards the camera.
 
-The weight of every direction is asked of the very lobes that path tracing asks, made for the direction to the camera: lobes under layers,
-normals that interpolate or are tilted, and interfaces that bend are not symmetric (Veach 1997, sections 5.2 and 5.3). It is
+Directions are sampled from the light's side, and weighted by what a camera path would see.
+
+The weight of every direction comes from the same lobes as in path tracing, made for the direction to the camera.
+Lobes under layers, normals that interpolate or are tilted, and interfaces that bend are not symmetric (Veach 1997,
+sections 5.2 and 5.3). The weight is
 
     f(light, on) |light.n|  |on.ng| / |light.ng|  over the density of `on`,
 
-which holds the correction for shading normals (section 5.3). The factor eta^2 of refraction (section 5.2) comes from f itself, and for Dirac
-lobes, which have no f, from `widening`, the ratio of solid angles.
+which holds the correction for shading normals (section 5.3). The factor eta^2 of refraction (section 5.2) comes from
+f itself, and for Dirac lobes, which have no f, from `widening`, the ratio of solid angles.
 """
 
 from __future__ import annotations
@@ -34,7 +37,10 @@ ABOUT_FACE = 0.125
 
 @dataclass(frozen=True)
 class Onward:
-    """Directions (3, n) of the world, weight (3, n), and the lobe (n,) that was picked: -1 for directions about the face's normal."""
+    """Sampled directions (3, n) of the world, their weight (3, n), and the lobe (n,).
+
+    The lobe is the one that was picked, -1 for directions about the face's normal.
+    """
 
     direction: np.ndarray
     weight: np.ndarray
@@ -57,7 +63,9 @@ def mixture_of(material: PreparedMaterial, points: SurfacePoints) -> tuple[Mixtu
 def light_toward(
     material: PreparedMaterial, points: SurfacePoints, wo: np.ndarray, counted: np.ndarray | None = None
 ) -> np.ndarray:
-    """f(light, wo) |light.n| |wo.ng| / |light.ng|, (3, n), at points that are seen from the light.
+    """Return the scattering f(light, wo) |light.n| |wo.ng| / |light.ng|, (3, n).
+
+    The points are seen from the light.
 
     `counted` (lobes, n) says which lobes count; None for all. Dirac lobes never do.
     """
@@ -98,7 +106,10 @@ def scatter(
 
 
 def _cosines(points: SurfacePoints, here: SurfacePoints, frame: tuple[np.ndarray, ...]) -> np.ndarray:
-    """|wo.ng| / |light.ng|, (n,), 0 where the normals see the light on different sides: there path tracing counts nothing."""
+    """Return the ratio |wo.ng| / |light.ng|, (n,).
+
+    It is 0 where the normals see the light on different sides, because path tracing counts nothing there.
+    """
     light = points.wo
     facing = dot(here.ng, light)
     agrees = dot(frame[2], light) * facing > 0.0
@@ -143,9 +154,12 @@ def _draw(
     lobe: np.ndarray,
     uniforms: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Local directions (3, n) of the picked lobes; of Dirac lobes the weight times the widening, (3, n), else 0; and which count (n,).
+    """Sample local directions (3, n) of the picked lobes.
 
-    What a lobe samples with weight 0 does not: reflection that ends below the surface is not refraction, although it looks like it.
+    Also returns the weight times the widening, (3, n), of Dirac lobes, 0 for others; and which directions count (n,).
+
+    What a lobe samples with weight 0 does not count: reflection that ends below the surface is not refraction, although it
+    looks like it.
     """
     local, dirac = np.zeros((3, points.size)), np.zeros((3, points.size))
     kept = np.ones(points.size, bool)
@@ -182,7 +196,9 @@ def _density(
     lobe: np.ndarray,
     apart: bool,
 ) -> np.ndarray:
-    """Density per steradian of the sampled directions (n,): of all lobes together, or of the picked one; 0 for Dirac lobes.
+    """Return the density per steradian of the sampled directions (n,).
+
+    It is that of all lobes together, or that of the picked one; 0 for Dirac lobes.
 
     A lobe counts where it has a value, as it keeps only what it samples with weight.
     """

@@ -14,10 +14,12 @@ from ..vectors import dot
 
 
 class Aim:
-    """Directions uniform in the cones from a light's ball to balls that are its targets, each chosen by its solid angle.
+    """Samples directions uniform in the cones from a light's ball to its targets.
 
-    A ray from a point of one ball, radius r, to a point of another, radius R at distance D, makes an angle of at most asin((r + R) / D)
-    with the line between their middles. Balls that meet are aimed at in all directions.
+    The targets are balls. Each is chosen by its solid angle.
+
+    A ray from a point of one ball, radius r, to a point of another, radius R at distance D, makes an angle of at most
+    asin((r + R) / D) with the line between their middles. Balls that meet are aimed at in all directions.
     """
 
     def __init__(self, extent: Ball, targets: Sequence[Ball]) -> None:
@@ -33,7 +35,10 @@ class Aim:
         self.solid_angle = 2.0 * np.pi * float(self._spread.sum())
 
     def sample(self, heading: Pair) -> tuple[np.ndarray, np.ndarray]:
-        """Directions (3, n) and their density (n,) per steradian: the number of cones that hold them over all solid angle."""
+        """Sample directions (3, n) and return their density (n,) per steradian.
+
+        The density is the number of cones that hold a direction, over all solid angle.
+        """
         which, rest = self._choice.sample(heading[0])
         direction, _ = uniform_cone(np.take(self._axis, which, axis=1), np.take(self._spread, which), rest, heading[1])
         held = np.zeros(which.size)

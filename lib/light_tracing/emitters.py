@@ -54,7 +54,10 @@ class Emitters:
         self._choice = Distribution1D(chances_by_power(power))
 
     def emit(self, choice: np.ndarray, place: Pair, heading: Pair) -> Emitted:
-        """The ray (n,) of each path; `choice` (n,) picks the emitter, whose chance divides the weight."""
+        """Return the ray (n,) of each path.
+
+        `choice` (n,) picks the emitter, whose chance divides the weight.
+        """
         index = self._choice.index(choice)
         count = choice.size
         whole = Emitted(np.empty((3, count)), np.empty((3, count)), np.empty((3, count)), np.empty(count))
@@ -82,7 +85,10 @@ def gather_emitters(kernel: Kernel, ball: Ball, with_sky: bool, targets: Sequenc
 
 
 def _aim(light: Emitter, targets: Sequence[Ball]) -> Emitter:
-    """The light with its rays aimed; itself where there are no targets, or they fill more of its view than aiming is worth."""
+    """Return the light with its rays aimed at the targets.
+
+    It is the light itself where there are no targets, or where they fill more of its view than aiming is worth.
+    """
     if not targets or not isinstance(light, Aimable):
         return light
     aim = Aim(light.extent, targets)
@@ -90,5 +96,8 @@ def _aim(light: Emitter, targets: Sequence[Ball]) -> Emitter:
 
 
 def _power(emitter: Emitter, from_afar: float) -> float:
-    """What a light sends to the ball or the targets, roughly; suns and worlds know it of a ball whose area is less by `from_afar`."""
+    """Estimate the power that a light sends to the ball or to the targets.
+
+    Suns and worlds have it for a ball whose area is less by `from_afar`.
+    """
     return emitter.power if isinstance(emitter, Aimable | ConstantSky | _Aimed) else emitter.power * from_afar

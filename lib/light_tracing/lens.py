@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the camera sees a point, and how much of the light that leaves it there a pixel counts: the camera's importance."""
+"""The camera's importance.
+
+It is where the camera sees a point, and how much a pixel counts of the light that leaves the point towards the camera.
+"""
 
 from __future__ import annotations
 

@@ -20,7 +20,10 @@ _LEAST_SHEEN = 0.15
 
 
 def refuse_unsupported(kernel: Kernel) -> None:
-    """Raise Refused for each thing of the scene that light tracing does not simulate, EtalonError for departures."""
+    """Raise Refused for each thing of the scene that light tracing does not simulate.
+
+    Raises EtalonError for departures.
+    """
     if kernel.options.departures:
         raise EtalonError("light tracing reproduces no departures; leave out --depart, or use another --strategy")
     scene = kernel.scene
@@ -41,7 +44,10 @@ def refuse_unsupported(kernel: Kernel) -> None:
 
 
 def masks_not_traced(kernel: Kernel) -> list[str]:
-    """Which masks of rays the scene has that paths from the lights do not know, and whether it has volumes."""
+    """Return the masks of rays in the scene that paths from the lights do not support.
+
+    Also names volumes, if the scene has any.
+    """
     names = {
         Effect.RAY_KINDS: "ray visibility by light tracing",
         Effect.SHADOWS_APART: "shadow visibility by light tracing",
@@ -88,7 +94,10 @@ def _is_entered(kernel: Kernel, light: SphereLight | SpotLight) -> bool:
 
 
 def _distance(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Distance (t,) of triangles with corners a, b, c, (3, t) each, from the origin: to the plane inside, else to an edge."""
+    """Return the distance (t,) of triangles from the origin; corners a, b, c, (3, t) each.
+
+    It is the distance to the plane inside the triangle, else to an edge.
+    """
     normal = np.cross(b - a, c - a, axis=0)
     square = (normal * normal).sum(axis=0)
     foot = normal * ((normal * a).sum(axis=0) / np.where(square > 0.0, square, 1.0))

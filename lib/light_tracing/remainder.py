@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What light tracing leaves to path tracing: emitters that the camera sees, and faces that send it light by a Dirac lobe.
+"""What light tracing leaves to path tracing.
 
-The two share the paths by the first scattering that the camera sees. Where its density is finite, light tracing takes the path; where it
-is a Dirac's, no point of the lens is ever in its direction, and path tracing takes it. Where there is no scattering, path tracing does.
+These are emitters that the camera sees, and faces that send it light by a Dirac lobe.
+
+The two share the paths by the first scattering that the camera sees. Where its density is finite, light tracing takes
+the path; where it is a Dirac's, no point of the lens is ever in its direction, and path tracing takes it. Where there
+is no scattering, path tracing does.
 """
 
 from __future__ import annotations

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Replicates of an image by light tracing: tiles of paths over a pool of threads, added up in order."""
+"""Replicates of an image by light tracing.
+
+Tiles of paths are traced by a pool of threads, and added up in order.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,9 @@ TILE_PATHS = 32768
 
 
 class LightTracingRenderer:
-    """The scene by light tracing, and by path tracing what no light path reaches (remainder.py).
+    """Renders the scene by light tracing.
+
+    Path tracing renders what no light path reaches (remainder.py).
 
     Raises Refused for what it does not simulate.
     """
@@ -49,7 +54,10 @@ class LightTracingRenderer:
         self._emitters = gather_emitters(self._kernel, bounding_ball(scene.mesh.vertices), with_sky=True)
 
     def render(self, replicate: int, samples: int, progress: Progress = NO_PROGRESS) -> Rendering:
-        """One independent replicate of `samples` light paths for every pixel, and as many camera rays; raises Cancelled."""
+        """Render one independent replicate; raises Cancelled.
+
+        It has `samples` light paths for every pixel, and as many camera rays.
+        """
         begin = perf_counter()
         seen = self._remainder.render(replicate, samples, progress.within(0.0, 0.5))
         camera = self.scene.camera
@@ -78,7 +86,9 @@ def trace_light(
     progress: Progress = NO_PROGRESS,
     tile_paths: int = TILE_PATHS,
 ) -> Iterator[tuple[Splats, int]]:
-    """The contributions of `paths` paths from the lights, tile by tile, with the rays traced in each.
+    """Return the contributions of `paths` paths from the lights, tile by tile.
+
+    Each tile comes with the number of rays that were traced in it.
 
     Their order does not depend on the number of threads. Raises Cancelled.
     """

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scouting pass: how much light arrives by caustics, which paths from the camera can hardly find.
+"""A scouting pass, which estimates how much light arrives by caustics.
 
-A caustic path leaves an emitter, is scattered by one or more narrow lobes, then by a wide one, and from there by any lobes on to the
-camera: L S+ D (D|S)* E in Heckbert's notation (1990), where S has alpha below `narrow`. Camera paths find it only if a direction that
-the wide lobe samples happens to lead through the narrow ones to the emitter. Counted by their lobes, these paths are a part of all
-paths, so that the pass estimates a part of the image, without bias. What it does not see, and leaves out:
+Paths from the camera can hardly find them.
+
+A caustic path leaves an emitter, is scattered by one or more narrow lobes, then by a wide one, and from there by any
+lobes on to the camera: L S+ D (D|S)* E in Heckbert's notation (1990), where S has alpha below `narrow`. Camera paths
+find it only if a direction that the wide lobe samples happens to lead through the narrow ones to the emitter. Counted
+by their lobes, these paths are a part of all paths, so that the pass estimates a part of the image, without bias.
+What it does not see, and leaves out:
 
 - constant worlds, which a camera path finds wherever it leaves the scene;
 - caustics that the camera sees only in mirrors or through smooth glass: a Dirac lobe last;
-- dispersion, light within the sphere of a sphere light, and materials that are not known.
+- dispersion, light within the sphere of a sphere light, and unsupported materials.
 """
 
 from __future__ import annotations
@@ -83,12 +86,18 @@ class Scouted:
         return np.stack(sums, axis=-1).reshape(self.batches, count, 3) / np.maximum(size, 1)[:, None]
 
     def regions(self, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Mean radiance by caustics in each region and its standard error, (regions, 3) each; `labels` as in `replicates`."""
+        """Return the mean radiance by caustics in each region, and its standard error.
+
+        They are (regions, 3) each; `labels` as in `replicates`.
+        """
         values = self.replicates(labels)
         return values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(self.batches)
 
     def brightest(self, labels: np.ndarray) -> np.ndarray:
-        """Largest `brightness` of what arrived in each region, (regions,), 0 where nothing did; `labels` as in `replicates`."""
+        """Return the largest `brightness` of what arrived in each region, (regions,).
+
+        It is 0 where nothing arrived; `labels` as in `replicates`.
+        """
         label = labels.ravel()[self.pixel]
         inside = label >= 0
         found = np.zeros(int(labels.max(initial=-1)) + 1)
@@ -103,10 +112,13 @@ def scout_caustics(
     narrow: float = NARROW,
     progress: Progress = NO_PROGRESS,
 ) -> Scouted:
-    """Estimate the light by caustics with `paths` rays from the lights in `batches` independent batches.
+    """Estimate the light by caustics.
 
-    `kernel` is that of the reference renderer of the scene; lobes with alpha below `narrow` are narrow. Nothing is traced where no material is
-    narrow, none is wide, or no light shines. Raises EtalonError for panoramic cameras, and Cancelled.
+    Traces `paths` rays from the lights in `batches` independent batches.
+
+    `kernel` is that of the reference renderer of the scene; lobes with alpha below `narrow` are narrow. Nothing is
+    traced where no material is narrow, none is wide, or no light shines. Raises EtalonError for panoramic cameras,
+    and Cancelled.
     """
     begin = perf_counter()
     camera = kernel.scene.camera

@@ -12,10 +12,16 @@ from ..surfaces.surface import SurfacePoints
 
 
 class Selection(Protocol):
-    """What a light tracer asks about the paths that count; `history` (n,) is the selection's own memory of each, 0 at first."""
+    """Decides which of the light tracer's paths count.
+
+    `history` (n,) is the selection's own memory of each path, 0 at first.
+    """
 
     def starts(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray | bool:
-        """Which rays (3, n) from the lights can be the beginning of a path that counts, (n,) bool, or True for all."""
+        """Return which rays (3, n) from the lights can start a path that counts.
+
+        The result is (n,) bool, or True for all.
+        """
         ...
 
     def allowed(self, material: PreparedMaterial, points: SurfacePoints, history: np.ndarray) -> np.ndarray | None:

@@ -11,7 +11,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Splats:
-    """Contributions: pixel (n,), row by row from the top; value (3, n), of one path each; brightness (n,) of its emitter, as in `Emitted`."""
+    """Contributions of light paths to pixels.
+
+    pixel (n,), row by row from the top; value (3, n), of one path each; brightness (n,) of its emitter, as in
+    `Emitted`.
+    """
 
     pixel: np.ndarray
     value: np.ndarray

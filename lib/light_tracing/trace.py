@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The loop: choose an emitter, emit a ray, trace it, connect it to the camera, scatter it, until no path is left."""
+"""The loop of light tracing.
+
+Choose an emitter, emit a ray, trace it, connect it to the camera and scatter it, until no path is left.
+"""
 
 from __future__ import annotations
 
@@ -71,10 +74,12 @@ class LightPaths:
 
 
 class LightTracer:
-    """Traces paths from the lights; their contributions, over the number of paths, are the pixels' mean radiance.
+    """Traces paths from the lights.
 
-    Counts bounces as path tracing does: a path scatters at most max_bounces + 1 times, the connection's vertex included. A `selection`
-    says which of the light counts.
+    The mean radiance of a pixel is the sum of its contributions over the number of paths.
+
+    Counts bounces as path tracing does: a path scatters at most max_bounces + 1 times, the connection's vertex
+    included. A `selection` says which of the light counts.
     """
 
     def __init__(
@@ -116,7 +121,10 @@ class LightTracer:
         return paths.take(np.flatnonzero(counts))
 
     def _meet(self, paths: LightPaths) -> tuple[LightPaths, SurfacePoints, np.ndarray, Groups]:
-        """The paths that meet a face, sorted by material; the points as seen from the light; the offsets; the groups."""
+        """Return the paths that meet a face, sorted by material.
+
+        Also returns the points as seen from the light, the offsets and the groups.
+        """
         hits = self._kernel.caster.closest(paths.origin, paths.direction)
         self.rays += paths.size
         material = np.take(self._kernel.material_of, hits.triangle)  # of a miss, the last entry: -1
@@ -152,7 +160,10 @@ class LightTracer:
         return Splats(seen.pixel[lit[arrived]], arriving[:, arrived], paths.brightness[at[arrived]])
 
     def _sent(self, paths: LightPaths, points: SurfacePoints, groups: Groups, seen: Sight) -> np.ndarray:
-        """`light_toward` the camera for the points in sight, (3, k), 0 where the camera does not see the object."""
+        """Return `light_toward` the camera for the points in sight, (3, k).
+
+        It is 0 where the camera does not see the object.
+        """
         shown = ~self._hidden[self._kernel.scene.mesh.object_index[points.triangle[seen.index]]]
         value = np.zeros((3, seen.index.size))
         for material, start, stop in groups:
@@ -204,7 +215,9 @@ class LightTracer:
         index: np.ndarray,
         fate: np.ndarray,
     ) -> tuple[np.ndarray, LightPaths]:
-        """Which of the paths at `index` pass straight on (k,), decided by `fate`, and those, on the far side; the others weigh more.
+        """Return which of the paths at `index` pass straight on (k,), and those paths.
+
+        `fate` decides. Those that pass are on the far side; the others weigh more.
 
         Faces are passed as a camera path would see them, at most max(transparent_max_bounces, 1) of them.
         """

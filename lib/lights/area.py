@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What rectangles and ellipses share: the plane, one emitting side, the spread, and sampling by area."""
+"""What rectangles and ellipses share.
+
+It is the plane, one emitting side, the spread, and sampling by area.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +20,13 @@ _SMALLEST = 1e-300
 
 
 class AreaSampler:
-    """A flat light, sampled uniformly by area; rectangle.py and ellipse.py say what shape it has.
+    """A flat light, sampled uniformly by area.
 
-    Its frame has x along `edge_u` and z along the emitting normal; a point in it is (x, y, height). The light is the image of the
-    square |s| <= 1/2, |t| <= 1/2 under x = s length_u + t skew, y = t length_v. A light without area is lit nowhere.
+    rectangle.py and ellipse.py define its shape.
+
+    Its frame has x along `edge_u` and z along the emitting normal; a point in it is (x, y, height). The light is the
+    image of the square |s| <= 1/2, |t| <= 1/2 under x = s length_u + t skew, y = t length_v. A light without area is
+    lit nowhere.
     """
 
     delta = False
@@ -117,7 +123,10 @@ class AreaSampler:
         return self.emit_along(across * x + up * y + normal * z, z / (math.pi * widest), place)
 
     def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
-        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, uniform by area."""
+        """Return rays of given directions (3, n), uniform by area.
+
+        The directions were sampled with `density` (n,) per steradian.
+        """
         s, t = self._place(*place)
         across, up, normal = self._axes
         origin = self._center + across * self._along_u(s, t) + up * (t * self._length_v)
@@ -153,7 +162,10 @@ class AreaSampler:
 
     @staticmethod
     def _unlit(height: np.ndarray) -> np.ndarray:
-        """Indices of the points that the light does not reach; their height becomes 1, which keeps all that follows finite."""
+        """Return the indices of the points that the light does not reach.
+
+        Their height becomes 1, which keeps all that follows finite.
+        """
         dark = np.flatnonzero(~(height > 0.0))
         if dark.size:
             height[dark] = 1.0
@@ -162,7 +174,9 @@ class AreaSampler:
     def _towards(
         self, x: np.ndarray, y: np.ndarray, height: np.ndarray, dark: np.ndarray, area: np.ndarray | float
     ) -> LightSample:
-        """The sample whose end lies x and y from the foot of the point; the light does not reach the points at `dark`.
+        """Return the sample whose end lies x and y from the foot of the point.
+
+        The light does not reach the points at `dark`.
 
         `area` is what was sampled uniformly.
         """
@@ -185,7 +199,10 @@ class AreaSampler:
         return across2, np.sqrt(squared, out=squared)
 
     def _direction(self, x: np.ndarray, y: np.ndarray, height: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """Unit vectors (3, n) to places that lie x and y from the foot of a point at `height`; zero at no distance."""
+        """Return unit vectors (3, n) to places x and y from the foot of a point at `height`.
+
+        They are zero where the distance is 0.
+        """
         inverse = 1.0 / np.clip(distance, _SMALLEST, np.inf)
         x, y, down = x * inverse, y * inverse, np.multiply(height, inverse, out=inverse)
         wi, scratch = np.empty((3, x.shape[0])), np.empty_like(x)
@@ -196,7 +213,10 @@ class AreaSampler:
         return wi
 
     def _shine(self, across2: np.ndarray, height: np.ndarray, dark: np.ndarray) -> np.ndarray:
-        """Radiance (3, n) at the angle whose tangent is sqrt(across2) / height, none for the points at `dark`."""
+        """Return the radiance (3, n) at the angle whose tangent is sqrt(across2) / height.
+
+        It is 0 for the points at `dark`.
+        """
         factor = None if self._spread is None else self._spread(np.sqrt(across2) / height)
         radiance = np.empty((3, height.shape[0]))
         for out, channel in zip(radiance, self._radiance[:, 0], strict=True):

@@ -13,7 +13,10 @@ from .light import Ball, Emitted, LightSample, Pair, column
 
 
 class BeamSampler:
-    """Delta light: the limit of the spread, irradiance pi radiance on what faces the light within its outline."""
+    """A flat light of spread 0, which is a delta light.
+
+    The limit is an irradiance of pi radiance on what faces the light within its outline.
+    """
 
     delta = True
 

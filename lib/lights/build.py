@@ -30,7 +30,10 @@ def light_sampler(light: Light, scene_radius: float) -> LightSampler:
 
 
 def area_sampler(light: AreaLight) -> AreaSampler:
-    """By shape ('RECTANGLE' or 'ELLIPSE'), and by whether a rectangle's edges are at right angles."""
+    """Return the sampler for the shape of `light` ('RECTANGLE' or 'ELLIPSE').
+
+    For a rectangle it depends on whether its edges are at right angles.
+    """
     if light.shape == "ELLIPSE":
         return EllipseSampler(light)
     sheared = ParallelogramSampler(light)

@@ -25,7 +25,10 @@ def density(one_minus_cos: np.ndarray | float) -> np.ndarray | float:
 def uniform_cone(
     axis: np.ndarray, one_minus_cos: np.ndarray | float, u1: np.ndarray, u2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Direction (3, n) uniform in the cone about unit `axis` (3, n) or (3, 1), and its own 1 - cos to the axis, (n,)."""
+    """Sample a direction (3, n) uniform in the cone about unit `axis` (3, n) or (3, 1).
+
+    Also returns the direction's own 1 - cos to the axis, (n,).
+    """
     inner = u2 * one_minus_cos
     sine = np.sqrt(inner * (2.0 - inner))
     x, y = circle(u1)
@@ -35,7 +38,10 @@ def uniform_cone(
 
 
 def _about(axis: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The vector with components x, y, z in a frame whose z is `axis`; the frame of Duff et al. 2017, multiplied out."""
+    """Return the vector with components x, y, z in a frame whose z is `axis`.
+
+    It is the frame of Duff et al. 2017, multiplied out.
+    """
     ax, ay, az = axis
     sign = np.copysign(1.0, az)
     across = ax * x

@@ -13,7 +13,10 @@ from .light import LightSample
 
 
 class EllipseSampler(AreaSampler):
-    """A disk or ellipse: uniform in area, or in the disk that its spread lets shine on the point where that is smaller."""
+    """A disk or ellipse, sampled uniformly by area.
+
+    Where the disk that its spread lets shine on the point is smaller, samples are uniform in that disk.
+    """
 
     _area_of_unit = math.pi / 4.0
 
@@ -37,7 +40,10 @@ class EllipseSampler(AreaSampler):
         return self._towards(place_x - x, place_y - y, height, dark, area)
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """Area density times distance^2 / cosine at the light; 0 where the spread keeps the light from the point."""
+        """Return the area density times distance^2 / cosine at the light.
+
+        It is 0 where the spread keeps the light from the point.
+        """
         if self._spread is None:
             return super().pdf(origin, direction, distance)
         _, _, height = self.local(origin)

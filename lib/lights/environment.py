@@ -94,7 +94,10 @@ class EnvironmentSampler:
         return emit_distant(self.sample(np.empty((3, heading[0].size)), *heading), ball, place)
 
     def _probe(self) -> tuple[np.ndarray, int]:
-        """Mean luminance (magnitude) of every cell (rows, columns), and how many probes were not finite."""
+        """Return the mean luminance (magnitude) of every cell (rows, columns).
+
+        Also returns how many probes were not finite.
+        """
         place = (np.arange(PROBES) + 0.5) / PROBES
         z = (self._top[:, None] - self._drop[:, None] * place).ravel()
         angle = 2.0 * np.pi * (0.5 - ((np.arange(self._columns)[:, None] + place) / self._columns).ravel())

@@ -29,7 +29,10 @@ class LightSample(NamedTuple):
 
 
 class Ball(NamedTuple):
-    """A ball that holds what is to be lit: `center` (3, 1), `radius`, and the distance `away` at which rays from afar begin, metres."""
+    """A ball that holds what is to be lit.
+
+    It has its `center` (3, 1), its `radius`, and the distance `away` at which rays from afar begin, in metres.
+    """
 
     center: np.ndarray
     radius: float
@@ -59,7 +62,10 @@ class Emitter(Protocol):
     power: float
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
-        """Rays that leave the light, by two uniforms (n,) each for the place and the direction; `ball` holds what is to be lit."""
+        """Return rays that leave the light; `ball` holds what is to be lit.
+
+        The place and the direction are sampled by two uniforms (n,) each.
+        """
         ...
 
 
@@ -73,7 +79,10 @@ class Aimable(Emitter, Protocol):
         ...
 
     def emit_along(self, direction: np.ndarray, density: np.ndarray, place: Pair) -> Emitted:
-        """Rays of given directions (3, n), sampled with `density` (n,) per steradian, by two uniforms for the place."""
+        """Return rays of given directions (3, n), their place sampled by two uniforms.
+
+        The directions were sampled with `density` (n,) per steradian.
+        """
         ...
 
 
@@ -92,20 +101,32 @@ class Meetable(LightSampler, Protocol):
     """A light in a place of its own that rays meet by themselves."""
 
     def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Indices of all rays that may meet the light, and of few others: what is cheap to say before `intersect` is asked."""
+        """Return the indices of all rays that may meet the light, and of few others.
+
+        It is a cheap test before `intersect`.
+        """
         ...
 
     def intersect(self, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance (n,) along unit `direction` (3, n), inf where missed, and the radiance (3, n) met there."""
+        """Return the distance (n,) along unit `direction` (3, n), and the radiance met there.
+
+        The distance is inf where the light is missed. The radiance is (3, n).
+        """
         ...
 
     def pdf(self, origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """Density per steradian with which `sample` gives a direction that `intersect` met at `distance`; 0 elsewhere."""
+        """Return the density per steradian with which `sample` returns a direction.
+
+        It is that of a direction in which `intersect` met the light at `distance`; 0 elsewhere.
+        """
         ...
 
 
 def bounding_ball(vertices: np.ndarray) -> Ball:
-    """The ball about the middle of the bounds that holds all vertices (3, v), a millionth larger; rays from afar begin at its edge."""
+    """Return the ball about the middle of the bounds that holds all vertices (3, v).
+
+    It is larger by a millionth. Rays from afar begin at its edge.
+    """
     if vertices.shape[1] == 0:
         return Ball(np.zeros((3, 1)), 0.0, 0.0)
     center = 0.5 * (vertices.min(axis=1) + vertices.max(axis=1))[:, None]
@@ -114,7 +135,10 @@ def bounding_ball(vertices: np.ndarray) -> Ball:
 
 
 def emit_distant(sample: LightSample, ball: Ball, place: Pair) -> Emitted:
-    """Rays against the sampled directions, uniform over the disc that covers the ball and faces them."""
+    """Return rays against the sampled directions.
+
+    They are uniform over the disc that covers the ball and faces the directions.
+    """
     x, y = uniform_disk(*place)
     t, s = orthonormal_basis(sample.wi)
     origin = ball.center + ball.radius * (t * x + s * y) + ball.away * sample.wi
@@ -123,7 +147,9 @@ def emit_distant(sample: LightSample, ball: Ball, place: Pair) -> Emitted:
 
 
 def aimed_at_ball(center: np.ndarray, radius2: float, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Indices of the rays, (3, n) each, that pass a ball or all but do: max(0, o.d)^2 >= |o|^2 - r^2, o from origin to center.
+    """Return the indices of the rays, (3, n) each, that pass through a ball or nearly do.
+
+    They have max(0, o.d)^2 >= |o|^2 - r^2, with o from origin to center.
 
     The difference cancels for what is far and small; a millionth of a millionth of |o|^2 more than covers that.
     """

@@ -12,7 +12,10 @@ from .light import Ball, Emitted, LightSample, Pair, column, luminance
 
 
 class PointSampler:
-    """Delta light: from any point one direction leads to it. A point at the light itself gets nothing, and wi is zero."""
+    """A point light, which is a delta light: one direction leads to it from any point.
+
+    A point at the light itself gets nothing, and wi is zero.
+    """
 
     delta = True
 

@@ -20,11 +20,16 @@ SMALLEST_SOLID_ANGLE = 1e-7
 
 
 class ParallelogramSampler(AreaSampler):
-    """A rectangle whose edges are not at right angles (a light under a sheared parent): uniform in area."""
+    """A rectangle whose edges are not at right angles, sampled uniformly by area.
+
+    It is a light under a sheared parent.
+    """
 
 
 class RectangleSampler(AreaSampler):
-    """A rectangle, uniform in solid angle within the part of it that its spread lets shine on the point.
+    """A rectangle, sampled uniformly in solid angle.
+
+    Samples lie within the part of it that its spread lets shine on the point.
 
     Without spread, points `FAR` diagonals away or farther get places uniform in area.
     """
@@ -89,9 +94,10 @@ class RectangleSampler(AreaSampler):
         return self._density_seen(bounds, height, solid, small, distance) * hit
 
     def _seen(self, point: np.ndarray) -> tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray]:
-        """Bounds (x0, x1, y0, y1) of what can shine on the points, about their feet, their height, and where there is none.
+        """Return the bounds (x0, x1, y0, y1) of what can shine on the points.
 
-        There the numbers are those of a unit square 1 m away.
+        They are relative to the feet of the points. Also returns the points' height, and where nothing can shine on
+        them. There the numbers are those of a unit square 1 m away.
         """
         x, y, height = self.local(point)
         half_u, half_v = 0.5 * self._length_u, 0.5 * self._length_v

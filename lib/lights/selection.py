@@ -16,10 +16,13 @@ EVEN_SHARE = 1.0 / 16.0
 
 
 def chances_by_power(power: np.ndarray) -> np.ndarray:
-    """The chances (k,) of lights of `power` (k,): by power, but for EVEN_SHARE, of which all that shine have as much.
+    """Return the chances (k,) of lights of `power` (k,), by power but for EVEN_SHARE.
 
-    A lamp in a closed room is all of its light, however bright the sun outside is. By this defensive mixture (Hesterberg 1995) no
-    sample weighs more than 1 / EVEN_SHARE times what it would by even chances. All 0 where nothing shines.
+    All lights that shine have an equal part of EVEN_SHARE.
+
+    A lamp in a closed room is all of its light, however bright the sun outside is. By this defensive mixture
+    (Hesterberg 1995) no sample weighs more than 1 / EVEN_SHARE times what it would by even chances. All 0 where
+    nothing shines.
     """
     total, shines = float(power.sum()), power > 0.0
     if not total > 0.0:
@@ -28,7 +31,10 @@ def chances_by_power(power: np.ndarray) -> np.ndarray:
 
 
 class LightSelection:
-    """One light for each point, by `chances_by_power`. With a single light there is nothing to do."""
+    """Selects one light for each point, by `chances_by_power`.
+
+    With a single light there is nothing to do.
+    """
 
     def __init__(self, samplers: Sequence[LightSampler]) -> None:
         if not samplers:

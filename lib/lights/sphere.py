@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spheres of uniform radiance, sampled by the cone that they fill (Shirley, Wang and Zimmerman 1996)."""
+"""Spheres of uniform radiance, sampled by the cone that they fill.
+
+Shirley, Wang and Zimmerman 1996.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, lumi
 
 
 class SphereSampler:
-    """Sphere light; from inside it is seen in every direction, with the same radiance, as in Cycles."""
+    """A sphere light.
+
+    From inside it is seen in every direction, with the same radiance, as in Cycles.
+    """
 
     delta = False
 
@@ -62,11 +68,17 @@ class SphereSampler:
         return Ball(self.center, math.sqrt(self.radius2), 0.0)
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> Emitted:
-        """Outwards, uniform over the sphere and by the cosine there; what the light sends to its inside is not among it."""
+        """Return rays outwards, uniform over the sphere and by the cosine there.
+
+        What the light sends to its inside is not among them.
+        """
         return self.emit_along(uniform_sphere(*heading), 1.0 / (4.0 * np.pi), place)
 
     def emit_along(self, direction: np.ndarray, density: np.ndarray | float, place: Pair) -> Emitted:
-        """Rays of given directions (3, n), sampled with `density` per steradian: uniform on the disc that is seen from there."""
+        """Return rays of given directions (3, n), uniform on the disc that is seen from there.
+
+        The directions were sampled with `density` per steradian.
+        """
         x, y = uniform_disk(*place)
         rise = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
         t, s = orthonormal_basis(direction)
@@ -128,7 +140,9 @@ def _sample(
 
 
 def _one_minus_cos(squared: np.ndarray, radius2: np.ndarray | float) -> np.ndarray:
-    """1 - cos of the half angle under which a sphere is seen from a squared distance; 2 from inside.
+    """Return 1 - cos of the half angle of a sphere, seen from a squared distance.
+
+    It is 2 from inside.
 
     1 - cos = sin^2 / (1 + cos) does not cancel far away, cos^2 = (d^2 - r^2) / d^2 not close to the surface.
     """
@@ -146,7 +160,10 @@ def _one_minus_cos(squared: np.ndarray, radius2: np.ndarray | float) -> np.ndarr
 
 
 def _distance(gap: np.ndarray, along: np.ndarray, half_chord2: np.ndarray) -> np.ndarray:
-    """Distance to the sphere along a ray, by the product of the roots, `gap` = d^2 - r^2: exact just outside."""
+    """Return the distance to the sphere along a ray, by the product of the roots.
+
+    It is exact just outside the sphere; `gap` = d^2 - r^2.
+    """
     far = np.sqrt(half_chord2)
     far += along
     inside = gap <= 0.0

@@ -81,7 +81,10 @@ class _Strip:
 
 
 class SphericalRectangle:
-    """Rectangles seen from the origin, bounds and `height` > 0 all (n,); `solid_angle` (n,) in steradians."""
+    """Rectangles seen from the origin.
+
+    Their bounds and `height` > 0 are all (n,); `solid_angle` (n,) is in steradians.
+    """
 
     def __init__(self, x0: np.ndarray, x1: np.ndarray, y0: np.ndarray, y1: np.ndarray, height: np.ndarray) -> None:
         self._bounds = x0, x1, y0, y1
@@ -103,7 +106,10 @@ class SphericalRectangle:
         self.solid_angle = 2.0 * half
 
     def place(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Place (x, y), uniform in solid angle for uniforms in [0, 1): x by u1, y by u2; Urena et al. 2013, section 4."""
+        """Sample a place (x, y), uniform in solid angle: x by u1, y by u2.
+
+        The uniforms are in [0, 1). Urena et al. 2013, section 4.
+        """
         x0, x1, y0, y1 = self._bounds
         x = self._x(u1)
         x *= np.copysign(1.0, x0 + x1)
@@ -157,7 +163,10 @@ class SphericalRectangle:
         return x
 
     def _y(self, x: np.ndarray, u2: np.ndarray) -> np.ndarray:
-        """Where, mirrored, h = y / r is uniform between the edges; y = h sqrt((x^2 + height^2) / (1 - h^2))."""
+        """Return y such that h = y / r is uniform between the edges of the mirrored rectangle.
+
+        y = h sqrt((x^2 + height^2) / (1 - h^2)).
+        """
         strip = self._strip
         x2 = x * x
         x2 += strip.height2

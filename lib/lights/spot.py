@@ -50,7 +50,10 @@ class SpotSampler:
 
 
 class SphereSpotSampler(SpotSampler):
-    """A spot light whose emitter is a `sphere`. The cone does not dim what is inside the sphere, as in Cycles."""
+    """A spot light whose emitter is a `sphere`.
+
+    The cone does not dim what is inside the sphere, as in Cycles.
+    """
 
     delta = False
 
@@ -89,7 +92,9 @@ def spot_sampler(light: SpotLight) -> SpotSampler:
 
 
 class Falloff:
-    """smoothstep((c - cos b) / ((1 - cos b) blend)), c the cosine between the ray from the light and the axis, b the half angle.
+    """The falloff of a spot light's cone: smoothstep((c - cos b) / ((1 - cos b) blend)).
+
+    c is the cosine between the ray from the light and the axis, and b is the half angle.
 
     With blend 0 the edge is a step; with half angle 0 nothing is left.
     """
@@ -121,12 +126,18 @@ class Falloff:
         return c * c * (3.0 - 2.0 * c)
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, float]:
-        """Directions (3, n) away from the light that hold all that it sends out, and the solid angle in which they are uniform."""
+        """Sample directions (3, n) away from the light that hold all that it sends out.
+
+        Also returns the solid angle in which they are uniform.
+        """
         if self.is_stretched:
             return uniform_sphere(u1, u2), 4.0 * np.pi
         direction, _ = uniform_cone(self._axis, 1.0 - self._cos_edge, u1, u2)
         return direction, 2.0 * np.pi * (1.0 - self._cos_edge)
 
     def mean(self) -> float:
-        """Mean of the factor over all directions of an unstretched cone: smoothstep is 1/2 on the average of its edge."""
+        """The mean of the factor over all directions, for a cone that is not stretched.
+
+        The average of smoothstep over the cone's edge is 1/2.
+        """
         return 0.5 * (1.0 - self._cos_edge - 0.5 * self._width)

@@ -9,7 +9,9 @@ import numpy as np
 
 
 class Spread:
-    """max(tan h - tan theta, 0) / (tan h - h) with h half the `spread` (radians, 0 < spread < pi): the slats of a soft box.
+    """The spread of a flat light, as by the slats of a soft box.
+
+    The factor is max(tan h - tan theta, 0) / (tan h - h), where h is half the `spread` (radians, 0 < spread < pi).
 
     Its integral against the cosine over the hemisphere is pi, so that the flux is that of a light without it.
     """

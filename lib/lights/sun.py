@@ -14,7 +14,10 @@ from .light import Ball, Emitted, LightSample, Pair, column, emit_distant, lumin
 
 
 class SunSampler:
-    """Sun: one direction where its angle is 0, otherwise a cone of uniform radiance. `scene_radius` in metres sets its power."""
+    """A sun: one direction where its angle is 0, otherwise a cone of uniform radiance.
+
+    `scene_radius` in metres sets its power.
+    """
 
     def __init__(self, light: SunLight, scene_radius: float = 1.0) -> None:
         self.delta = light.half_angle == 0.0
@@ -54,6 +57,9 @@ class SunSampler:
         return emitted._replace(brightness=np.full(sample.pdf.shape, np.inf)) if self.delta else emitted
 
     def _within(self, direction: np.ndarray) -> np.ndarray:
-        """Whether directions lie in the cone, by |a - b|^2 = 2 (1 - cos): a narrow cone keeps its digits."""
+        """Return whether directions lie in the cone, by |a - b|^2 = 2 (1 - cos).
+
+        This form keeps its digits in a narrow cone.
+        """
         difference = direction - self._direction
         return dot(difference, difference) <= 2.0 * self._one_minus_cos

@@ -31,11 +31,13 @@ class TriangleSample(NamedTuple):
 
 
 class EmissiveTriangles:
-    """Triangles that shine from both faces, chosen by their power and sampled uniformly by area.
+    """Triangles that shine from both faces.
 
-    `corner`, `edge1`, `edge2` (3, t): first corner and the edges to the second and third; `triangle` (t,) indices in the scene;
-    `power` (t,) an estimate of each one's flux, luminance in W, not negative; if all are zero, the area decides. Triangles without area
-    are never chosen.
+    They are chosen by their power and sampled uniformly by area.
+
+    `corner`, `edge1`, `edge2` (3, t): first corner and the edges to the second and third; `triangle` (t,) indices in
+    the scene; `power` (t,) an estimate of each one's flux, luminance in W, not negative; if all are zero, the area
+    decides. Triangles without area are never chosen.
     """
 
     def __init__(
@@ -56,7 +58,10 @@ class EmissiveTriangles:
         self._density[self._triangle] = np.where(area > 0.0, chosen / np.where(area > 0.0, area, 1.0), 0.0)
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> TriangleSample:
-        """Uniform by area on a triangle chosen by power, seen from `point` (3, n); PBRT 4th edition, eq. A.15 for the place."""
+        """Sample uniformly by area on a triangle chosen by power, seen from `point` (3, n).
+
+        PBRT 4th edition, eq. A.15 for the place.
+        """
         which, b1, b2, wi = self.place(u1, u2)
         wi -= point
         distance = np.sqrt(dot(wi, wi))
@@ -68,7 +73,10 @@ class EmissiveTriangles:
         return TriangleSample(wi, distance, pdf, triangle, b1, b2, facing)
 
     def place(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Index among the emissive triangles, barycentric weights b1 and b2, (n,) each, and the point (3, n)."""
+        """Sample a place on the emissive triangles.
+
+        Returns the index among them, the barycentric weights b1 and b2, (n,) each, and the point (3, n).
+        """
         which, rest = self._choice.sample(u1)
         root = np.sqrt(rest)
         b1 = 1.0 - root
@@ -86,9 +94,11 @@ class EmissiveTriangles:
         return np.take(self._density, triangle, mode="clip")
 
     def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, facing: np.ndarray) -> np.ndarray:
-        """Density per steradian with which `sample` gives a direction that meets scene triangle `triangle` at `distance`.
+        """Return the density per steradian with which `sample` returns a direction.
 
-        `facing`: cosine between its normal and the direction, of either sign. 0 for triangles that do not emit.
+        It is that of a direction which meets scene triangle `triangle` at `distance`.
+
+        `facing`: cosine between its normal and the direction, of either sign. The density is 0 for triangles that do not emit.
         """
         density = np.take(self._density, triangle, mode="clip")
         density *= distance

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights in watts, watts per steradian, watts per square metre, candela and lumens, as Blender means its Power.
+"""Units of lights, as Blender means its Power.
 
-Power is radiant flux, of each colour by itself, except that of a sun, which is irradiance. Of a spot it is the flux of the same lamp
-without its cone. It has no spectrum, so lumens and candela need a convention: EFFICACY lumens for each watt of luminance,
-0.2126 R + 0.7152 G + 0.0722 B. That is the maximum, at 555 nm, and what Blender's own glTF exporter takes. Real white light has less: an
-equal-energy white in the visible range 179 lm/W (Ward Larson and Shakespeare, Rendering with Radiance, 1998).
+They are watts, watts per steradian, watts per square metre, candela and lumens.
+
+Power is radiant flux, of each colour by itself, except that of a sun, which is irradiance. Of a spot it is the flux
+of the same lamp without its cone. Power has no spectrum, so lumens and candela need a convention: EFFICACY lumens for
+each watt of luminance, 0.2126 R + 0.7152 G + 0.0722 B. That is the maximum, at 555 nm, and what Blender's own glTF
+exporter takes. Real white light has less: an equal-energy white in the visible range 179 lm/W (Ward Larson and
+Shakespeare, Rendering with Radiance, 1998).
 """
 
 from __future__ import annotations
@@ -77,7 +80,10 @@ def _of_sphere(light: SphereLight | SpotLight) -> float:
 
 
 def _spot(light: SpotLight) -> LightUnits:
-    """The axis has the intensity of the lamp without its cone, which lets out the mean of its falloff over all directions."""
+    """Return the units of a spot light.
+
+    The axis has the intensity of the lamp without its cone, which lets out the mean of its falloff over all directions.
+    """
     emission, falloff = np.array(light.emission), Falloff(light.cone)
     intensity = emission if light.radius == 0.0 else _of_sphere(light) * emission
     power = 4.0 * math.pi * intensity
@@ -86,7 +92,11 @@ def _spot(light: SpotLight) -> LightUnits:
 
 
 def _area(light: AreaLight) -> LightUnits:
-    """A spread keeps the flux, pi L A, and gathers it: along the axis it is tan h / (tan h - h) times as strong, h half the spread."""
+    """Return the units of a flat light.
+
+    A spread keeps the flux, pi L A, and gathers it: along the axis it is tan h / (tan h - h) times as strong, h half
+    the spread.
+    """
     area = float(np.linalg.norm(np.cross(light.edge_u, light.edge_v)))
     area *= math.pi / 4.0 if light.shape == "ELLIPSE" else 1.0
     radiance, half = np.array(light.radiance), 0.5 * light.spread

@@ -74,7 +74,9 @@ _LEAST_CONTRAST = 1e-4
 
 @dataclass(frozen=True)
 class Site:
-    """Points of one material: `read` evaluates sockets there, `wo` (3, n) is local to the frame (t, s, n), (3, n) each.
+    """Points of one material, where the sockets of its closures are evaluated.
+
+    `read` evaluates a socket. `wo` (3, n) is local to the frame (t, s, n), (3, n) each.
 
     `tables`: those of Cycles, where multiple scattering departs by them.
     """
@@ -144,7 +146,10 @@ def _specular(closure: Specular, site: Site) -> tuple[Lobe, np.ndarray]:
 
 
 def _fresnel_reflection(closure: Metallic | Specular, curve: CyclesFresnel, site: Site) -> Lobe:
-    """Microfacets that reflect by `curve`; the stretch is that of Blender's Metallic and Principled BSDF."""
+    """Return microfacets that reflect by `curve`.
+
+    The stretch is that of Blender's Metallic and Principled BSDF.
+    """
     anisotropy = np.clip(site.read(closure.anisotropy), 0.0, 1.0)
     stretch = np.sqrt(1.0 - 0.9 * anisotropy) if np.any(anisotropy) else None
     lobe, alpha = _reflection(closure, None if stretch is None else (1.0 / stretch, stretch), site)
@@ -165,7 +170,10 @@ def _alphas(
 def _reflection(
     closure: Anisotropic, stretch: tuple[np.ndarray, np.ndarray] | None, site: Site
 ) -> tuple[Lobe, np.ndarray]:
-    """White microfacet reflection, its alpha stretched by two factors, and the geometric mean of its alphas."""
+    """Return white microfacet reflection, and the geometric mean of its alphas.
+
+    Its alpha is stretched by two factors.
+    """
     alpha_x, alpha_y = _alphas(closure, stretch, site)
     if closure.distribution == "ASHIKHMIN_SHIRLEY":
         form = ashikhmin_shirley_form(site.options.departures)
@@ -192,7 +200,10 @@ def _reflection(
 
 
 def _turned(closure: Microfacets, stretch: object, site: Site, make: Callable[[np.ndarray], Lobe]) -> Lobe:
-    """The lobe that `make` gives for wo, in the frame of the closure's tangent where it is stretched."""
+    """Return the lobe that `make` returns for wo.
+
+    Where the lobe is stretched, it is in the frame of the closure's tangent.
+    """
     if stretch is None or not isinstance(closure, Anisotropic):
         return make(site.wo)
     tangent, _ = site.points.tangent(closure.tangent, site.read(closure.rotation), site.n)
@@ -201,7 +212,10 @@ def _turned(closure: Microfacets, stretch: object, site: Site, make: Callable[[n
 
 
 def _compensated(lobe: Lobe, distribution: str, alpha: np.ndarray, color: np.ndarray, site: Site) -> Lobe:
-    """The lobe with its lost light given back where the distribution is Multiscatter GGX; `color` is that of one bounce."""
+    """Return the lobe, compensated for lost light if the distribution is Multiscatter GGX.
+
+    `color` is that of one bounce.
+    """
     if distribution != "MULTI_GGX" or lobe.delta:
         return lobe
     return Compensated(lobe, multiple_scattering(site.wo[2], alpha, color, albedos_of(site.tables)))
@@ -223,7 +237,10 @@ def _glass(closure: Glass, site: Site) -> tuple[Lobe, np.ndarray]:
 
 
 def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
-    """The index of the far side over the near side's, (n,), at the light's wavelength where it matters, and the reflectance."""
+    """Return the relative index (n,) and the reflectance of a dielectric.
+
+    The index is that of the far side over the near side, at the light's wavelength where it depends on that.
+    """
     ior, tint = np.maximum(site.read(closure.ior), 1e-5), np.maximum(site.read(closure.tint), 0.0)
     dispersion, wavelength = site.read(closure.dispersion), site.points.wavelength
     disperses = wavelength is not None and np.any(dispersion)
@@ -245,7 +262,10 @@ def _dielectric(closure: Glass, site: Site) -> tuple[np.ndarray, Fresnel]:
 
 
 def _film(closure: Metallic | Specular | Glass, site: Site) -> Film | None:
-    """The film that lies on a closure, if there is one anywhere; its index is that over the index outside."""
+    """Return the film on a closure, or None where there is none anywhere.
+
+    The film's index is that over the index outside.
+    """
     by_table = "thin film series" in site.options.departures
     return make_film(site.read(closure.film_thickness), site.read(closure.film_ior), by_table)
 
@@ -283,10 +303,12 @@ def _interface(
 
 
 def _glass_scattering(closure: Glass, site: Site, alpha: np.ndarray, color: np.ndarray) -> np.ndarray:
-    """As `multiple_scattering`, with the albedo of the whole interface, from either side of it; (3, n).
+    """Return `multiple_scattering` with the albedo of the whole interface, (3, n).
 
-    Where the index depends on the wavelength, it is quadratic in the index through three that span the spectrum (Chebyshev's):
-    to 1e-4 for Abbe numbers from 20 on.
+    The albedo is that from either side of the interface.
+
+    Where the index depends on the wavelength, it is quadratic in the index through three that span the spectrum
+    (Chebyshev's): to 1e-4 for Abbe numbers from 20 on.
     """
     ior, dispersion, wavelength = _number(closure.ior), _number(closure.dispersion), site.points.wavelength
     if wavelength is None or not dispersion:
@@ -302,7 +324,10 @@ def _glass_scattering(closure: Glass, site: Site, alpha: np.ndarray, color: np.n
 
 
 def _number(socket: Expression) -> float:
-    """The number of a socket that the exporter keeps constant where lost light is given back; raises TypeError for another."""
+    """Return the number of a socket that the exporter keeps constant.
+
+    It does so where lost light is given back. Raises TypeError for a socket that is not constant.
+    """
     if not is_constant(socket):
         raise TypeError(f"{socket} is not constant")
     return socket.number
@@ -348,7 +373,10 @@ def _distribution(closure: Anisotropic | Refraction, options: Options) -> Distri
 
 
 def glossy_stretch(anisotropy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Factors on alpha along x and y of Blender's Glossy and Glass BSDF for an anisotropy in (-1, 1) (Cycles, svm/closure.h)."""
+    """Return the factors on alpha along x and y for an anisotropy in (-1, 1).
+
+    They are those of Blender's Glossy and Glass BSDF (Cycles, svm/closure.h).
+    """
     stretch = np.where(anisotropy < 0.0, 1.0 / (1.0 + anisotropy), 1.0 - anisotropy)
     return stretch, 1.0 / stretch
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials made ready for shading: lobes sorted by what they do, evaluated at surface points."""
+"""Materials prepared for shading.
+
+Their lobes are sorted by what they do, and evaluated at surface points.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,9 @@ _LEAST_ESTIMATE = 0.02
 
 
 class PreparedMaterial:
-    """One material, ready to be asked at points. With `prunes` lobes that add nothing are left out.
+    """One material, prepared to be evaluated at points.
+
+    With `prunes` lobes that add nothing are left out.
 
     `shadows`: shadow rays take it for opaque. `only_bounds`: its faces do nothing but bound a volume.
     `tables`: those of Cycles, by which multiple scattering departs, or None.
@@ -72,7 +77,10 @@ class PreparedMaterial:
         return np.atleast_1d(self._evaluate(weight, points)) * self._evaluate(getattr(closure, "color", WHITE), points)
 
     def emission(self, points: SurfacePoints) -> np.ndarray:
-        """Radiance that the surface emits towards the viewer, (3, 1) or (3, n); negative where colour or strength is."""
+        """Return the radiance that the surface emits towards the viewer, (3, 1) or (3, n).
+
+        It is negative where the colour or the strength is.
+        """
         total = np.zeros((3, 1))
         for weight, closure in self._emissions:
             strength = np.atleast_1d(self._evaluate(closure.strength, points))
@@ -87,7 +95,10 @@ class PreparedMaterial:
         return total
 
     def scattered_share(self, points: SurfacePoints) -> np.ndarray:
-        """Mean colour of all that scatters, below the surface too, () or (n,): how much it weighs beside transparency."""
+        """Return the mean colour of all that scatters, below the surface too, () or (n,).
+
+        It is the weight of scattering beside transparency.
+        """
         total = np.zeros(())
         for weight, closure in (*self._scattering, *self._subsurface):
             total = total + np.maximum(self._color(weight, closure, points), 0.0).mean(axis=0)
@@ -96,9 +107,11 @@ class PreparedMaterial:
     def entries(
         self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray
     ) -> tuple[list[Entry], np.ndarray, Site]:
-        """What enters by each subsurface closure, and how much is reflected beside it, by estimate, (n,); and the site of both.
+        """Return what enters by each subsurface closure, what is reflected beside, and the site.
 
-        For local directions `wo` in the frame (t, s, n).
+        What is reflected is an estimate, (n,). The site is that of both.
+
+        The directions `wo` are local to the frame (t, s, n).
         """
         site = self._site(points, wo, t, s)
         reflected = np.zeros(points.size)
@@ -109,9 +122,12 @@ class PreparedMaterial:
         return [make_entry(weight, closure, site) for weight, closure in self._subsurface], reflected, site
 
     def alphas(self, points: SurfacePoints) -> np.ndarray:
-        """Roughness squared of each scattering lobe, (lobes, n), as in `mixture`; inf for diffuse ones.
+        """Return the roughness squared of each scattering lobe, (lobes, n), as in `mixture`.
 
-        For a cone about the mirror direction the tangent of half its half angle: of the facets that would reflect so far.
+        It is inf for diffuse lobes.
+
+        For a cone about the mirror direction it is the tangent of half its half angle: that of the facets that would
+        reflect so far.
         """
         found = np.full((len(self._scattering), points.size), np.inf)
         for k, (_, closure) in enumerate(self._scattering):
@@ -123,7 +139,10 @@ class PreparedMaterial:
         return found
 
     def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
-        """The scattering lobes for local directions `wo` in the frame (t, s, n); a colour below 0 scatters nothing, as in Cycles."""
+        """Return the scattering lobes for local directions `wo` in the frame (t, s, n).
+
+        A colour below 0 scatters nothing, as in Cycles.
+        """
         site = self._site(points, wo, t, s)
         lobes, colors = [], []
         for weight, closure in self._scattering:

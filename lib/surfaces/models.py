@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Other models in place of the lobes of Glossy nodes: the change of the scene, and the forms of the lobes."""
+"""Other models in place of the lobes of Glossy nodes.
+
+This file has the change of the scene, and the forms of the lobes.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ _SHAPED: dict[str, Callable[..., Distribution]] = {
 
 
 def with_other_model(scene: Scene, options: Options) -> Scene:
-    """`scene` with the model and the Fresnel term of `options` in every Glossy closure; the scene itself where they change nothing."""
+    """Return `scene` with the model and the Fresnel term of `options` in its Glossy closures.
+
+    It is the scene itself where they change nothing.
+    """
     if options.model is None and options.fresnel == "none":
         return scene
     return replace(scene, materials=tuple(_with_model(material, options) for material in scene.materials))
@@ -48,13 +54,19 @@ def _with_closure(lobe: WeightedClosure, options: Options) -> WeightedClosure:
 
 
 def empirical_form(name: str) -> LobeForm | None:
-    """The form of the lobe that a closure calls `name`; None where that is a distribution of microfacets."""
+    """Return the form of the lobe that a closure calls `name`.
+
+    None where that is a distribution of microfacets.
+    """
     model = name.partition(":")[0]
     return EMPIRICAL[model](**split_model(name, MODELS, "model")[1]) if model in EMPIRICAL else None
 
 
 def distribution_of(name: str) -> Distribution:
-    """The distribution of microfacets that a closure calls `name`: Blender's, or a model with its parameters."""
+    """Return the distribution of microfacets that a closure calls `name`.
+
+    It is Blender's, or a model with its parameters.
+    """
     if name in DISTRIBUTIONS:
         return distribution_by_name(name)
     model, values = split_model(name, MODELS, "model")
@@ -62,7 +74,10 @@ def distribution_of(name: str) -> Distribution:
 
 
 def fresnel_curve(name: str, color: np.ndarray) -> tuple[AveragedFresnel | None, np.ndarray]:
-    """The reflectance that a Glossy closure of `color`, (3, 1) or (3, n), calls `name`, None for none; and the colour that is left outside."""
+    """Return the reflectance that a Glossy closure calls `name`, and the colour left outside.
+
+    The closure's `color` is (3, 1) or (3, n). The reflectance is None for the term 'none'.
+    """
     model, values = split_model(name, FRESNELS, "Fresnel term")
     if model == "none":
         return None, color

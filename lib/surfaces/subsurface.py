@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where and how light gets below surfaces: what enters by each closure, into what medium, in which direction."""
+"""Entry of light below surfaces.
+
+It says what enters by each closure, into what medium, and in which direction.
+"""
 
 from __future__ import annotations
 
@@ -55,9 +58,12 @@ def make_entry(weight: Expression, closure: Subsurface, site: Site) -> Entry:
 
 
 def sample_entry(entry: Entry, index: np.ndarray, site: Site, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-    """Directions (3, k) into the body at the points `index` (k,), world space; zero where none leads below the face.
+    """Return directions (3, k) into the body at the points `index` (k,), in world space.
 
-    Refraction of the viewer's direction at a visible GGX normal, whose light is not weighed: the entry says only where light goes.
+    They are zero where none leads below the face.
+
+    They refract the viewer's direction at a visible GGX normal. Their light is not weighted: the entry says only where
+    light goes.
     """
     n = np.take(entry.normal, index, axis=1)
     t, s = orthonormal_basis(n)
@@ -77,7 +83,9 @@ def sample_entry(entry: Entry, index: np.ndarray, site: Site, u1: np.ndarray, u2
 def refract_below(
     wo: np.ndarray, alpha: np.ndarray | float, ior: np.ndarray, u1: np.ndarray, u2: np.ndarray
 ) -> np.ndarray:
-    """Refract `wo` (3, n) at a visible GGX normal into the index `ior` > 1, (3, n), local; zero where `wo` is not above.
+    """Refract `wo` (3, n) at a visible GGX normal into the index `ior` > 1.
+
+    The result (3, n) is local, and zero where `wo` is not above the surface.
 
     Snell's law at the normal m: -wo / ior + (wo.m / ior - sqrt(1 - (1 - (wo.m)^2) / ior^2)) m.
     """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is known at points of the surface: normals, texture coordinates, tangents; each worked out when first asked for."""
+"""What is known at points of the surface: normals, texture coordinates, tangents.
+
+Each is computed when it is first asked for.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +60,10 @@ class SurfaceTables:
         return 1e-6 * max(extent, 1e-6)
 
     def normal_map_frame(self, uv_map: str) -> np.ndarray:
-        """Tangent, the bitangent's sign and the normal at the corners, (3 corners, 7, t), in object space."""
+        """Return the tangent, the bitangent's sign and the normal at the corners.
+
+        They are (3 corners, 7, t), in object space.
+        """
         if uv_map not in self._frames:
             self._frames[uv_map] = normal_map_frame(
                 self.mesh, uv_map, self.object_from_world, self.world_from_object, not self.all_flat
@@ -132,7 +138,10 @@ class SurfacePoints(Context):
 
     @cached_property
     def n(self) -> np.ndarray:
-        """Shading normal, (3, n): the normalised barycentric mix of the corner normals on smooth faces, else ng."""
+        """The shading normal, (3, n).
+
+        On smooth faces it is the normalised barycentric mix of the corner normals, else ng.
+        """
         tables = self.tables
         if tables.all_flat:
             return self.ng
@@ -193,13 +202,19 @@ class SurfacePoints(Context):
         return coordinates
 
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tangent (3, n), the bitangent's sign (n,) and the normal (3, n) for normal maps, in object space, front side."""
+        """Return the tangent (3, n), the bitangent's sign (n,) and the normal (3, n).
+
+        They are for normal maps, in object space, on the front side.
+        """
         corners = np.take(self.tables.normal_map_frame(uv_map), self.triangle, axis=2)
         mixed = self._interpolated((corners[0], corners[1], corners[2]))
         return mixed[:3], mixed[3], mixed[4:]
 
     def normal_to_world(self, normal: np.ndarray) -> np.ndarray:
-        """Unit normals (3, n) of the world for those of the object's space: by the inverse transpose of the object's matrix."""
+        """Return the unit normals (3, n) of the world for those of the object's space.
+
+        They are transformed by the inverse transpose of the object's matrix.
+        """
         m = np.take(self.tables.object_from_world, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
         return normalize(np.stack([m[k] * normal[0] + m[4 + k] * normal[1] + m[8 + k] * normal[2] for k in range(3)]))
 
@@ -247,7 +262,10 @@ class SurfacePoints(Context):
         return np.take(self.tables.object_info, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
 
     def attribute(self, name: str) -> np.ndarray:
-        """Red, green, blue, alpha, factor and presence of an attribute, mixed from the corners, (6, n)."""
+        """Return red, green, blue, alpha, factor and presence of an attribute, (6, n).
+
+        They are mixed from the corners.
+        """
         corners = np.take(self.tables.mesh.attributes[name], self.triangle, axis=2)
         return self._interpolated((corners[0], corners[1], corners[2]))
 
@@ -259,7 +277,10 @@ class SurfacePoints(Context):
     def tangent(
         self, source: Tangent, turns: np.ndarray, normal: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Unit tangent and bitangent across `normal` (n unless given), (3, n) each, turned about it by `turns` full circles."""
+        """Return the unit tangent and bitangent across `normal` (n unless given), (3, n) each.
+
+        They are turned about the normal by `turns` full circles.
+        """
         n = self.n if normal is None else normal
         raw = self._uv_tangent(source.uv_map) if source.kind == "UV" else self._radial_tangent(source.axis)
         turns = np.asarray(turns)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tangents at the corners of triangles for normal maps, by the rules of MikkTSpace (Mikkelsen 2008), in object space."""
+"""Tangents at the corners of triangles, in object space, for normal maps.
+
+They follow the rules of MikkTSpace (Mikkelsen 2008).
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,9 @@ _DIGITS = 5  # to which corners' places, normals and coordinates agree when they
 def normal_map_frame(
     mesh: Mesh, uv_map: str, object_from_world: np.ndarray, world_from_object: np.ndarray, smooth: bool
 ) -> np.ndarray:
-    """Tangent, the bitangent's sign and the unit normal at the corners, (3 corners, 7, t), in object space.
+    """Return the tangent, the bitangent's sign and the unit normal at the corners.
+
+    They are (3 corners, 7, t), in object space.
 
     Matrices by objects as `SurfaceTables` has them, (12, k) and (9, k); `smooth` if any face has corner normals.
     """
@@ -36,11 +41,13 @@ def normal_map_frame(
 def corner_tangents(
     mesh: Mesh, uv_map: str, normals: np.ndarray, positions: np.ndarray, mirrored: np.ndarray
 ) -> np.ndarray:
-    """(3 corners, 4, t): unit tangent along growing u, and the sign of the bitangent; zero where the map has no area.
+    """Return the unit tangent and the sign of the bitangent at corners, (3 corners, 4, t).
 
-    `mirrored` (t,) is -1 for the triangles of mirrored objects, else 1. `positions` and unit `normals` of the corners,
-    (3 corners, 3, t), in object space. Corners that share place, normal, coordinates and orientation share the mean of their
-    triangles' tangents, weighed by the angles there.
+    The tangent points along growing u; it is zero where the map has no area.
+
+    `mirrored` (t,) is -1 for the triangles of mirrored objects, else 1. `positions` and unit `normals` of the
+    corners, (3 corners, 3, t), in object space. Corners that share place, normal, coordinates and orientation share
+    the mean of their triangles' tangents, weighed by the angles there.
     """
     uv = mesh.uvs[uv_map].astype(np.float64)
     edge1, edge2 = positions[1] - positions[0], positions[2] - positions[0]
