@@ -60,7 +60,9 @@ MINIMAL = "unexplained.blend"
 
 
 def export(scene: bpy.types.Scene, partial: bool = False, motion_blur: bool = False) -> Scene:
-    """Export the scene as it is set up for rendering, `partial` and `motion_blur` as in Settings.
+    """Export the scene as it is set up for rendering.
+
+    `partial` and `motion_blur` as in Settings.
 
     Raises Refused or EtalonError. Call it before `neutral` holds the scene: what that would switch off in silence is
     refused here by name.

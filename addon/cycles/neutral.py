@@ -207,7 +207,10 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
 
 
 def _set_motion_blur(changes: Changes, render: bpy.types.RenderSettings, keep: bool) -> None:
-    """Switch motion blur off; with `keep`, leave it and the shutter as they are, safe from animation."""
+    """Switch motion blur off.
+
+    With `keep`, leave it and the shutter as they are, safe from animation.
+    """
     kept = {name: getattr(render, name) for name in ("use_motion_blur", "motion_blur_shutter", "motion_blur_position")}
     changes.set_all("render", [render], kept if keep else MOTION_BLUR)
 

@@ -43,7 +43,10 @@ class _Thing:
 
 @dataclass(frozen=True)
 class _Shape:
-    """A mesh at one time: vertices (3, v), and the vertices of its faces' corners with the first corner of each face."""
+    """A mesh at one time.
+
+    It has vertices (3, v), the vertices of its faces' corners, and the first corner of each face.
+    """
 
     positions: np.ndarray
     corners: np.ndarray
@@ -86,7 +89,9 @@ def check_blur(depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]) -> bool:
 
 
 def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None], mesh: Mesh) -> Motion | None:
-    """What moves of the scene whose faces are `mesh`, exported at the depsgraph's frame; None where nothing does.
+    """Read what moves in the scene whose faces are `mesh`; None where nothing does.
+
+    The scene was exported at the depsgraph's frame.
 
     `set_frame` evaluates the depsgraph at a time in frames. The caller sets it back. Raises Refused with all that is
     not simulated.
@@ -123,7 +128,10 @@ def _count_keys(thing: bpy.types.Object, parent: bpy.types.Object) -> int:
 
 
 def _read_state(depsgraph: bpy.types.Depsgraph, middle: _State | None = None) -> _State:
-    """What there is at the time for which the depsgraph is evaluated; what is as in the `middle` is shared with it."""
+    """Read the state at the time for which the depsgraph is evaluated.
+
+    What is the same as in the `middle` is shared with it.
+    """
     things: dict[Key, _Thing] = {}
     shapes: dict[int, _Shape] = {}
     lights: dict[Key, np.ndarray] = {}
@@ -160,7 +168,10 @@ def _read_shape(mesh: bpy.types.Mesh) -> _Shape:
 
 
 def _like(shape: _Shape, key: Key, middle: _State | None) -> _Shape:
-    """The shape of the thing `key` in the middle where it is the same, so that it is kept once; else `shape`."""
+    """Return the shape of the thing `key` in the middle where it is the same, else `shape`.
+
+    An equal shape is thus kept once.
+    """
     if middle is None or key not in middle.things:
         return shape
     other = middle.shapes[middle.things[key].pointer]
@@ -241,7 +252,10 @@ def _deforms(key: Key, states: list[_State], middle: _State) -> bool:
 def _read_objects(
     states: list[_State], middle: _State, mesh: Mesh
 ) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray]]:
-    """The keys of transforms and of vertices, by the number of the object in `mesh`; raises Refused."""
+    """Return the keys of transforms and of vertices; raises Refused.
+
+    They are by the number of the object in `mesh`.
+    """
     objects: dict[int, np.ndarray] = {}
     positions: dict[int, np.ndarray] = {}
     refusals = []
@@ -269,7 +283,10 @@ def _read_objects(
 
 
 def _keys(values: list[np.ndarray], count: int) -> np.ndarray | None:
-    """`count` of the values, equally spaced from the first to the last; None where they do not change."""
+    """Return `count` of the values, equally spaced from the first to the last.
+
+    None where they do not change.
+    """
     if count == 1:
         return None
     found = np.array(values[:: (len(values) - 1) // (count - 1)])
@@ -277,7 +294,10 @@ def _keys(values: list[np.ndarray], count: int) -> np.ndarray | None:
 
 
 def _first_vertices(state: _State) -> list[int]:
-    """The number of each object's first vertex in the joined mesh, which has all users of a mesh one after another."""
+    """Return the number of each object's first vertex in the joined mesh.
+
+    The joined mesh has all users of a mesh one after another.
+    """
     groups: dict[int, list[int]] = {}
     for index, thing in enumerate(state.things.values()):
         groups.setdefault(thing.pointer, []).append(index)

@@ -34,7 +34,10 @@ def _render(scene: bpy.types.Scene) -> None:
 
 
 def with_render_depsgraph(scene: bpy.types.Scene, function: Callable[[bpy.types.Depsgraph], Result]) -> Result:
-    """Return `function(depsgraph)` for the depsgraph in render mode; as with_render_frames does."""
+    """Return `function(depsgraph)` for the depsgraph in render mode.
+
+    It does so as with_render_frames does.
+    """
     return with_render_frames(scene, lambda depsgraph, _: function(depsgraph))
 
 

@@ -24,7 +24,10 @@ def render_film(
     options: RenderOptions,
     progress: Progress = NO_PROGRESS,
 ) -> Film:
-    """Render `options.replicates` independent replicates; cancelling keeps those that are done, which may be none."""
+    """Render `options.replicates` independent replicates.
+
+    Cancelling keeps those that are done, which may be none.
+    """
     film = Film.empty(scene.camera.height, scene.camera.width, options.samples)
     renderer = make_renderer(scene, options)
     for k in range(options.replicates):

@@ -36,7 +36,10 @@ def flip(reference: np.ndarray, candidate: np.ndarray, exposure: float) -> np.nd
 
 
 def _flip_tile(reference: np.ndarray, candidate: np.ndarray, y: int, x: int) -> np.ndarray:
-    """LDR-FLIP of the tile at row `y` and column `x`, from images with all that its filters reach."""
+    """Return LDR-FLIP of the tile at row `y` and column `x`.
+
+    The images hold all that its filters reach.
+    """
     top, left = max(y - REACH, 0), max(x - REACH, 0)
     around = np.s_[top : y + TILE + REACH, left : x + TILE + REACH]
     one, other = np.ascontiguousarray(reference[around]), np.ascontiguousarray(candidate[around])

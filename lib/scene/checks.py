@@ -180,7 +180,10 @@ def _check_unit(owner: str, direction: tuple[float, float, float]) -> None:
 
 
 def _check_motion(motion: Motion, mesh: Mesh) -> None:
-    """Demand keys of objects that are there, and of all vertices that the faces of those that deform use."""
+    """Check that the keys belong to objects that are there.
+
+    Those of objects that deform must have all vertices that the faces use.
+    """
     for what, keys in (("transform", motion.objects), ("vertex positions", motion.positions)):
         for index, values in keys.items():
             _demand(0 <= index < len(mesh.objects), "motion", f"it moves object {index}, which is not there")

@@ -338,7 +338,9 @@ class RayFlag(Expression):
 
 @dataclass(frozen=True)
 class RayCount(Expression):
-    """How often the path that meets the point has scattered, or the length of its last ray in metres (a value).
+    """The number of times that a path has scattered, or the length of its last ray (a value).
+
+    The path is the one that meets the point; the length is in metres.
 
     `count` is a name in rays.COUNTS.
     """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lies between the keys of a motion, as Cycles defines it (transform_motion_decompose and camera.cpp in its tree)."""
+"""Interpolation between the keys of a motion, as Cycles defines it.
+
+See transform_motion_decompose and camera.cpp in its tree.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ from ..errors import EtalonError
 
 
 def split_interval(keys: int, time: float) -> tuple[int, float]:
-    """The key before `time`, 0 to 1, and how far (0 to 1) it lies on the way to the next of `keys` keys."""
+    """Return the key before `time`, and the fraction of the way to the next key.
+
+    There are `keys` keys. `time` and the fraction are 0 to 1.
+    """
     first = min(int(time * (keys - 1)), keys - 2)
     return first, time * (keys - 1) - first
 
@@ -22,7 +28,9 @@ def interpolate_linearly(keys: np.ndarray, time: float) -> np.ndarray:
 
 
 def decompose(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A rotation (3, 3) and an upper triangular stretch (3, 3) whose product is the linear part of a (3, 4) map.
+    """Decompose a (3, 4) map into a rotation (3, 3) and an upper triangular stretch (3, 3).
+
+    Their product is the linear part of the map.
 
     The stretch has the scales on its diagonal, all negative where the map mirrors, and shears above it.
     """
@@ -48,9 +56,12 @@ def interpolate_transforms(keys: np.ndarray, time: float) -> np.ndarray:
 
 
 def shutter_times(shutter: np.ndarray | None, uniforms: np.ndarray) -> np.ndarray:
-    """Times (n,) from 0 to 1, by the inverse of the shutter's distribution, for `uniforms` (n,).
+    """Sample times (n,) from 0 to 1 for `uniforms` (n,).
 
-    The density of a time is proportional to how far the shutter is open then. Raises EtalonError for a shutter that never opens.
+    The times are the inverse of the shutter's distribution at the uniforms.
+
+    The density of a time is proportional to how far the shutter is open then. Raises EtalonError for a shutter that
+    never opens.
     """
     if shutter is None:
         return uniforms

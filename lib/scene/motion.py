@@ -14,7 +14,9 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Motion:
-    """Keys of a scene's objects and camera, at least two each, and the shutter's curve; something moves.
+    """Keys of a scene's objects and camera, and the shutter's curve.
+
+    There are at least two keys of each. Something moves.
 
     objects: index of the object -> (k, 3, 4) `world_from_object`. positions: index of the object -> (k, 3, v) vertices
     in object space, for meshes that deform, those that faces use, in the order in which the scene's mesh has them.

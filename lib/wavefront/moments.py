@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion blur: replicates that average the scene over the time in which the shutter is open.
+"""Motion blur by replicates.
 
-A replicate renders the scene at several moments. The shutter interval is cut into as many strata of equal weight, and each moment is
-uniform in its stratum, so that the mean over replicates is the integral over time without bias. All samples of a moment share its time, so
-samples of one replicate are correlated; replicates have moments of their own, so their variance says how far the image is off.
+They average the scene over the time in which the shutter is open.
+
+A replicate renders the scene at several moments. The shutter interval is cut into as many strata of equal weight, and
+each moment is uniform in its stratum, so that the mean over replicates is the integral over time without bias. All
+samples of a moment share its time, so samples of one replicate are correlated; replicates have moments of their own,
+so their variance says how far the image is off.
 """
 
 from __future__ import annotations
@@ -42,7 +45,9 @@ def draw_moments(shutter: np.ndarray | None, seed: int, replicate: int, count: i
 def render_moments(
     scene: Scene, seed: int, replicate: int, samples: int, progress: Progress, render: Render
 ) -> Rendering:
-    """The mean of what `render` gives at the moments of a replicate; `samples` per pixel in all.
+    """Return the mean of what `render` returns at the moments of a replicate.
+
+    `samples` are per pixel in all.
 
     Each moment has a seed of its own: the same points at all of them would not average out.
     """

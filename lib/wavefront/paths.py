@@ -59,7 +59,10 @@ class Paths:
         return may if self.in_volumes is None else may & (self.in_volumes <= volume_bounces)
 
     def tally(self, distance: np.ndarray) -> np.ndarray:
-        """The counts (len(COUNTS), n) that shaders ask for, of rays that met something at `distance` (n,)."""
+        """Return the counts (len(COUNTS), n) that shaders ask for.
+
+        They are those of rays that met something at `distance` (n,).
+        """
         if self.depths is None:
             raise ValueError("these paths do not count")
         counts = np.broadcast_to(self.scatterings, distance.shape)

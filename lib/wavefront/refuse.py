@@ -38,7 +38,10 @@ def refuse_linked_faces(scene: Scene) -> None:
 
 
 def refuse_counts(scene: Scene) -> None:
-    """Raise Refused where shaders ask for the depth or length of rays that scatter below or between faces."""
+    """Raise Refused where shaders ask for the depth or length of scattered rays.
+
+    These are rays that scatter below or between faces.
+    """
     facts = Facts(scene)
     asking = [m.name for m in facts.materials if flags_in(m) & {*COUNTS}]
     below = [m.name for m in facts.materials if any(isinstance(lobe.closure, Subsurface) for lobe in m.lobes)]

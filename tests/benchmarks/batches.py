@@ -104,7 +104,9 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
 
 
 def measure_unit(folder: Path, units: int = 4) -> None:
-    """Print the processor seconds of a unit with fixed samples, beside those of its stages in one process.
+    """Print the processor seconds of a unit with fixed samples.
+
+    Prints those of its stages in one process beside them.
 
     They do not depend on what else the machine does.
     """

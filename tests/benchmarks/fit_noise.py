@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far Cycles' image of a sphere lies from the model beyond its stated variance, and what a fit then sees.
+"""Distance of Cycles' image of a sphere from the model, beyond its stated variance.
+
+It also prints what a fit then sees.
 
     python tests/benchmarks/fit_noise.py [--samples 1024]
 
-For GGX spheres of known alpha: the root mean square of relative residuals beside the standard error of the replicates, in the half of the
-pixels with the least noise. RENDER_NOISE of lib/fit/sphere.py follows from it. Then p of the best candidate for a sphere of two lobes that
-is no candidate, with that noise and with five times as much.
+For GGX spheres of known alpha: the root mean square of relative residuals beside the standard error of the
+replicates, in the half of the pixels with the least noise. RENDER_NOISE of lib/fit/sphere.py follows from it. Then p
+of the best candidate for a sphere of two lobes that is no candidate, with that noise and with five times as much.
 """
 
 from __future__ import annotations
@@ -34,7 +36,10 @@ SHARES = (1e-4, 3e-4)
 
 
 def residuals(roughness: float, samples: int) -> tuple[float, float]:
-    """The relative residuals and standard errors of the quieter half of the pixels, root mean square."""
+    """Return the root mean squares of the relative residuals and of the standard errors.
+
+    They are those of the quieter half of the pixels.
+    """
     scene = sphere(roughness, size=SIZE)
     with quiet():
         exported = fold_scene(export(scene))

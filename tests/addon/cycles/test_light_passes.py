@@ -276,7 +276,10 @@ def test_a_comparison_reports_the_passes_that_were_asked_for(tmp_path):
 @pytest.mark.compares_with_cycles
 @pytest.mark.parametrize(("partial", "passes", "why"), [(False, "all", None), (True, "none", WhyNot.UNSUPPORTED)])
 def test_the_default_refuses_nothing(partial, passes, why):
-    """A diffuse room is compared by pass; beside hair, which is not simulated, it is compared as a whole."""
+    """A diffuse room is compared by pass.
+
+    Beside hair, which is not simulated, it is compared as a whole.
+    """
     scene = building.start("default", 8, 8, 6)
     paper = building.diffuse("Paper", (0.8, 0.8, 0.8))
     if partial:

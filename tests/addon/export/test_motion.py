@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What moves while the shutter is open: keys of objects, deforming meshes and the camera, and refusals of the rest."""
+"""Motion while the shutter is open.
+
+Keys of objects, deforming meshes and the camera, and refusals of the rest.
+"""
 
 import bpy
 import numpy as np
@@ -55,7 +58,10 @@ def bend(thing):
 
 
 def test_keys_are_where_things_are_at_the_shutters_frames(studio, moving):
-    """Two steps are five keys, from 1.25 to 1.75; the camera has three; the frame comes back, whatever happens."""
+    """Two steps are five keys, from 1.25 to 1.75, and the camera has three.
+
+    The frame is restored, whatever happens.
+    """
     moving.cycles.motion_steps = 2
     animate(studio.camera, "location", (0.0, 0.0, 10.0), (0.0, 0.0, 12.0), (0.0, 0.0, 14.0))
     studio.scene.frame_set(1, subframe=0.5)
@@ -203,7 +209,10 @@ def test_the_neutral_state_keeps_it_where_asked(studio, moving):
 @pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_cycles_shows_the_same_blur(studio, moving, seed):
-    """A square that turns and walks under a moving camera, beside one that deforms: blocks agree within their errors."""
+    """A square turns and moves under a moving camera, beside one that deforms.
+
+    Blocks agree within their errors.
+    """
     if unknown_cycles():
         pytest.skip(unknown_cycles())
     animate(moving, "rotation_euler", (0.0, 0.0, 0.0), (0.0, 0.0, 0.5), (0.0, 0.0, 1.4))

@@ -24,7 +24,10 @@ def side(moments, weight=1):
 
 @pytest.mark.parametrize(("moments", "weight", "drawn"), [(1, 1, 1), (16, 1, 16), (16, 4, 4)])
 def test_a_region_has_no_more_samples_than_moments(moments, weight, drawn):
-    """A thing that is there for a hundredth of the shutter's time is missed as often as that many moments miss it."""
+    """A thing may be there for a hundredth of the shutter's time.
+
+    It is then missed as often as that many moments miss it.
+    """
     both = side(moments, weight), side(None, weight)
     cells = np.ones(len(both[0].regions.regions), bool)
     room, least = room_left_by(both, cells, LEVEL)

@@ -70,7 +70,10 @@ def test_nothing_lit_is_one_line():
 
 
 def test_multiscatter_ggx_is_told_from_ggx_where_it_gives_much_back(rng):
-    """At alpha 0.6 more than a tenth of the light is reflected again; a single lobe of any alpha lacks its shape."""
+    """At alpha 0.6 more than a tenth of the light is reflected again.
+
+    A single lobe of any alpha lacks its shape.
+    """
     truth = Candidate(MULTI_GGX, "correlated", "none", False)
     found = identify(planted(rng, truth, 0.6, noise=0.002, count=300, colors=1))
     assert found.fits

@@ -60,7 +60,10 @@ def test_claims_at_fifty_times_the_level_would_be_seen(rng, monkeypatch):
 
 
 def test_nothing_is_claimed_from_so_few_replicates_that_they_may_be_equal_by_chance():
-    """A lamp at an edge that all replicates of the reference met and none of Cycles': noise of 100 % that four do not show."""
+    """All replicates of the reference met a lamp at an edge, and none of Cycles' did.
+
+    It is noise of 100 % that four replicates do not show.
+    """
     test = PassTest(NAMES[:1], REGIONS.families, TOLERANCE, 0.99, 3)
     sides = [{name: RegionMoments(REGIONS) for name in NAMES[:1]} for _ in range(2)]
     claimed = []
