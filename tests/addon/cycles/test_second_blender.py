@@ -88,6 +88,7 @@ def test_it_renders_what_cycles_renders_here_whole_or_in_parts(program, tmp_path
         second.close()
 
 
+@pytest.mark.slow
 @pytest.mark.compares_with_cycles
 def test_what_nothing_explains_is_left_as_a_file(program, tmp_path, monkeypatch):
     """The reference of both processes shows the rough floor too bright.

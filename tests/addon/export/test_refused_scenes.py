@@ -210,7 +210,7 @@ def test_the_properties_of_instances_are_checked_once_per_object(studio, monkeyp
 def test_smoke_is_refused_before_blender_evaluates_it(studio, monkeypatch):
     domain = studio.quad().modifiers.new("smoke", "FLUID")
     domain.fluid_type = "DOMAIN"
-    monkeypatch.setattr(job, "with_render_depsgraph", lambda *_: pytest.fail("the scene was evaluated"))
+    monkeypatch.setattr(job, "with_render_frames", lambda *_: pytest.fail("the scene was evaluated"))
     with pytest.raises(Refused, match="object 'quad': smoke is not simulated"):
         job.export(studio.scene)
     domain.show_render = False

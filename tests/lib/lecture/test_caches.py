@@ -54,6 +54,7 @@ def test_harmonic_distance_in_the_middle_of_the_floor_is_that_of_quadrature(rng)
     assert found[0] == pytest.approx(1.0 / nearest.mean(), rel=0.01)
 
 
+@pytest.mark.slow
 def test_gathered_light_agrees_with_path_tracing_and_the_cache_comes_nearer_as_it_is_refined(seed):
     traced, plain = trace_box(seed, samples=8, replicates=8), find_plain_pixels()
     gathered = GatheredBox(4)

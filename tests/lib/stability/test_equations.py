@@ -42,7 +42,9 @@ def test_last_digits_at_many_places(name):
     assert case.passed, case
 
 
-@pytest.mark.parametrize("name", CYCLES_LOSES_ALL)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if "lobe" in name else ()) for name in CYCLES_LOSES_ALL]
+)
 def test_float32_as_cycles_writes_it_loses_its_digits_somewhere(name):
     """Hard cases 1, 3, 5, 8, 10.
 

@@ -143,7 +143,9 @@ def test_a_lamp_seen_by_one_kind_of_ray_lights_the_lobes_of_that_kind(name, dire
         assert_same(*images, 0.15 if direct == "bsdf" else 0.03)
 
 
-@pytest.mark.parametrize("source", ["lamp", "faces", "world"])
+@pytest.mark.parametrize(
+    "source", ["lamp", *(pytest.param(name, marks=pytest.mark.slow) for name in ("faces", "world"))]
+)
 def test_masks_that_part_the_rays_part_the_light(source, seed):
     """The light that each kind of ray alone finds adds up to all of it.
 
