@@ -114,8 +114,8 @@ FRENCH: dict[str, str] = {
         "Rendre cette scène avec la référence et avec Cycles, et dire où les deux concordent. Échap annule"
     ),
     "Compare the Rest": "Comparer le reste",
-    "Compare, but leave out pixels that show unsupported materials; allow for their light": (
-        "Comparer en laissant de côté les pixels qui montrent des matériaux non pris en charge ; les autres laissent place à leur lumière"
+    "Compare without motion blur and without the pixels that show unsupported materials": (
+        "Comparer sans flou de mouvement et sans les pixels qui montrent des matériaux non pris en charge"
     ),
     "Select What Is Not Supported": "Sélectionner ce qui n'est pas pris en charge",
     "Select what is not supported: the object, or the objects with the material": (

@@ -63,7 +63,7 @@ class ApplyPreset(bpy.types.Operator):
 
 
 class CompareTheRest(bpy.types.Operator):
-    """Compare, but leave out pixels that show unsupported materials; allow for their light"""
+    """Compare without motion blur and without the pixels that show unsupported materials"""
 
     bl_idname = "etalon.compare_the_rest"
     bl_label = "Compare the Rest"
@@ -75,9 +75,18 @@ class CompareTheRest(bpy.types.Operator):
         return CompareWithCycles.poll(context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Switch Partial on, and press the other button."""
-        context.scene.etalon.partial = True
-        return bpy.ops.etalon.compare("INVOKE_DEFAULT") & {"CANCELLED"} or {"FINISHED"}
+        """Switch Partial on and Motion blur off, and press the other button; both come back where nothing starts."""
+        chosen = context.scene.etalon
+        before = chosen.partial, chosen.motion_blur
+        chosen.partial, chosen.motion_blur = True, False
+        try:
+            started = "CANCELLED" not in bpy.ops.etalon.compare("INVOKE_DEFAULT")
+        except RuntimeError as error:  # what the other button reports
+            self.report({"ERROR"}, str(error).removeprefix("Error: ").strip())
+            started = False
+        if not started:
+            chosen.partial, chosen.motion_blur = before
+        return {"FINISHED"} if started else {"CANCELLED"}
 
 
 class SelectOwner(bpy.types.Operator):

@@ -113,13 +113,13 @@ def apply_preset(scene: bpy.types.Scene, name: str) -> None:
             setattr(scene.etalon, declared.name, _PERCENT * value if isinstance(declared.unit, Share) else value)
 
 
-def read_settings(scene: bpy.types.Scene) -> Settings:
-    """The panel's settings of `scene`.
+def read_settings(scene: bpy.types.Scene, **instead: Any) -> Settings:
+    """The panel's settings of `scene`, but for those that are given `instead`.
 
     Without a preference, one processor is left to the window. The caller decides where results go.
     """
     chosen = {d.name: _value(d.unit, getattr(scene.etalon, d.name)) for d in SHOWN if not isinstance(d.unit, FilePath)}
-    return Settings(**chosen, threads=preferred_threads() or max(1, (os.cpu_count() or 2) - 1))
+    return Settings(**chosen | instead, threads=preferred_threads() or max(1, (os.cpu_count() or 2) - 1))
 
 
 def output_folder(scene: bpy.types.Scene) -> Path:

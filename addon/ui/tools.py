@@ -37,7 +37,7 @@ def folder_of(scene: bpy.types.Scene, command: str) -> Path:
 
 
 def _audit(scene: bpy.types.Scene) -> tuple[tuple[Declared, ...], float | None]:
-    chosen = read_settings(scene)
+    chosen = read_settings(scene, partial=False, motion_blur=False)
     options = AuditOptions(
         tolerance=chosen.tolerance,
         confidence=chosen.confidence,
@@ -49,7 +49,7 @@ def _audit(scene: bpy.types.Scene) -> tuple[tuple[Declared, ...], float | None]:
 
 
 def _cost(scene: bpy.types.Scene) -> tuple[tuple[Declared, ...], float | None]:
-    chosen = read_settings(scene)
+    chosen = read_settings(scene, partial=False, motion_blur=False)
     options = CostOptions(time=chosen.time, threads=chosen.threads, out=folder_of(scene, "cost"))
     return (Target(), options), chosen.time
 

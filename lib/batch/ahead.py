@@ -30,12 +30,14 @@ class Ahead:
     def __init__(self, name: str, commands: Sequence[Command], count: int) -> None:
         self._name, self._commands, self._count = name, commands, count
         self._waiting: dict[int, subprocess.Popen[str]] = {}
+        self._begun: set[int] = set()
 
     def begin(self, number: int, words: list[str]) -> subprocess.Popen[str]:
         """The process of comparison `number`, which has got its words after the command's name.
 
         Another is started for the comparison that begins `count` later. Called again for the same comparison, it is a new process.
         """
+        self._begun.add(number)
         process = self._waiting.pop(number, None)
         if process is None or not _tell(process, words):
             if process is not None:
@@ -44,8 +46,11 @@ class Ahead:
             # A process that has ended is found by whoever waits for it.
             _tell(process, words)
         later = number + self._count
-        if later < len(self._commands) and later not in self._waiting:
-            self._waiting[later] = self._start(later)
+        if later < len(self._commands) and later not in self._begun:
+            # Where it cannot be started now, its own turn says so.
+            with contextlib.suppress(OSError):
+                self._waiting[later] = self._start(later)
+                self._begun.add(later)
         return process
 
     def close(self) -> None:

@@ -51,7 +51,7 @@ function showPass(k) {
 /* A standard error of its code (code_errors in pixels.py), as text. */
 function decodeError(code) {
   if (code === view.error.none) return "?";
-  return code === view.error.zero ? "0" : (2 ** ((code - view.error.one) / view.error.steps)).toPrecision(1);
+  return code === view.error.zero ? "0" : `${+(2 ** ((code - view.error.one) / view.error.steps)).toPrecision(1)}`;
 }
 
 /* The whole image and every pass that sends light through a pixel, one a row. */

@@ -50,6 +50,11 @@ class VersionsSettings(Settings):
         help="time budget of a scene; one half goes to comparisons with the reference, one to comparing the versions",
         nullable=False,
     )
+    passes: str = again(
+        Settings,
+        "passes",
+        help="light passes to compare beside the image; auto: those of comparisons with the reference, none between versions",
+    )
     out: Path = option(
         Path("etalon-out/versions"), FilePath("FOLDER"), "folder for versions.html, versions.json and the reports"
     )

@@ -7,10 +7,9 @@ greater share, one would have been met with probability 1 - a (the upper limit o
 success, (1 - p)^N = a). So each claim on a region
 
 - leaves room for a difference of `worth` ln(1/a) / N, where `worth` is what the largest isolated jump that was seen
-anywhere in the
-  image, on either side, was worth: what one region met, another may not have met yet;
+  anywhere in the image, on either side, was worth: what one region met, another may not have met yet;
 - excludes only light in samples of up to v* = N tolerance / ln(1/a) times the region's mean: its *blind spot* lies
-beyond.
+  beyond.
 
 A jump is isolated where one replicate of a region lies so many robust standard deviations above the median of its
 replicates that normal noise practically never does (`jump_limit`).

@@ -8,8 +8,11 @@ import ast
 from pathlib import Path
 
 import bpy
+import pytest
 from etalon.addon import ui
 from etalon.addon.ui import panels, registration
+from etalon.addon.ui.operators import job
+from etalon.lib.errors import EtalonError
 from etalon.lib.report.ranking import RankedRegion
 from etalon.lib.verdict.outcome import Outcome
 
@@ -24,6 +27,32 @@ def test_everything_that_is_registered_can_be_taken_back():
             registration.unregister()
         assert not hasattr(bpy.types.Scene, "etalon")
         assert not hasattr(bpy.types.WindowManager, "etalon_regions")
+
+
+@pytest.mark.parametrize("stops", [None, "no camera"])
+def test_what_compare_the_rest_switches_comes_back_where_nothing_starts(monkeypatch, tmp_path, stops):
+    """Beside Motion blur, Partial would be refused: it is off while the rest is compared."""
+    asked = []
+
+    class Job:
+        def __init__(self, scene, settings, *_):
+            asked.append((settings.partial, settings.motion_blur))
+            raise EtalonError("the disk is full; make room")
+
+    monkeypatch.setattr(job, "BackgroundJob", Job)
+    bpy.ops.wm.read_factory_settings()
+    registration.register()
+    try:
+        scene = bpy.context.scene
+        scene.etalon.out, scene.etalon.motion_blur = str(tmp_path), True
+        if stops:
+            scene.camera = None
+        with pytest.raises(RuntimeError, match="no camera" if stops else "disk is full"):
+            bpy.ops.etalon.compare_the_rest()
+        assert asked == ([] if stops else [(True, False)])
+        assert (scene.etalon.partial, scene.etalon.motion_blur) == (False, True)
+    finally:
+        registration.unregister()
 
 
 def test_every_icon_exists():

@@ -67,3 +67,21 @@ def test_the_words_of_a_process_that_waits_end_with_their_line(monkeypatch):
     assert read(reader, 100) == b"left for the leash"
     os.close(reader)
     os.close(writer)
+
+
+def test_a_comparison_that_begins_again_starts_nothing_for_one_that_has_begun(starting):
+    ahead = starting(TOLD, TOLD, TOLD)
+    for number in (0, 1, 0):
+        ahead.begin(number, []).communicate()
+    assert set(ahead._waiting) == {2}
+
+
+def test_one_that_cannot_be_started_ahead_fails_in_its_own_turn():
+    def missing(words):
+        return ["no-such-program", *words]
+
+    ahead = Ahead("compare", [lambda words: [sys.executable, "-c", TOLD, *words], missing], 1)
+    ahead.begin(0, []).communicate()
+    with pytest.raises(OSError, match="no-such-program"):
+        ahead.begin(1, [])
+    ahead.close()
