@@ -75,7 +75,10 @@ class CompareTheRest(bpy.types.Operator):
         return CompareWithCycles.poll(context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Switch Partial on and Motion blur off, and press the other button; both come back where nothing starts."""
+        """Switch Partial on and Motion blur off, and press the other button.
+
+        Both come back where nothing starts.
+        """
         chosen = context.scene.etalon
         before = chosen.partial, chosen.motion_blur
         chosen.partial, chosen.motion_blur = True, False
