@@ -20,7 +20,7 @@ SLOW = pytest.mark.slow
     ("name", "samples"),
     [
         ("lambert_analytic", 64),
-        ("furnace", 64),
+        pytest.param("furnace", 64, marks=SLOW),
         pytest.param("glossy_spheres", 256, marks=SLOW),
         pytest.param("cornell_glossy", 128, marks=SLOW),
         pytest.param("far_from_origin", 320, marks=SLOW),

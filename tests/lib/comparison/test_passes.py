@@ -80,7 +80,7 @@ def test_pixels_that_are_not_finite_count_in_no_pass():
     assert (found.outcomes[found.passes.index(LightPass.GLOSSY_INDIRECT)] == Outcome.DIFFERENT).all()
 
 
-@pytest.mark.parametrize("runs", [10, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [4, pytest.param(40, marks=pytest.mark.slow)])
 def test_equal_passes_are_seldom_called_different(runs):
     """Noise alone, at a tolerance far below it.
 

@@ -198,6 +198,7 @@ def test_reference_ways_are_the_integrator_s_strategies():
     assert means["torrance-sparrow"].mean() > 1.02 * means["mis"].mean()
 
 
+@pytest.mark.slow
 def test_other_estimators_are_ways_with_the_image_of_path_tracing():
     ways = {w.key: w for w in estimator_ways(SCENE, 0, 1, 5.0)}
     assert set(ways) == {"light-tracing", "photon-mapping", "metropolis"}

@@ -30,6 +30,8 @@ from etalon.tests.lib.departures.planted_scenes import SCENES, early, furnace, j
 # Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
 PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
 LONG = (
+    ("Oren-Nayar colour",),
+    ("multiple-scattering tables", "Oren-Nayar colour"),
     ("layer albedo table",),
     ("light below the face",),
     ("narrow spread",),

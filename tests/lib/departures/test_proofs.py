@@ -111,6 +111,7 @@ def hemisphere(nodes, around):
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), mu]).reshape(3, -1), measure
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("roughness", "least"),
     [(0.5, 0.06), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.7, 0.35), (0.9, 0.6)))],

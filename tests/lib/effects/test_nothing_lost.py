@@ -51,14 +51,17 @@ def variants(effect, needed):
     return [one for one in scenes if make_plan(one).needs(effect) is needed]
 
 
-# The default run takes the first scene of each effect.
+# The default run takes the first scene of one effect in three.
+EACH = pytest.mark.parametrize(
+    "effect", [pytest.param(name, marks=pytest.mark.slow if k % 3 else ()) for k, name in enumerate(NAMES)]
+)
 SOME = pytest.mark.parametrize(
     "most", [pytest.param(1, id="first"), pytest.param(99, id="all", marks=pytest.mark.slow)]
 )
 
 
 @SOME
-@pytest.mark.parametrize("effect", NAMES)
+@EACH
 def test_a_scene_that_needs_it(effect, most, seed):
     """All other effects forced on change no bit."""
     assert effect in CASES, f"the effect '{effect}' has no scenes in effect_cases.py"
@@ -70,7 +73,7 @@ def test_a_scene_that_needs_it(effect, most, seed):
 
 
 @SOME
-@pytest.mark.parametrize("effect", NAMES)
+@EACH
 def test_a_scene_that_does_not(effect, most, seed):
     """The effect forced on at its neutral value changes no digit that counts.
 

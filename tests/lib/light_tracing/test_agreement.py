@@ -47,6 +47,7 @@ def test_every_camera_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS["diffuse"], camera=CAMERAS[name]), seed, precision=0.08)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lighting", of(["lamp", "behind_a_veil", "all"], "behind_a_veil"))
 def test_worlds_lamps_and_veils_give_the_same_image(lighting, seed):
     assert_agree(stage(**LIGHTINGS[lighting]), seed, precision=0.08)

@@ -37,7 +37,7 @@ def test_small_sphere(seed):
     assert_mean(light_traced(lit([light]), 12, 4096, seed=seed), 200.0 * exact, 0.02)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.4])
+@pytest.mark.parametrize("angle", [pytest.param(0.0, marks=pytest.mark.slow), 0.4])
 def test_sun(angle, seed):
     """Irradiance times the cosine to the middle of the disk."""
     direction = np.array([0.3, -0.2, 0.8])

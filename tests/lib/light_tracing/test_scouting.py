@@ -35,7 +35,7 @@ def lit_by_a_ball(coat, bounces=1, light=UP):
     return scene([ball, floor(3.0, material=1)], [coat, diffuse(0.7, 0.6, 0.5)], camera, [light], 0.0, bounces)
 
 
-@pytest.mark.parametrize("alpha", [0.0, 0.05])
+@pytest.mark.parametrize("alpha", [0.0, pytest.param(0.05, marks=pytest.mark.slow)])
 def test_it_finds_all_light_of_a_scene_without_other_light(alpha, seed):
     """A lamp so wide that path tracing finds it.
 

@@ -12,7 +12,7 @@ from scipy import stats
 ASKED_AT = 18
 
 
-@pytest.mark.parametrize("runs", [10, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [3, pytest.param(60, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("spread", [0.0, 0.002])
 def test_the_true_cost_is_inside_the_interval_as_often_as_it_says(rng, runs, spread):
     """Regions of very different noise, in truth `spread` apart.

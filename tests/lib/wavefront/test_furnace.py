@@ -137,7 +137,9 @@ REACH = {"visible": (0, 9, 0.01), "d_cos": (0, 6, 0.02), "cosine": (3, 6, 0.04),
 
 
 @pytest.mark.parametrize("distribution", ["GGX", "BECKMANN"])
-@pytest.mark.parametrize("masking", MASKING)
+@pytest.mark.parametrize(
+    "masking", [pytest.param(name, marks=() if name == "correlated" else pytest.mark.slow) for name in MASKING]
+)
 @pytest.mark.parametrize(
     "strategy", [pytest.param(name, marks=() if name == "visible" else pytest.mark.slow) for name in STRATEGIES]
 )

@@ -56,6 +56,7 @@ def test_a_strip_that_moves_by_a_piecewise_linear_path(seed):
     assert_mean(found, exact[None, :, None], precision=0.1, rounding=1e-6)
 
 
+@pytest.mark.slow
 def test_a_turning_half_plane_covers_a_point_for_its_share_of_the_turn(seed):
     """A half-plane that turns by a right angle about the image's middle.
 
@@ -73,6 +74,7 @@ def test_a_turning_half_plane_covers_a_point_for_its_share_of_the_turn(seed):
     assert_mean(found, exact[:, :, None], precision=0.1, rounding=1e-4)
 
 
+@pytest.mark.slow
 def test_a_camera_that_dollies_sees_a_strip_grow(seed):
     """From depth 4 to 2 a strip of half-width 1 reaches to 1 / depth on the plane at depth 1."""
     one = scene(quad((-1, -9, 0), (2, 0, 0), (0, 18, 0)), emission(1.0), perspective(8, 2, 1.0, (0, 0, 4)))

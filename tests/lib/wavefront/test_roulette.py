@@ -21,6 +21,7 @@ def test_the_glowing_box_keeps_its_series(albedo, seed):
     assert_mean(images, (1.0 - a**16) / (1.0 - a), 0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("veil", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_the_same_image_with_fewer_rays(veil, seed):
     """A lit room, with and without a transparent sheet in it."""
