@@ -14,14 +14,14 @@ from dataclasses import dataclass, fields
 import bpy
 import numpy as np
 
-from ...lib.errors import EtalonError, Refusal, Refused
+from ...lib.errors import EtalonError, Refusal
 from ...lib.scene.camera import Camera
 from ...lib.scene.matrices import affine
 from ...lib.scene.mesh import Mesh
 from ...lib.scene.motion import Motion
 from .camera import read_camera
 from .mesh import faces_of
-from .refusals import is_invisible
+from .refusals import is_invisible, raise_any
 
 _LEAVE_OUT = "leave --motion-blur out"
 _MOST_KEYS = 129
@@ -108,8 +108,7 @@ def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], Non
             states[k] = _read_state(depsgraph, middle)
     ordered = [states[k] for k in range(most)]
     refusals = list(_find_refused(ordered, middle))
-    if refusals:
-        raise Refused(list(dict.fromkeys(refusals)))
+    raise_any(refusals)
     if len(middle.things) != len(mesh.objects):
         raise EtalonError(
             f"{scene.name}: objects with faces cannot be told apart for motion blur; rename the namesakes"
@@ -277,8 +276,7 @@ def _read_objects(
             remedy = "shade it flat, or switch Deformation off in its motion blur settings"
             refusals.append(Refusal(f"object '{thing.name}'", what, remedy))
         positions[index] = shapes[:, :, np.unique(mesh.triangles[:, faces]) - first[index]]
-    if refusals:
-        raise Refused(list(dict.fromkeys(refusals)))
+    raise_any(refusals)
     return objects, positions
 
 

@@ -28,6 +28,12 @@ _REMEDIES = {
 }
 
 
+def raise_any(refusals: list[Refusal]) -> None:
+    """Raise Refused where there are refusals, each once."""
+    if refusals:
+        raise Refused(list(dict.fromkeys(refusals)))
+
+
 def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals: list[Refusal]) -> None:
     """Append the evaluated scene's and view layer's settings that are not simulated."""
     render = scene.render
@@ -137,8 +143,7 @@ def refuse_unscattered(depsgraph: bpy.types.Depsgraph) -> None:
     if world is not None and not world.cycles_visibility.scatter:
         what = "ray visibility Volume Scatter off, beside a volume that scatters,"
         refusals.append(Refusal(f"world '{world.name}'", what, remedy))
-    if refusals:
-        raise Refused(list(dict.fromkeys(refusals)))
+    raise_any(refusals)
 
 
 def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:

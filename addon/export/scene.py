@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ...lib.effects.facts import Facts
-from ...lib.errors import EtalonError, Refusal, Refused
+from ...lib.errors import EtalonError, Refusal
 from ...lib.scene.checks import validate
 from ...lib.scene.findings import Finding
 from ...lib.scene.lights import Light
@@ -34,7 +34,7 @@ from .missing_libraries import find_missing_libraries, refuse_missing
 from .motion import check_blur, read_motion
 from .nodes.images import ImageTable
 from .nodes.passive import is_passive
-from .refusals import is_invisible, read_rays, refuse_object, refuse_settings, refuse_unscattered
+from .refusals import is_invisible, raise_any, read_rays, refuse_object, refuse_settings, refuse_unscattered
 from .set_aside import find_missing_images, find_set_aside
 
 
@@ -70,12 +70,12 @@ def export_scene(
     links = LinkTable(depsgraph, refusals)
     lights = _read_things(depsgraph, materials, links, refusals)
     _check_attributes(depsgraph, materials)
-    _raise_any(refusals)
+    raise_any(refusals)
     mesh = _read_meshes(depsgraph, materials, links)
     if mesh.triangle_count == 0:
         raise EtalonError(f"{scene.name}: the scene has no faces to render; add an object with a surface")
     _check_tiles(mesh, materials)
-    _raise_any(refusals)
+    raise_any(refusals)
     result = Scene(
         name=scene.name,
         mesh=mesh,
@@ -97,12 +97,6 @@ def export_scene(
     if Facts(result).turbid:
         refuse_unscattered(depsgraph)
     return _with_motion(result, depsgraph, set_frame) if is_moving else result
-
-
-def _raise_any(refusals: list[Refusal]) -> None:
-    """Raise Refused where there are refusals."""
-    if refusals:
-        raise Refused(list(dict.fromkeys(refusals)))
 
 
 def _with_motion(scene: Scene, depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:

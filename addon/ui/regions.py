@@ -84,7 +84,7 @@ def _go_to_active(table: bpy.types.PropertyGroup, context: bpy.types.Context) ->
 
 
 class RegionTable(bpy.types.PropertyGroup):
-    """The rows of one scene, by whose identifier in this session the table is called."""
+    """The rows of one scene; the table is named by the scene's `session_uid`."""
 
     __annotations__ = {
         "rows": bpy.props.CollectionProperty(type=RegionRow),

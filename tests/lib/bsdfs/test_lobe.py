@@ -27,6 +27,7 @@ from etalon.lib.empirical.models import EMPIRICAL
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
 from etalon.lib.microfacets.thin_film import cycles_sensitivity
+from etalon.lib.sampling.warps import uniform_sphere
 
 COUNT = 40
 WO = np.repeat(np.array([[0.48], [0.36], [0.8]]), COUNT, axis=1)
@@ -72,12 +73,6 @@ LOBES = {
     "misstated": Misstated(glossy("visible"), np.full(COUNT, 1.01)),
 }
 EACH = pytest.mark.parametrize("lobe", LOBES.values(), ids=LOBES)
-
-
-def uniform_sphere(u1, u2):
-    z, phi = 1.0 - 2.0 * u1, 2.0 * np.pi * u2
-    r = np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z])
 
 
 def lobe_classes(base=Lobe):
