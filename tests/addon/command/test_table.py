@@ -7,6 +7,7 @@ Each row has a file with `run`, help for every option, and its part of docs/opti
 import ast
 import importlib
 import inspect
+import re
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,15 @@ def test_the_long_help_shows_every_option(command, capsys):
     for kind in command.settings:
         for declared in kind.options():
             assert (declared.unit.metavar if declared.positional else f"--{declared.flag}") in shown
+
+
+def test_the_page_of_commands_has_every_command_and_every_exit_code_of_a_comparison():
+    rows = re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "commands.md").read_text(), re.MULTILINE)
+    named = {re.match(r"`(\w+)", part)[1] for row in rows if row.startswith("`") for part in row.split(", ")}
+    assert named == {command.name for command in COMMANDS}
+    assert [int(row) for row in rows if row.isdigit()] == sorted(
+        {ExitCode.BAD_INPUT, *(ExitCode[outcome.name] for outcome in Outcome)}
+    )
 
 
 def test_the_documentation_is_what_the_declarations_say():
