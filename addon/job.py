@@ -16,6 +16,7 @@ from pathlib import Path
 
 import bpy
 
+from ..lib.batch.process import find_blender
 from ..lib.comparison.caustics import scout
 from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
@@ -47,6 +48,7 @@ from ..lib.wavefront.render import ReferenceRenderer
 from .background import Background, save_copy
 from .cycles.renderer import CyclesRenderer, neutral
 from .cycles.second_blender import SecondBlender
+from .cycles.view_transform_elsewhere import elsewhere
 from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
 from .export.refusals import refuse_smoke
@@ -292,7 +294,8 @@ class BackgroundJob(Background):
         self._is_written = False
         self._name = name_of_file(scene)
         self._may_shrink = not scene.render.use_border
-        self._transform = export_view_transform(scene)
+        # Of this Blender, not `program`: its colour configuration is for no older one.
+        self._transform = elsewhere(export_view_transform(scene), find_blender() or program)
         self._temporary = ExitStack()
         self._repeat = repeating_command("compare", Target(bpy.data.filepath or "FILE.blend"), settings)
         copy = self._temporary.enter_context(temporary_folder()) / "scene.blend"

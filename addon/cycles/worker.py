@@ -2,8 +2,9 @@
 """The script that runs inside another Blender, or a Python that has Blender as a module.
 
 The one argument after `--` is JSON. `scene` or `target`: export that scene, then render one replicate for each line on
-standard input. `words`: run that command line of `etalon`. `probe`: say which Blender this is, and which of these
-modules it lacks. `packages` is a folder with modules that it lacks.
+standard input. `words`: run that command line of `etalon`. `display`: apply that view transform to an image in
+`folder`. `probe`: say which Blender this is, and which of these modules it lacks. `packages` is a folder with modules
+that it lacks.
 
 It is run as a script, so it makes the package around it importable first, under the name it has outside Blender.
 """
@@ -22,6 +23,8 @@ from pathlib import Path
 from typing import Any
 
 MARK = "etalon: "
+# The image that a view transform is applied to, and its code values.
+RADIANCE, CODES = "radiance.npy", "codes.npy"
 
 
 def _package() -> str:
@@ -141,6 +144,24 @@ def _run(words: list[str], package: str) -> None:
     os._exit(code)
 
 
+def _display(request: dict[str, Any], package: str) -> None:
+    """Apply a view transform to the image in a folder, say when that is done, and end this process."""
+    import numpy as np
+
+    errors, view = (importlib.import_module(f"{package}.lib.{name}") for name in ("errors", "film.view_transform"))
+    _requests()
+    folder, values = Path(request["folder"]), request["display"]
+    transform = view.ViewTransform(**values | {"config": Path(values["config"])})
+    try:
+        np.save(folder / CODES, transform.apply(np.load(folder / RADIANCE)))
+        answer = {"applied": True}
+    except errors.EtalonError as error:
+        answer = {"error": str(error)}
+    sys.stdout.write(f"{MARK}{json.dumps(answer)}\n")
+    sys.stdout.flush()
+    os._exit(0)  # a thread still reads standard input
+
+
 def _probe(modules: list[str]) -> None:
     """Print which Blender this is, and which of the modules are missing."""
     import bpy
@@ -166,6 +187,8 @@ def _main(request: dict[str, Any]) -> None:
         _probe(request["probe"])
     elif "words" in request:
         _run(request["words"], _package())
+    elif "display" in request:
+        _display(request, _package())
     else:
         _serve(request, _package())
 

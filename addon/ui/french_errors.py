@@ -63,6 +63,9 @@ ERRORS: dict[str, str] = {
     "{name} is animated or driven, and must stay at {value}; mute its channel": (
         "{name} est animé ou piloté, et doit rester à {value} ; rendez muet son canal"
     ),
+    "view transform '{name}' cannot be applied (its process ended early)": (
+        "la transformation d'affichage « {name} » est inapplicable (son processus s'est arrêté trop tôt)"
+    ),
     "view transform '{name}' cannot be applied ({reason})": (
         "la transformation d'affichage « {name} » est inapplicable ({reason})"
     ),
@@ -124,25 +127,25 @@ ERRORS: dict[str, str] = {
         "Partiel ne connaît pas le flou de mouvement ; désactivez l'un des deux"
     ),
     "{name} has no light passes; leave out --passes, or use a strategy of path tracing": (
-        "{name} n'a pas de passes de lumière ; retirez --passes, ou choisissez une stratégie de tracé de chemins"
+        "{name} n'a pas de passes de lumière ; choisissez Passes de lumière : Aucune, ou une autre Stratégie"
     ),
     "{name}: light passes cannot be compared beside unsupported materials; leave out --passes": (
-        "{name} : pas de passes de lumière à côté de matériaux non pris en charge ; choisissez Passes : Aucune"
+        "{name} : pas de passes de lumière à côté de matériaux non pris en charge ; choisissez Passes de lumière : Aucune"
     ),
     "Cycles wrote no pass '{name}'; compare without --passes and --lights": (
-        "Cycles n'a pas écrit la passe « {name} » ; comparez sans passes ni lumières"
+        "Cycles n'a pas écrit la passe « {name} » ; choisissez Passes de lumière : Aucune et désactivez Lampes"
     ),
     "{name}: no object has this name, so its light cannot be told apart; leave --lights out (probe: --no-lights)": (
-        "{name} : aucun objet ne porte ce nom, sa lumière ne peut être distinguée ; désactivez Lumières"
+        "{name} : aucun objet ne porte ce nom, sa lumière ne peut être distinguée ; désactivez Lampes"
     ),
     "{name}: it is linked from another file and takes no light group; leave --lights out (probe: --no-lights)": (
-        "{name} : lié depuis un autre fichier, il n'accepte pas de groupe de lumières ; désactivez Lumières"
+        "{name} : lié depuis un autre fichier, il n'accepte pas de groupe de lumières ; désactivez Lampes"
     ),
     "{count} lamps and emitting objects cannot be told apart, {most} can; leave --lights out (probe: --no-lights)": (
-        "{count} lampes et objets émetteurs ne peuvent être distingués, {most} le peuvent ; désactivez Lumières"
+        "{count} lampes et objets émetteurs ne peuvent être distingués, {most} le peuvent ; désactivez Lampes"
     ),
     "light that volumes emit is no lamp's and no object's; leave --lights out (probe: --no-lights)": (
-        "la lumière émise par des volumes n'est celle d'aucune lampe ni d'aucun objet ; désactivez Lumières"
+        "la lumière émise par des volumes n'est celle d'aucune lampe ni d'aucun objet ; désactivez Lampes"
     ),
     "{width} x {height} pixels: about {needed} GB to compare at full size; this machine has {size} GB; {remedy}": (
         "{width} x {height} pixels : environ {needed} Go pour comparer en entier ; cette machine a {size} Go ; {remedy}"

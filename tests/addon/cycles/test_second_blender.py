@@ -9,15 +9,19 @@ import sys
 
 import bpy
 import numpy as np
+import OpenImageIO
 import pytest
 from etalon.addon import job
 from etalon.addon.cycles import second_blender
 from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.addon.cycles.second_blender import SecondBlender
+from etalon.addon.cycles.view_transform_elsewhere import elsewhere
+from etalon.addon.export.view_transform import export_view_transform
 from etalon.addon.host.quiet import quiet
 from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.errors import EtalonError
 from etalon.lib.film.light_passes import LightPass
+from etalon.lib.film.view_transform import ViewTransform
 from etalon.lib.film.windows import Windows
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.verdict.outcome import Outcome
@@ -28,8 +32,10 @@ PROGRAM = """#!{python}
 import runpy, sys
 import bpy
 {plant}
-bpy.ops.wm.open_mainfile(filepath=sys.argv[4], use_scripts=False)
-runpy.run_path(sys.argv[6], run_name="__main__")
+script = sys.argv.index("--python") + 1
+if script == 6:
+    bpy.ops.wm.open_mainfile(filepath=sys.argv[4], use_scripts=False)
+runpy.run_path(sys.argv[script], run_name="__main__")
 """
 
 
@@ -49,7 +55,8 @@ def write_program(path, plant=""):
 def program(tmp_path, monkeypatch):
     path = tmp_path / "blender"
     write_program(path)
-    monkeypatch.setattr(second_blender, "find_blender", lambda: str(path))
+    for module in (second_blender, job):
+        monkeypatch.setattr(module, "find_blender", lambda: str(path))
     return path
 
 
@@ -134,6 +141,37 @@ def test_it_ends_amid_a_render_when_this_process_is_gone(program, tmp_path):
         assert second._process.wait(timeout=60) == 0
     finally:
         second.close()
+
+
+@pytest.fixture
+def job_without_work(program, tmp_path, monkeypatch):
+    """A job of the panel that has ended before it began."""
+    monkeypatch.setattr(job.BackgroundJob, "_run", lambda self: self._temporary.close())
+    monkeypatch.setattr(job, "SecondBlender", lambda *_: None)
+    with quiet():
+        return job.BackgroundJob(floor(), Settings(), tmp_path / "out")
+
+
+def test_the_view_transform_of_the_job_is_applied_outside_of_this_process(job_without_work, rng, monkeypatch):
+    radiance = rng.random((4, 5, 3))
+    radiance[1, 2] = np.nan
+    expected = export_view_transform(bpy.context.scene).apply(radiance)
+
+    def hold_the_lock(*_):
+        raise AssertionError("OpenImageIO read a colour configuration in the window's process")
+
+    monkeypatch.setattr(OpenImageIO.ImageBufAlgo, "ociodisplay", hold_the_lock)
+    monkeypatch.setattr(OpenImageIO.ImageBufAlgo, "ociolook", hold_the_lock)
+    np.testing.assert_array_equal(job_without_work._transform.apply(radiance), expected)
+
+
+def test_a_view_transform_that_fails_outside_says_why(program, tmp_path):
+    transform = elsewhere(ViewTransform(tmp_path / "nowhere.ocio", "AgX"), str(program))
+    with pytest.raises(EtalonError, match=r"view transform 'AgX' cannot be applied \(.*nowhere.ocio"):
+        transform.apply(np.zeros((1, 1, 3)))
+    program.write_text("#!/bin/sh\n")
+    with pytest.raises(EtalonError, match=r"view transform 'AgX' cannot be applied \(its process ended early\)"):
+        transform.apply(np.zeros((1, 1, 3)))
 
 
 def test_python_with_blender_as_a_module_has_no_second_blender(tmp_path):
