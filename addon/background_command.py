@@ -21,6 +21,7 @@ from ..lib.comparison.compare import Comparison
 from ..lib.comparison.interim import BoundAt
 from ..lib.errors import EtalonError, Refusal
 from ..lib.files.ownership import temporary_folder
+from ..lib.refusals import is_for_command_line
 from ..lib.settings.declaration import Declared
 from ..lib.settings.words import write_changes
 from .background import Background, save_copy
@@ -107,7 +108,8 @@ class BackgroundCommand(Background):
         """Take the object of JSON out of all that Blender prints."""
         begin = next((n for n, line in enumerate(text.split("\n")) if line == "{"), None)
         if begin is None:
-            self.errors = tuple(words) or (f"etalon {self.command}: the second Blender ended early",)
+            said = tuple(line for line in words if not is_for_command_line(line))
+            self.errors = said or (f"etalon {self.command}: the second Blender ended early",)
             return
         lines = text.split("\n")[begin:]
         self.figures = json.loads("\n".join(lines[: lines.index("}") + 1]))

@@ -6,6 +6,7 @@ The same reason appears once, with its owners, and what blocks most comes first.
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -64,6 +65,15 @@ def describe_refusals(refused: Refused) -> list[str]:
     reasons = group_refusals(refused.refusals)
     rest = what_would_work(reasons, refused.allows_partial)
     return [str(reason) for reason in reasons] + ([rest] if rest is not None else [])
+
+
+def is_for_command_line(line: str) -> bool:
+    """Whether a line of `describe_refusals` names options that compare the rest, which the panel does not have.
+
+    >>> is_for_command_line("without 'smoke', --partial compares the rest")
+    True
+    """
+    return bool(re.search(r"(^|, )--.* compares? the rest$", line))
 
 
 def what_would_work(reasons: Sequence[Reason], allows_partial: bool = True) -> str | None:

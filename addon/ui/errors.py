@@ -10,6 +10,7 @@ import re
 
 from .french_errors import ERRORS
 from .french_refusals import REMEDIES, WHATS
+from .panel_words import IN_PANEL, name_properties
 from .text import translate
 
 REFUSAL = "{owner}: {what} is not simulated; {remedy}"
@@ -43,17 +44,23 @@ _ERRORS, _WHATS, _REMEDIES = (_patterns_of(texts) for texts in (ERRORS, WHATS, R
 def translate_error(text: str) -> str:
     """The message of an error in the language of the interface.
 
-    It is returned as it is where no template fits.
+    It names the panel's properties, not options of the command line. Where no template fits, it is English.
     """
     refusal = _REFUSAL.fullmatch(text)
     if refusal:
         values = {
             "owner": _translate_value("owner", refusal["owner"]),
             "what": _translate_what(refusal["what"]),
-            "remedy": _fit(refusal["remedy"], _REMEDIES),
+            "remedy": _fit_all(refusal["remedy"], _REMEDIES),
         }
         return translate(REFUSAL, **values)
-    return _fit(text, _ERRORS)
+    return _fit_all(text, _ERRORS)
+
+
+def _fit_all(text: str, patterns: dict[str, re.Pattern[str]]) -> str:
+    """`text` by the first template that fits it, or as it is but for the names of options."""
+    fitting = _fit(text, patterns)
+    return name_properties(text) if fitting == text else fitting
 
 
 def _fit(text: str, patterns: dict[str, re.Pattern[str]]) -> str:
@@ -61,9 +68,8 @@ def _fit(text: str, patterns: dict[str, re.Pattern[str]]) -> str:
     for template, pattern in patterns.items():
         found = pattern.fullmatch(text)
         if found:
-            return translate(
-                template, **{name: _translate_value(name, value) for name, value in found.groupdict().items()}
-            )
+            values = {name: _translate_value(name, value) for name, value in found.groupdict().items()}
+            return translate(IN_PANEL.get(template, template), **values)
     return text
 
 

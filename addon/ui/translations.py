@@ -8,6 +8,7 @@ import bpy
 from .french import FRENCH
 from .french_errors import ERRORS
 from .french_refusals import REMEDIES, WHATS
+from .panel_words import in_panel
 
 # What Blender calls the language before and since it dropped the country.
 _LOCALES = ("fr_FR", "fr")
@@ -22,7 +23,7 @@ def contexts(texts: dict[str, str]) -> dict[str, dict[tuple[str, str], str]]:
 
 def add_translations() -> None:
     """Have Blender know them."""
-    bpy.app.translations.register(__name__, contexts(FRENCH | ERRORS | WHATS | REMEDIES))
+    bpy.app.translations.register(__name__, contexts(in_panel(FRENCH | ERRORS | WHATS | REMEDIES)))
 
 
 def remove_translations() -> None:

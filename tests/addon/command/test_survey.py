@@ -11,7 +11,7 @@ import pytest
 from etalon.addon.command import cli
 from etalon.addon.command.survey import FAILED, PASSES, REFUSED, Surveyed, as_csv, as_text, count_reasons, find_files
 from etalon.lib.errors import EtalonError, Refusal, Refused
-from etalon.lib.refusals import describe_refusals, group_refusals
+from etalon.lib.refusals import describe_refusals, group_refusals, is_for_command_line
 
 SKINS = [
     Refusal(f"material 'Skin {k}'", f"node 'N{k}' (Principled BSDF), socket 'Subsurface', ", "set it to 0")
@@ -48,7 +48,9 @@ def test_the_same_reason_stands_once_with_its_owners_and_the_most_frequent_first
     ],
 )
 def test_a_refusal_ends_with_what_would_work(refusals, last):
-    assert describe_refusals(Refused(refusals))[-1] == last
+    lines = describe_refusals(Refused(refusals))
+    assert lines[-1] == last
+    assert [line for line in lines if is_for_command_line(line)] == [line for line in lines if "--" in line]
 
 
 def test_partial_is_not_advised_where_it_is_not_allowed():

@@ -13,6 +13,7 @@ from etalon.addon.ui import errors
 from etalon.addon.ui.french import FRENCH
 from etalon.addon.ui.french_errors import ERRORS
 from etalon.addon.ui.french_refusals import REMEDIES, WHATS
+from etalon.addon.ui.panel_words import IN_PANEL, in_panel
 from etalon.lib.errors import Refusal, unknown
 from etalon.tests.addon.ui.messages import find_messages
 
@@ -117,7 +118,7 @@ def has_part(template, text):
 
 @pytest.fixture
 def french(monkeypatch):
-    texts = FRENCH | ERRORS | WHATS | REMEDIES
+    texts = in_panel(FRENCH | ERRORS | WHATS | REMEDIES)
     monkeypatch.setattr(errors, "translate", lambda text, **values: texts[text].format(**values))
     return errors.translate_error
 
@@ -142,3 +143,27 @@ def test_an_error_keeps_its_values_and_what_is_not_known_stays(french):
     assert french(full).startswith("Impossible d'écrire /a {b} (No space left on device) ;")
     assert french(unknown("model", "ggxx", ("ggx",))) == "« ggxx » est inconnu (model) ; vouliez-vous dire « ggx » ?"
     assert french("something else") == "something else"
+
+
+@pytest.mark.parametrize("text", sorted(ERRORS | WHATS | REMEDIES))
+def test_no_error_in_the_panel_names_an_option_of_the_command_line(text):
+    values = {name: name for name in values_of(text)}
+    assert "--" not in errors.translate_error(text.format(**values))
+    assert "--" not in (ERRORS | WHATS | REMEDIES)[text]
+
+
+def test_what_the_panel_says_instead_has_the_same_values():
+    assert all(values_of(text) == values_of(said) for text, said in IN_PANEL.items())
+    assert set(IN_PANEL) <= set(ERRORS | WHATS | REMEDIES)
+
+
+def test_options_in_an_error_that_is_not_known_are_named_as_the_panel_names_them():
+    said = errors.translate_error("'a--b' needs time; give --motion-blur, --partial and --samples 4")
+    assert said == "'a--b' needs time; give Motion blur, Partial and samples 4"
+    said = errors.translate_error("object 'O': dust is not simulated; leave --lights out")
+    assert said == "object 'O': dust is not simulated; leave Lights out"
+
+
+def test_a_remedy_is_translated_from_what_the_panel_says(french):
+    blur = Refusal("object 'O'", "motion blur of a moving light", "leave --motion-blur out")
+    assert french(str(blur)).endswith("; désactivez Flou de mouvement")

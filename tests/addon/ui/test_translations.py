@@ -2,12 +2,15 @@
 """Every text that the panels show has a French translation, with the same values in it."""
 
 import ast
+import re
 import string
 from pathlib import Path
 
 import bpy
+import etalon
 import pytest
 from etalon.addon import ui
+from etalon.addon.cycles.audit_settings import CATALOGUE
 from etalon.addon.ui import errors, image_writing, images, regions, registration, watching
 from etalon.addon.ui.french import FRENCH
 from etalon.addon.ui.translations import contexts
@@ -82,6 +85,20 @@ def placeholders(text):
 def test_it_is_translated_with_the_same_values(text):
     assert text in FRENCH
     assert placeholders(FRENCH[text]) == placeholders(text)
+
+
+def in_sources():
+    """Texts of other rooms that the panel shows as they are: reasons of a plan, summaries, a Blender that is too new."""
+    root = Path(etalon.__file__).parent / "lib"
+    places = (*root.glob("effects/*.py"), root / "cost" / "summary.py", root / "blender_versions.py")
+    for node in (node for path in places for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+    yield from (text for entry in CATALOGUE for text in (entry.label, entry.neutral_shown))
+
+
+def test_no_text_of_the_panel_names_an_option_of_the_command_line():
+    assert [text for text in (*shown(), *FRENCH.values(), *in_sources()) if re.search(r"(?<!\S)--", text)] == []
 
 
 def test_no_translation_is_for_a_text_that_is_not_shown():
