@@ -201,8 +201,8 @@ FRENCH: dict[str, str] = {
     "Light": "Lumière",
     "All of the light": "Toute la lumière",
     "Show Light": "Afficher une lumière",
-    "Show this part of the light in the images of the comparison": (
-        "Montrer cette partie de la lumière dans les images de la comparaison"
+    "Show this part of the light in the images of the comparison, and its regions in the list": (
+        "Montrer cette partie de la lumière dans les images de la comparaison, et ses régions dans la liste"
     ),
     "The parts of the light that were compared": "Les parties de la lumière qui ont été comparées",
     (

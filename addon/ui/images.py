@@ -14,8 +14,7 @@ import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
-from ...lib.film.light_passes import LightPass
-from ...lib.film.parts import Part, decode_part, encode_part
+from ...lib.film.parts import Part
 from ...lib.report.ranking import RankedRegion
 from ...lib.report.views import View
 from ...lib.verdict.outcome import Outcome
@@ -36,6 +35,7 @@ DESCRIPTIONS = {
     View.SIGNIFICANCE: "The difference in standard errors: red above, blue below; full colour (1) at five",
     View.VERDICT: "Green agrees, red differs, yellow is undecided, blue differs for a known reason",
 }
+LIGHT_MENU = "ETALON_MT_light"
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE")
 
 _writers: dict[int, Writer] = {}
@@ -76,6 +76,12 @@ def have_images_written(uid: int) -> None:
 def light_of(uid: int) -> Part | None:
     """The part of the light that the images of a scene show; None: all of it."""
     return _writers[uid].part if uid in _writers else None
+
+
+def regions_shown(uid: int) -> list[RankedRegion]:
+    """The regions of a scene's result, the worst first, in the part of the light that its images show."""
+    result = session.results.get(uid)
+    return [] if result is None else result.regions_of(light_of(uid))
 
 
 def choose_light(uid: int, part: Part | None) -> None:
@@ -231,46 +237,7 @@ class ImageMenu(bpy.types.Menu):
         result = session.result_of(context.scene)
         if result is not None and result.comparison.passes is not None:
             self.layout.separator()
-            self.layout.menu(LightMenu.bl_idname, icon="OUTLINER_OB_LIGHT")
-
-
-def light_text(part: Part | None) -> str:
-    """What the menu calls a part of the light."""
-    if part is None:
-        return translate("All of the light")
-    name = str(part)
-    text = name[0].upper() + name[1:]
-    return translate(text) if isinstance(part, LightPass) else text
-
-
-class ShowLight(bpy.types.Operator):
-    """Show this part of the light in the images of the comparison"""
-
-    bl_idname = "etalon.show_light"
-    bl_label = "Show Light"
-    __annotations__ = {"part": bpy.props.StringProperty(name="Light", options={"HIDDEN"})}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Have its images written; editors that show one follow."""
-        choose_light(context.scene.session_uid, decode_part(self.part) if self.part else None)
-        return {"FINISHED"}
-
-
-class LightMenu(bpy.types.Menu):
-    """The parts of the light that were compared"""
-
-    bl_idname = "ETALON_MT_light"
-    bl_label = "Light"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """One entry for the whole image, and one for each part."""
-        result, shown = session.result_of(context.scene), light_of(context.scene.session_uid)
-        if result is None or result.comparison.passes is None:
-            return
-        for part in (None, *result.comparison.passes.passes):
-            icon = "RADIOBUT_ON" if part == shown else "RADIOBUT_OFF"
-            entry = self.layout.operator(ShowLight.bl_idname, text=light_text(part), icon=icon, translate=False)
-            entry.part = "" if part is None else encode_part(part)
+            self.layout.menu(LIGHT_MENU, icon="OUTLINER_OB_LIGHT")
 
 
 def draw_menu(header: bpy.types.Header, context: bpy.types.Context) -> None:
@@ -284,7 +251,8 @@ def draw_boxes() -> None:
     result = session.result_of(context.scene)
     if result is None or view_of(context.space_data.image) is None or not context.space_data.overlay.show_overlays:
         return
-    differ = [r for r in result.regions if r.outcome is Outcome.DIFFERENT and r.kind != "image"][:MOST_BOXES]
+    regions = regions_shown(context.scene.session_uid)
+    differ = [r for r in regions if r.outcome is Outcome.DIFFERENT and r.kind != "image"][:MOST_BOXES]
     to_region = context.region.view2d.view_to_region
     lines = []
     for region in differ:

@@ -15,7 +15,8 @@ from ...lib.settings.presets import PRESETS
 from ...lib.verdict.outcome import Outcome
 from . import preflight
 from .errors import translate_error
-from .images import LightMenu, ShowImage, light_of, light_text
+from .images import ShowImage, light_of
+from .light import LightMenu, light_text
 from .operators import ApplyPreset, CancelComparison, CompareTheRest, CompareWithCycles, OpenReport, SelectOwner
 from .properties import SHOWN
 from .regions import ICONS, ClearBorder, draw_regions

@@ -12,7 +12,7 @@ from ...lib.pages.formats import format_bound, format_percent
 from ...lib.report.page import GRIDS
 from ...lib.report.ranking import RankedRegion
 from ...lib.verdict.outcome import Outcome
-from .images import zoom_to_region
+from .images import regions_shown, zoom_to_region
 from .places import select_objects, set_border
 from .session import Result, session
 from .text import font_size, measure, shorten, text_width, translate
@@ -98,13 +98,13 @@ def table_of(context: bpy.types.Context) -> RegionTable | None:
 
 
 def fill_tables(window_manager: bpy.types.WindowManager) -> None:
-    """Make the tables anew from all results that there are."""
+    """Make the tables anew from all results that there are, in the part of the light that each shows."""
     tables = window_manager.etalon_regions
     tables.clear()
-    for uid, result in session.results.items():
+    for uid in session.results:
         table = tables.add()
         table.name = str(uid)
-        for region in result.regions:
+        for region in regions_shown(uid):
             table.rows.add().name = label_text(region)
 
 
@@ -125,10 +125,10 @@ class RegionList(bpy.types.UIList):
         index: int = 0,
     ) -> None:
         """One row: icon, name and figures; the name is a button."""
-        result = session.results.get(int(data.name))
-        if result is None or index >= len(result.regions):
+        regions = regions_shown(int(data.name))
+        if index >= len(regions):
             return
-        region, points = result.regions[index], font_size(context)
+        region, points = regions[index], font_size(context)
         scale, text = context.preferences.system.ui_scale, figures(region)
         width = text_width(context) + ROW * scale
         share = max(1.0 - (measure(text, points) + GAP * scale) / width, 0.2)
@@ -162,16 +162,16 @@ class ShowRegion(bpy.types.Operator):
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """The region's whole name and figures, and what a click does."""
-        result = session.result_of(context.scene)
-        said = describe_region(result.regions[properties.number]) if result else []
+        regions = regions_shown(context.scene.session_uid)
+        said = describe_region(regions[properties.number]) if properties.number < len(regions) else []
         return "\n".join([*said, translate(cls.__doc__)])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Show it in the 3D view, in the camera's frame and in the Image editors."""
-        result = session.result_of(context.scene)
-        if not 0 <= self.number < len(result.regions):
+        result, regions = session.result_of(context.scene), regions_shown(context.scene.session_uid)
+        if not 0 <= self.number < len(regions):
             return {"CANCELLED"}
-        region, table = result.regions[self.number], table_of(context)
+        region, table = regions[self.number], table_of(context)
         if table is not None:
             with _showing:
                 table.active = self.number

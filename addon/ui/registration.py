@@ -7,7 +7,19 @@ import bpy
 
 from ..command import cli
 from ..host.blender_at_hand import require_supported_blender
-from . import handlers, images, operators, panels, preferences, preflight, properties, regions, tools, translations
+from . import (
+    handlers,
+    images,
+    light,
+    operators,
+    panels,
+    preferences,
+    preflight,
+    properties,
+    regions,
+    tools,
+    translations,
+)
 from .session import session
 
 _CLASSES = (
@@ -20,8 +32,8 @@ _CLASSES = (
     regions.ClearBorder,
     images.ShowImage,
     images.SwitchImage,
-    images.ShowLight,
-    images.LightMenu,
+    light.ShowLight,
+    light.LightMenu,
     images.ImageMenu,
     operators.CompareWithCycles,
     operators.ApplyPreset,

@@ -14,6 +14,7 @@ import bpy
 
 from ...lib.comparison.compare import Comparison
 from ...lib.errors import Refusal
+from ...lib.film.parts import Part
 from ...lib.report.headline import Phrase, details, headline
 from ...lib.report.ranking import RankedRegion, rank_regions
 from .. import job
@@ -60,10 +61,20 @@ class Result:
     regions: list[RankedRegion] = field(init=False)
     headline: Phrase = field(init=False)
     details: list[Phrase] = field(init=False)
+    _of_parts: dict[Part, list[RankedRegion]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.regions = rank_regions(self.comparison)
         self.headline, self.details = headline(self.comparison, self.regions), details(self.comparison)
+
+    def regions_of(self, part: Part | None) -> list[RankedRegion]:
+        """The regions in a part of the light, the worst first; those of the image where that part was not compared."""
+        found = self.comparison.passes
+        if found is None or part not in found.passes:
+            return self.regions
+        if part not in self._of_parts:
+            self._of_parts[part] = rank_regions(self.comparison, part)
+        return self._of_parts[part]
 
     def is_stale(self, scene: bpy.types.Scene) -> bool:
         """Whether the result may be another one by now."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..comparison.compare import Comparison
+from ..film.parts import Part
 from ..relative import worst_channel
 from ..verdict.outcome import Outcome
 from .page import GRIDS, URGENCY
@@ -39,41 +40,51 @@ class RankedRegion:
         return max(self.high - self.difference, self.difference - self.low)
 
 
-def rank_regions(comparison: Comparison) -> list[RankedRegion]:
+def rank_regions(comparison: Comparison, part: Part | None = None) -> list[RankedRegion]:
     """All regions, the worst first, in the order of the report's page.
 
-    Regions without a pixel to compare are left out.
+    Regions without a pixel to compare are left out. With a `part` of the light that was compared, they are the image and the regions with a
+    name, with what is claimed of that part in them; no other region is tested by parts. Raises ValueError where it was not.
     """
-    regions, verdict = comparison.regions, comparison.verdict
-    channel = worst_channel(verdict.difference)
-    difference, low, high = (
-        np.take_along_axis(values, channel[:, None], 1)[:, 0]
-        for values in (verdict.difference, verdict.low, verdict.high)
-    )
-    undecided = verdict.outcomes == Outcome.UNDECIDED
-    extent = np.nan_to_num(np.where(undecided, verdict.bounds, np.abs(difference)), nan=-1.0, posinf=np.inf)
-    urgency = np.array([URGENCY.index(outcome.value) for outcome in verdict.outcomes])
-    is_cell = np.isin(np.array(regions.kinds, object), GRIDS)
+    regions, (outcomes, bounds, *ends) = comparison.regions, _claims(comparison, part)
+    count = outcomes.size  # the image and the regions with a name stand first
+    channel = worst_channel(ends[0])
+    difference, low, high = (np.take_along_axis(values, channel[:, None], 1)[:, 0] for values in ends)
+    undecided = outcomes == Outcome.UNDECIDED
+    extent = np.nan_to_num(np.where(undecided, bounds, np.abs(difference)), nan=-1.0, posinf=np.inf)
+    urgency = np.array([URGENCY.index(outcome.value) for outcome in outcomes])
+    is_cell = np.isin(np.array(regions.kinds[:count], object), GRIDS)
     order = np.lexsort((-extent, is_cell, urgency))
     height, width = regions.shape
     scale = np.array([width, height, width, height], float)
     boxes = ((regions.boxes + np.array([0, 0, 1, 1])) / scale).tolist()
-    there = verdict.excluded < regions.sizes
+    there = (comparison.verdict.excluded < regions.sizes)[:count]
     return [
         RankedRegion(
             regions.kinds[k],
             regions.names[k],
             _label(comparison, k),
-            verdict.outcomes.item(k),
+            outcomes.item(k),
             float(difference[k]),
             float(low[k]),
             float(high[k]),
-            float(verdict.bounds[k]),
+            float(bounds[k]),
             "RGB"[channel[k]],
             tuple(boxes[k]),
         )
         for k in order[there[order]].tolist()
     ]
+
+
+def _claims(comparison: Comparison, part: Part | None) -> tuple[np.ndarray, ...]:
+    """Outcomes, bounds, differences and their ends: of all regions, or of a part of the light in those with a name."""
+    verdict, found = comparison.verdict, comparison.passes
+    if part is None:
+        return verdict.outcomes, verdict.bounds, verdict.difference, verdict.low, verdict.high
+    if found is None or part not in found.passes:
+        raise ValueError(f"{part} was not compared")
+    k = found.passes.index(part)
+    return found.outcomes[k], found.bounds[k], found.difference[k], found.low[k], found.high[k]
 
 
 def _label(comparison: Comparison, k: int) -> str:

@@ -4,10 +4,11 @@
 import bpy
 import numpy as np
 import pytest
-from etalon.addon.ui import images, registration
+from etalon.addon.ui import images, regions, registration
 from etalon.addon.ui.session import Result, Setup, session
 from etalon.lib.film.exr import read_exr
 from etalon.lib.film.light_passes import LightPass
+from etalon.lib.report.ranking import rank_regions
 from etalon.lib.report.views import View
 from etalon.tests.lib.report.comparisons import CASES, made
 
@@ -50,3 +51,29 @@ def test_the_light_that_is_chosen_is_written_even_while_others_are(result):
         writer._thread.join()
         assert images.light_of(uid) == (asked or None)
         np.testing.assert_allclose(read_exr(writer.folder / View.REFERENCE.value)["R"], mean[..., 0], rtol=1e-6)
+
+
+def rows():
+    (table,) = bpy.data.window_managers[0].etalon_regions
+    return [row.name for row in table.rows]
+
+
+def test_the_list_shows_the_regions_of_the_light_that_is_chosen(result):
+    uid = bpy.context.scene.session_uid
+    for asked in (LightPass.GLOSSY_INDIRECT, LightPass.DIFFUSE_DIRECT, None):
+        bpy.ops.etalon.show_light(part=asked or "")
+        expected = rank_regions(result.comparison, asked)
+        assert images.regions_shown(uid) == expected
+        assert rows() == [regions.label_text(region) for region in expected]
+        if asked:
+            images._writers[uid]._thread.join()
+    assert bpy.ops.etalon.show_region(number=len(rows()) - 1) == {"FINISHED"}
+
+
+def test_a_new_result_without_the_light_that_was_chosen_shows_its_own_regions(result):
+    scene = bpy.context.scene
+    bpy.ops.etalon.show_light(part=LightPass.GLOSSY_INDIRECT)
+    images._writers[scene.session_uid]._thread.join()
+    new = Result(made(), result.folder, Setup.of(scene), result.border, False)
+    session.results[scene.session_uid] = new
+    assert images.regions_shown(scene.session_uid) == new.regions

@@ -74,7 +74,7 @@ def test_a_list_of_ten_thousand_regions_is_filled():
             RankedRegion("block", "", f"top {k}, 0", Outcome.EQUIVALENT, 0.0, 0.0, 0.0, 0.0, "R", box)
             for k in range(10000)
         ]
-        result = type("Shown", (), {"regions": regions})()
+        result = type("Shown", (), {"regions_of": lambda self, part: regions})()
         registration.session.results[7] = result
         window_manager = bpy.data.window_managers[0]
         registration.regions.fill_tables(window_manager)

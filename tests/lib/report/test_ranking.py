@@ -5,8 +5,9 @@ import pytest
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.report.document import document
 from etalon.lib.report.headline import TEMPLATES, details, headline
-from etalon.lib.report.page import order_regions
+from etalon.lib.report.page import GRIDS, URGENCY, order_regions
 from etalon.lib.report.ranking import rank_regions
+from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, made
 
 
@@ -27,6 +28,29 @@ def test_a_region_has_the_figures_of_the_channel_that_is_furthest_off():
     assert named.difference == pytest.approx(0.05, rel=0.2)
     assert named.margin >= named.high - named.difference
     assert named.box == (0.0, 0.0, 0.5, 1.0)
+
+
+def test_the_regions_of_a_part_of_the_light_have_the_figures_of_that_part():
+    """The image agrees: what glossy light lacks, diffuse light has."""
+    comparison = made(**CASES["passes"])
+    figures = {part["name"]: part["regions"] for part in document(comparison, PLAN, "")["passes"]}
+    whole = {(r.kind, r.name) for r in rank_regions(comparison)}
+    for part in comparison.passes.passes:
+        ranked = rank_regions(comparison, part)
+        assert {(r.kind, r.name) for r in ranked} == {one for one in whole if one[0] not in GRIDS}
+        assert [URGENCY.index(r.outcome.value) for r in ranked] == sorted(
+            URGENCY.index(r.outcome.value) for r in ranked
+        )
+        assert {r.difference for r in ranked} == {
+            one["difference"]["RGB".index(one["channel"])] for one in figures[str(part)]
+        }
+    assert rank_regions(comparison, LightPass.GLOSSY_INDIRECT)[0].outcome is Outcome.DIFFERENT
+    assert rank_regions(comparison)[0].outcome is not Outcome.DIFFERENT
+
+
+def test_a_part_of_the_light_that_was_not_compared_has_no_regions():
+    with pytest.raises(ValueError, match="emission was not compared"):
+        rank_regions(made(**CASES["passes"]), LightPass.EMISSION)
 
 
 def said(case):
