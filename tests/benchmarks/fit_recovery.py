@@ -19,6 +19,7 @@ import numpy as np
 from etalon.lib.fit.candidates import Candidate
 from etalon.lib.fit.identify import identify
 from etalon.tests.lib.fit.planted import planted
+from scipy.stats import binomtest
 
 CASES = {
     "GGX, F0, alpha 0.3": (Candidate("ggx", "correlated", "schlick", False), {"alpha": 0.3}),
@@ -37,7 +38,7 @@ NAMES = {"alpha": "alpha", "anisotropy": "anisotropy", "inverse": "1/g"}
 
 
 def study(name: str, tries: int) -> str:
-    """A row of the table."""
+    """A row of the table, with 95 % intervals (Clopper and Pearson) of what each count stands for."""
     candidate, truth = CASES[name]
     inside = dict.fromkeys(truth, 0)
     right = among = family = none = 0
@@ -54,8 +55,14 @@ def study(name: str, tries: int) -> str:
             low, high = found.intervals.get(NAMES[key], (np.nan, np.nan))
             inside[key] += low <= value <= high
     seconds = (time.process_time() - begin) / tries
-    covered = ", ".join(f"{NAMES[key]} {count}" for key, count in inside.items())
-    return f"| {name} | {covered} | {right} | {among} | {family} | {none} | {seconds:.1f} |"
+    covered = ", ".join(f"{NAMES[key]} {_share(count, tries)}" for key, count in inside.items())
+    counts = " | ".join(_share(count, tries) for count in (right, among, family, none))
+    return f"| {name} | {covered} | {counts} | {seconds:.1f} |"
+
+
+def _share(count: int, tries: int) -> str:
+    interval = binomtest(count, tries).proportion_ci()
+    return f"{count} ({interval.low:.0%} to {interval.high:.0%})"
 
 
 def main() -> None:
