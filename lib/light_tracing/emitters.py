@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..lights.by_place import chances_by_power
 from ..lights.light import Aimable, Ball, Emitted, Emitter, LightSample, Pair, emit_distant, luminance
-from ..lights.selection import chances_by_power
 from ..sampling.tables import Distribution1D
 from ..sampling.warps import uniform_sphere
 from ..wavefront.kernel import Kernel

@@ -8,38 +8,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..sampling.tables import Distribution1D
+from .by_place import LightGrid, chances_by_power
 from .light import LightSample, LightSampler
 from .sphere import Spheres, SphereSampler
 
-# What all lights that shine share evenly, whatever their power.
-EVEN_SHARE = 1.0 / 16.0
-
-
-def chances_by_power(power: np.ndarray) -> np.ndarray:
-    """Return the chances (k,) of lights of `power` (k,), by power but for EVEN_SHARE.
-
-    All lights that shine have an equal part of EVEN_SHARE.
-
-    A lamp in a closed room is all of its light, however bright the sun outside is. By this defensive mixture
-    (Hesterberg 1995) no sample weighs more than 1 / EVEN_SHARE times what it would by even chances. All 0 where
-    nothing shines.
-    """
-    total, shines = float(power.sum()), power > 0.0
-    if not total > 0.0:
-        return np.zeros(power.shape)
-    return (1.0 - EVEN_SHARE) * (power / total) + EVEN_SHARE * shines / shines.sum()
-
 
 class LightSelection:
-    """Selects one light for each point, by `chances_by_power`.
+    """Selects one light for each point: by `chances_by_power`, or by the place of the point.
 
-    With a single light there is nothing to do.
+    It goes by place where there is a `grid`. With a single light there is nothing to do.
     """
 
-    def __init__(self, samplers: Sequence[LightSampler]) -> None:
+    def __init__(self, samplers: Sequence[LightSampler], grid: LightGrid | None = None) -> None:
         if not samplers:
             raise ValueError("there is no light to select")
         self.samplers = tuple(samplers)
+        self.grid = grid
         self._choice = Distribution1D(chances_by_power(np.array([sampler.power for sampler in samplers])))
         # Spheres are sampled all together, lights of other kinds one by one.
         spheres = {k: sampler for k, sampler in enumerate(samplers) if type(sampler) is SphereSampler}
@@ -51,14 +35,27 @@ class LightSelection:
             self._batches.append(Spheres(list(spheres.values())))
             self._batch_of[list(spheres)], self._place[list(spheres)] = len(others), np.arange(len(spheres))
 
-    def choose(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Index (n,) into `samplers` by the uniform `u`, and its probability (n,)."""
-        index = self._choice.index(u)
-        return index, self.probability(index)
+    def cells(self, point: np.ndarray) -> np.ndarray | None:
+        """The cells (n,) of the grid that decide at points (3, n); None where there is no grid."""
+        return None if self.grid is None else self.grid.cell(point)
 
-    def probability(self, index: np.ndarray | int) -> np.ndarray:
-        """Probability with which `choose` gives `index`, (n,)."""
-        return np.take(self._choice.probability, index)
+    def everywhere(self, size: int) -> np.ndarray | None:
+        """As many times the cell whose chances go by power alone; None where there is no grid."""
+        return None if self.grid is None else np.full(size, self.grid.everywhere, np.intp)
+
+    def choose(self, u: np.ndarray, cell: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Index (n,) into `samplers` by the uniform `u`, and its probability (n,).
+
+        `cell` (n,) is what `cells` or `everywhere` gave.
+        """
+        index = self._choice.index(u) if self.grid is None or cell is None else self.grid.choose(cell, u)
+        return index, self.probability(index, cell)
+
+    def probability(self, index: np.ndarray | int, cell: np.ndarray | None = None) -> np.ndarray:
+        """Probability with which `choose` gives `index` in the cells, (n,)."""
+        if self.grid is None or cell is None:
+            return np.take(self._choice.probability, index)
+        return self.grid.probability(index, cell)
 
     def sample(self, index: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """A direction from each point (3, n) towards the light `index` (n,) there."""

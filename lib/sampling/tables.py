@@ -23,7 +23,7 @@ class Distribution1D:
     """
 
     def __init__(self, weights: np.ndarray) -> None:
-        rows = _Rows(np.asarray(weights, float)[None])
+        rows = Rows(np.asarray(weights, float)[None])
         self._rows = rows
         self.probability = rows.probability[0]
 
@@ -49,7 +49,7 @@ class Distribution2D:
     def __init__(self, weights: np.ndarray) -> None:
         weights = np.asarray(weights, float)
         self._marginal = Distribution1D(weights.sum(axis=1))
-        self._rows = _Rows(weights)
+        self._rows = Rows(weights)
         self.probability = self._rows.probability * self._marginal.probability[:, None]
 
     def sample(self, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -62,8 +62,12 @@ class Distribution2D:
         return row, column, down, along
 
 
-class _Rows:
-    """Independent distributions of the same length, one a row."""
+class Rows:
+    """Independent distributions of the same length, one a row of `weights` (rows, k).
+
+    `weights` are finite and not negative; if all of a row are zero, every index is as likely as any other there. `probability`
+    (rows, k) is what `sample` gives. Raises ValueError for other weights.
+    """
 
     def __init__(self, weights: np.ndarray) -> None:
         if weights.size == 0 or not np.all(weights >= 0.0) or not np.isfinite(weights).all():

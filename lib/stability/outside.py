@@ -121,7 +121,9 @@ OUTSIDE: dict[str, str] = {
         (
             "sampling.tables.Distribution2D",
             "lights.selection.LightSelection",
-            "lights.selection.chances_by_power",
+            "lights.by_place.LightGrid",
+            "lights.by_place.chances_by_power",
+            "lights.by_place.chances_by_place",
             "lights.environment.EnvironmentSampler",
         ),
         _SEARCH,

@@ -33,15 +33,15 @@ class Emitters:
         self._kernel, self._sampling, self._sums = kernel, sampling, sums
         self._asks_world = kernel.plan.needs(Effect.ENVIRONMENT_WORLD)
 
-    def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray) -> np.ndarray:
+    def _weight(self, pdf: np.ndarray, light: int, light_pdf: np.ndarray, cell: np.ndarray | None) -> np.ndarray:
         """The heuristic's weight for directions of density `pdf`.
 
-        Light sampling finds them with the density P(light) light_pdf.
+        Light sampling finds them with the density P(light) light_pdf, the chance being that of the cell (n,) where the path scattered.
         """
         if self._kernel.sight.alone[light]:
             return np.where(np.isinf(pdf), 1.0, 0.0)
         if self._sampling.weighs:
-            return cutoff_power_heuristic(pdf, self._kernel.selection.probability(light) * light_pdf)
+            return cutoff_power_heuristic(pdf, self._kernel.selection.probability(light, cell) * light_pdf)
         if not self._sampling.runs or self._sampling.by_lobes:
             return np.ones_like(pdf)
         return np.where(np.isinf(pdf), 1.0, 0.0)  # only deltas and the camera see what light sampling covers
@@ -81,7 +81,7 @@ class Emitters:
             index = near[at]
             density = light.pdf(np.take(start, at, axis=1), np.take(direction, at, axis=1), distance[at])
             arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
-            arriving *= self._weight(paths.pdf[index], k, density)
+            arriving *= self._weight(paths.pdf[index], k, density, _at(paths.cell, index))
             if kernel.media is not None and paths.medium is not None and travelled is not None:
                 # What is between the last face and here is not yet in the throughput.
                 arriving *= kernel.media.transmittance(paths.medium[index], distance[at] - travelled[index])
@@ -128,7 +128,9 @@ class Emitters:
         throughput *= kernel.world(direction, kernel.sight.flags_of(paths, escaped))
         if kernel.environment is not None:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
-            throughput *= self._weight(paths.pdf[escaped], kernel.lights.index(kernel.environment), density)
+            throughput *= self._weight(
+                paths.pdf[escaped], kernel.lights.index(kernel.environment), density, _at(paths.cell, escaped)
+            )
         self._add(paths, escaped, throughput, LightPass.ENVIRONMENT, emitter)
 
     def volumes(self, media: Media, medium: np.ndarray, paths: Paths, hits: Hits) -> None:
@@ -154,13 +156,13 @@ class Emitters:
         arriving = paths.throughput[:, start:stop] * kernel.materials[material].emission(points)
         if paths.receiver is not None:
             arriving *= kernel.sight.faces_lit(paths.receiver[start:stop], points.triangle)
-        pdf = paths.pdf[start:stop]
+        pdf, cell = paths.pdf[start:stop], _at(paths.cell, slice(start, stop))
         if kernel.emissive and not np.all(np.isinf(pdf)):
             reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]
             facing = np.abs(dot(points.ng, points.wo))
             for sampler in kernel.emissive:  # each has a density for its own faces, and none for the others
                 density = sampler.pdf_of_hit(points.triangle, reach, facing)
-                arriving *= self._weight(pdf, kernel.lights.index(sampler), density)
+                arriving *= self._weight(pdf, kernel.lights.index(sampler), density, cell)
         emitter = -1
         if self._sums.emitters is not None:
             emitter = kernel.emitters.of_objects[kernel.scene.mesh.object_index[points.triangle]]
@@ -185,3 +187,8 @@ class Emitters:
             sums.bounces.add(paths, index, arriving, 0)
         if sums.emitters is not None:
             sums.emitters.add(paths.pixel[index], arriving, emitter)
+
+
+def _at(cell: np.ndarray | None, index: Index) -> np.ndarray | None:
+    """The cells at `index`, where there are any."""
+    return None if cell is None else cell[index]

@@ -15,6 +15,7 @@ from ..effects.plan import Plan
 from ..errors import EtalonError
 from ..film.light_passes import Family
 from ..lights.build import light_sampler
+from ..lights.by_place import LightGrid
 from ..lights.environment import EnvironmentSampler
 from ..lights.light import LightSampler, Meetable
 from ..lights.selection import LightSelection
@@ -99,7 +100,7 @@ class Kernel:
         if is_constant(radiance) and plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
             world = np.asarray(radiance.value, np.float64)
             self.sky = np.broadcast_to(world, (3,))[:, None]
-        self._selection = LightSelection(self.lights) if self.lights else None
+        self._selection = LightSelection(self.lights, self._grid()) if self.lights else None
         self.meetable = _meetable([sampler for _, sampler in objects])
         switches = [(light, False) for light, _ in objects]
         switches += [(Switches(rays=scene.world.rays), False)] * (self.environment is not None)
@@ -143,6 +144,14 @@ class Kernel:
             for switches, part in parts
             if switches.rays & SCATTERED
         ]
+
+    def _grid(self) -> LightGrid | None:
+        """The grid by which lights are chosen; None where there is no choice, or where no place is nearer to one of them."""
+        vertices = self.scene.mesh.vertices
+        if not self.selects or len(self.lights) < 2 or vertices.size == 0:
+            return None
+        grid = LightGrid(self.lights, np.stack([vertices.min(axis=1), vertices.max(axis=1)]), self.caster.radius)
+        return grid if grid.useful else None
 
     @property
     def selection(self) -> LightSelection:

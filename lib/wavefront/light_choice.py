@@ -51,19 +51,21 @@ class LightChoice:
     """A light sample for each point.
 
     `number` is its light's, `probability` the chance of that light, `alone` whether only light sampling finds it, () or
-    (n,) each.
+    (n,) each. `cell` (n,) is where the light was chosen, None where its chance depends on no place (lights/by_place.py).
     """
 
     sample: LightSample
     number: np.ndarray
     probability: np.ndarray
     alone: np.ndarray
+    cell: np.ndarray | None = None
 
     def part(self, start: int, stop: int) -> LightChoice:
         """The samples from `start` to `stop`, sharing arrays."""
         piece = LightSample(*(a[..., start:stop] for a in self.sample))
         facts = self.number, self.probability, self.alone
-        return LightChoice(piece, *(a if np.ndim(a) == 0 else a[start:stop] for a in facts))
+        cell = None if self.cell is None else self.cell[start:stop]
+        return LightChoice(piece, *(a if np.ndim(a) == 0 else a[start:stop] for a in facts), cell)
 
     def within_bounces(self, kernel: Kernel, scatterings: np.ndarray | int) -> LightChoice:
         """The samples, without light where a light's limit of bounces is below `scatterings`.
@@ -79,19 +81,26 @@ class LightChoice:
 
 
 def choose_light(
-    kernel: Kernel, selects: bool, position: np.ndarray, choice: np.ndarray, u1: np.ndarray, u2: np.ndarray
+    kernel: Kernel,
+    selects: bool,
+    position: np.ndarray,
+    cell: np.ndarray | None,
+    choice: np.ndarray,
+    u1: np.ndarray,
+    u2: np.ndarray,
 ) -> LightChoice:
-    """Pick a light by power for each point (3, n), then a direction towards it.
+    """Pick a light for each point (3, n), then a direction towards it.
 
-    `choice` picks the light where there is more than one (`selects`); (u1, u2) give the direction.
+    `choice` picks the light where there is more than one (`selects`), by the chances of `cell` (n,), or by power where it is None;
+    (u1, u2) give the direction.
     """
     lights = kernel.lights
     if not selects:
         sample = lights[0].sample(position, u1, u2)
         return LightChoice(sample, np.asarray(0, np.intp), np.asarray(1.0), kernel.sight.alone[0])
-    index, probability = kernel.selection.choose(choice)
+    index, probability = kernel.selection.choose(choice, cell)
     alone = np.take(kernel.sight.alone, index) if kernel.sight.alone.any() else np.asarray(False)
-    return LightChoice(kernel.selection.sample(index, position, u1, u2), index, probability, alone)
+    return LightChoice(kernel.selection.sample(index, position, u1, u2), index, probability, alone, cell)
 
 
 def weigh_light(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:

@@ -22,7 +22,8 @@ class Paths:
     shaders ask. `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `receiver` (n,),
     the set of linked objects that scattered the ray, -1 for camera rays, is kept only where lights are linked. `medium`
     (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes` (n,), how
-    often each scattered in them, where they scatter. `at_camera` says that these are the camera rays themselves.
+    often each scattered in them, where they scatter. `cell` (n,), the cell of the grid of lights where each scattered last,
+    is kept only where lights are chosen by place. `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray
@@ -43,6 +44,7 @@ class Paths:
     receiver: np.ndarray | None = None
     medium: np.ndarray | None = None
     in_volumes: np.ndarray | None = None
+    cell: np.ndarray | None = None
     at_camera: bool = False
 
     @property

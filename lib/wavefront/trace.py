@@ -154,6 +154,8 @@ class Tracer:
         if self._flow.disperses:
             paths.wavelength = sample_wavelength(self._uniforms.pair(WAVELENGTH, pixel, sample)[0])
             paths.awaits_color = np.ones(count, bool)
+        if self._sampling.runs:
+            paths.cell = self._kernel.selection.everywhere(count)
         self._clock.lap(Stage.CAMERA)
         return paths, rays.reach
 
@@ -267,9 +269,9 @@ class Tracer:
             pick, choice = self._pair(step_dimension(step, CHOICES), paths)
         light = None
         if self._sampling.runs:
-            light = choose_light(
-                kernel, self._sampling.selects, points.position, choice, *self._pair(step_dimension(step, LIGHT), paths)
-            )
+            position, uniforms = points.position, self._pair(step_dimension(step, LIGHT), paths)
+            cell = kernel.selection.cells(position)
+            light = choose_light(kernel, self._sampling.selects, position, cell, choice, *uniforms)
             light = light.within_bounces(kernel, paths.scatterings)
             if kernel.sight.receiver_of is not None:
                 receiver = np.take(kernel.sight.receiver_of, points.triangle)
@@ -290,7 +292,7 @@ class Tracer:
         fate = (
             self._pair(step_dimension(step, FATE), paths)[1] if self._flow.roulette and step >= ROULETTE_AFTER else None
         )
-        return self._advance(paths, origins, shaded, fate)
+        return self._advance(paths, origins, shaded, None if light is None else light.cell, fate)
 
     def _selected(self, paths: Paths, shaded: Shaded) -> Shaded:
         """What counts of it: all, unless another estimator takes a part of the paths."""
@@ -307,10 +309,12 @@ class Tracer:
                 throughput[:, index] *= color_weight(wavelength[index])
                 awaits[index] = False
 
-    def _advance(self, paths: Paths, origins: SurfaceOrigins, shaded: Shaded, fate: np.ndarray | None) -> Paths:
+    def _advance(
+        self, paths: Paths, origins: SurfaceOrigins, shaded: Shaded, cell: np.ndarray | None, fate: np.ndarray | None
+    ) -> Paths:
         """The paths that go on along wi: their throughput is not zero and roulette spares them.
 
-        `fate` are the uniforms of Russian roulette.
+        `cell` (n,) is where their light was chosen. `fate` are the uniforms of Russian roulette.
         """
         wi, weight, pdf = shaded.onward
         throughput = weight * paths.throughput
@@ -348,6 +352,8 @@ class Tracer:
         following.medium = origins.medium(index, following.direction)
         if paths.in_volumes is not None:
             following.in_volumes = paths.in_volumes[index]
+        if cell is not None:
+            following.cell = cell[index]
         if self._kernel.sight.receiver_of is not None:
             following.receiver = np.take(self._kernel.sight.receiver_of, origins.points.triangle[index])
         if paths.passed is not None:

@@ -83,12 +83,13 @@ class VolumeStage:
         kernel = self._kernel
         choice, _ = self._pair(step, VOLUME_CHOICES, paths)
         number = np.zeros(paths.size, np.intp)
+        cell = kernel.selection.everywhere(paths.size)  # the light is chosen before its place on the segment
         if self._sampling.selects:
-            number, _ = kernel.selection.choose(choice)
+            number, _ = kernel.selection.choose(choice, cell)
         distance, weight = pivots.place(segment, number, *self._pair(step, VOLUME_PLACE, paths))
         position = segment.after(distance)
         light = choose_light(
-            kernel, self._sampling.selects, position, choice, *self._pair(step, VOLUME_LIGHT, paths)
+            kernel, self._sampling.selects, position, cell, choice, *self._pair(step, VOLUME_LIGHT, paths)
         ).within_bounces(kernel, paths.scatterings)
         phases = Phases(self._media, segment.medium, segment.direction, segment.throughput)
         direct = scatter_light(self._sampling, phases, light) * weight
@@ -119,6 +120,8 @@ class VolumeStage:
         following.origin = following.scatter_origin = np.take(segment.after(flight.distance), index, axis=1)
         following.direction, following.pdf, following.medium = wi, density, medium
         following.travelled = np.zeros(index.size)
+        if following.cell is not None:
+            following.cell = self._kernel.selection.everywhere(index.size)
         if following.in_volumes is not None:
             following.in_volumes += 1
         following.scatterings += 1

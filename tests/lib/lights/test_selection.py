@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 from etalon.lib.lights.build import light_sampler
-from etalon.lib.lights.selection import EVEN_SHARE, LightSelection, chances_by_power
+from etalon.lib.lights.by_place import EVEN_SHARE, chances_by_power
+from etalon.lib.lights.selection import LightSelection
 from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight
 
 AREA = (1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.0, 0.0, -1.0), "RECTANGLE"
