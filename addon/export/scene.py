@@ -90,7 +90,7 @@ def export_scene(
         ),
         images=images.images,
         blender=bpy.app.version[:2],
-        findings=_find(depsgraph, mesh, images, is_moving),
+        findings=_find(depsgraph, mesh, images, set_frame is not None),
     )
     validate(result)
     refuse_combinations(result)
@@ -106,10 +106,10 @@ def _with_motion(scene: Scene, depsgraph: bpy.types.Depsgraph, set_frame: Callab
     return moving
 
 
-def _find(depsgraph: bpy.types.Depsgraph, mesh: Mesh, images: ImageTable, is_moving: bool) -> tuple[Finding, ...]:
+def _find(depsgraph: bpy.types.Depsgraph, mesh: Mesh, images: ImageTable, wants_blur: bool) -> tuple[Finding, ...]:
     """The findings that only Blender's data show."""
     missing = find_missing_images(tuple(images.missing)), find_missing_libraries()
-    return (*missing[0], *missing[1], *find_set_aside(depsgraph, mesh, is_moving))
+    return (*missing[0], *missing[1], *find_set_aside(depsgraph, mesh, wants_blur))
 
 
 class MaterialTable:

@@ -28,10 +28,10 @@ _TERMINATOR = (
 _MOST_FILES = 20
 
 
-def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh, is_moving: bool = False) -> tuple[Finding, ...]:
+def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh, wants_blur: bool = False) -> tuple[Finding, ...]:
     """The settings of the scene's objects and lights that are compared in their neutral state.
 
-    Motion blur is not among them where it is simulated, `is_moving`.
+    `wants_blur`: motion blur is to be compared, which the scene may have switched off.
     """
     # The object of an instance is a temporary copy, gone at the next step; its original stays.
     things = [
@@ -40,7 +40,7 @@ def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh, is_moving: bool =
         if instance.show_self
     ]
     found = (
-        None if is_moving else _motion_blur(depsgraph),
+        _motion_blur(depsgraph, wants_blur),
         _terminator(things, mesh),
         _soft_falloff(things),
         _light_sampling(things),
@@ -70,14 +70,22 @@ def find_missing_images(missing: Sequence[str]) -> tuple[Finding, ...]:
     )
 
 
-def _motion_blur(depsgraph: bpy.types.Depsgraph) -> Finding | None:
-    if not (depsgraph.scene_eval.render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur):
+def _motion_blur(depsgraph: bpy.types.Depsgraph, is_wanted: bool) -> Finding | None:
+    is_on = depsgraph.scene_eval.render.use_motion_blur and depsgraph.view_layer_eval.use_motion_blur
+    if is_on == is_wanted:
         return None
+    if is_on:
+        return Finding(
+            "motion blur",
+            "Motion blur is off on both sides.",
+            "What moves is compared as it stands at this frame.",
+            "Switch Motion Blur off to render what is compared, or compare with --motion-blur.",
+        )
     return Finding(
         "motion blur",
-        "Motion blur is off on both sides.",
+        "The scene or its view layer has Motion Blur off, so --motion-blur changes nothing.",
         "What moves is compared as it stands at this frame.",
-        "Switch Motion Blur off to render what is compared, or compare with --motion-blur.",
+        "Switch Motion Blur on in the scene and its view layer, or leave --motion-blur out.",
     )
 
 

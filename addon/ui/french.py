@@ -89,6 +89,9 @@ FRENCH: dict[str, str] = {
     "There is no camera: add one and make it active": "Il n'y a pas de caméra : ajoutez-en une et rendez-la active",
     "Another engine is chosen; Cycles' render is compared": "Un autre moteur est choisi ; c'est le rendu de Cycles qui est comparé",
     "Cycles is set to GPU; it is compared on the CPU": "Cycles est réglé sur GPU ; il est comparé sur CPU",
+    "Motion blur is off in this scene or its view layer, so it is not compared": (
+        "Le flou de mouvement est désactivé dans cette scène ou son calque de vue ; il n'est pas comparé"
+    ),
     "The file is not saved; results go to {folder}": "Le fichier n'est pas enregistré ; les résultats iront dans {folder}",
     "'{name}': {what} is not simulated": "« {name} » : Étalon ne simule pas {what}",
     "and {count} more": "et {count} autres",

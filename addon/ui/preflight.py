@@ -54,6 +54,9 @@ def notices_of_settings(scene: bpy.types.Scene) -> list[Notice]:
         found.append(Notice(translate("Another engine is chosen; Cycles' render is compared")))
     elif scene.cycles.device == "GPU":
         found.append(Notice(translate("Cycles is set to GPU; it is compared on the CPU")))
+    has_blur = scene.render.use_motion_blur and any(one.use and one.use_motion_blur for one in scene.view_layers)
+    if scene.etalon.motion_blur and not has_blur:
+        found.append(Notice(translate("Motion blur is off in this scene or its view layer, so it is not compared")))
     if not bpy.data.filepath and scene.etalon.out.startswith("//"):
         found.append(Notice(translate("The file is not saved; results go to {folder}", folder=output_folder(scene))))
     return found

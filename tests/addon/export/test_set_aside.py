@@ -6,6 +6,7 @@ Also how the neutral state changes them.
 
 import bpy
 import numpy as np
+from etalon.addon import job
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -22,6 +23,18 @@ def test_motion_blur_is_set_aside_and_said(studio):
     assert "Motion blur is off on both sides." in finding(studio.export(), "motion blur")
     studio.layer.use_motion_blur = False
     assert finding(studio.export(), "motion blur") is None
+
+
+def test_motion_blur_that_is_wanted_and_off_in_the_scene_is_said(studio):
+    studio.quad()
+    render = studio.scene.render
+    for in_scene, in_layer in ((False, True), (True, False), (True, True)):
+        render.use_motion_blur, studio.layer.use_motion_blur = in_scene, in_layer
+        said = finding(job.export(studio.scene, motion_blur=True), "motion blur")
+        assert (said is None) == (in_scene and in_layer)
+        assert said is None or "so --motion-blur changes nothing." in said
+    render.use_motion_blur = False
+    assert finding(job.export(studio.scene), "motion blur") is None
 
 
 def mirrored_lamp(studio):

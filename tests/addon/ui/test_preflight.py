@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panel says before its button is pressed, and what its buttons select."""
 
+from itertools import product
+
 import bpy
 import pytest
-from etalon.addon.ui import preflight
+from etalon.addon.ui import preflight, registration
 from etalon.addon.ui.places import objects_with, set_border
 from etalon.lib.errors import Refusal
 from etalon.lib.report.ranking import RankedRegion
@@ -86,6 +88,19 @@ def test_objects_are_found_by_their_name_or_material(scene):
     assert [thing.name for thing in objects_with(layer, "object", "floor")] == ["floor"]
     assert objects_with(layer, "object", "grey") == []
     assert objects_with(layer, "block", "floor") == []
+
+
+def test_motion_blur_that_is_off_in_the_scene_is_said(scene):
+    registration.register()
+    try:
+        layer, said = scene.view_layers[0], "Motion blur is off in this scene or its view layer, so it is not compared"
+        for chosen, in_scene, in_layer in product((False, True), repeat=3):
+            scene.etalon.motion_blur, scene.render.use_motion_blur, layer.use_motion_blur = chosen, in_scene, in_layer
+            notices = [notice for notice in preflight.notices_of_settings(scene) if notice.text == said]
+            assert len(notices) == (chosen and not (in_scene and in_layer))
+            assert not any(notice.stops for notice in notices)
+    finally:
+        registration.unregister()
 
 
 def region(kind, box):
