@@ -3,6 +3,7 @@
 
 import os
 import zlib
+from collections import defaultdict
 
 # Workers share the cores: threads of BLAS would wait for each other. The plan of a sphere of 20,480 faces took 10 s of CPU time, not 0.8.
 # NumPy reads it when it is first imported.
@@ -24,6 +25,23 @@ def seed(request: pytest.FixtureRequest) -> int:
 def rng(seed: int) -> np.random.Generator:
     """A generator seeded by the test's name."""
     return np.random.default_rng(seed)
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest chooses by marks
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Make slow tests of all cases of a grid but those that the default run takes.
+
+    These are drawn by their names: one in so many as the mark `grid` says, and at least one.
+    """
+    cases = defaultdict(list)
+    for item in items:
+        mark = item.get_closest_marker("grid")
+        if mark:
+            cases[item.nodeid.split("[")[0], mark.args[0]].append(item)
+    for (_, one_in), grid in cases.items():
+        grid.sort(key=lambda item: zlib.crc32(item.nodeid.encode()))
+        for item in grid[-(-len(grid) // one_in) :]:
+            item.add_marker(pytest.mark.slow)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

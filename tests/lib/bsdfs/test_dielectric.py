@@ -67,6 +67,7 @@ def density(distribution, eta, alpha, cos_o, glass=True):
     return lambda wi: lobe(distribution, eta, alpha, viewer(cos_o, wi.shape[1]), glass).evaluate(wi)[1]
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("glass", [True, False])
 @pytest.mark.parametrize(("distribution", "eta", "alpha", "cos_o"), CASES)
 def test_directions_follow_their_density(distribution, eta, alpha, cos_o, glass, rng):

@@ -107,6 +107,7 @@ def test_a_part_keeps_the_shapes_and_the_estimate(lobe, rng):
     np.testing.assert_array_equal(np.broadcast_to(part.estimate, 3), whole[index])
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("name", [name for name, lobe in LOBES.items() if not lobe.delta])
 def test_samples_carry_the_energy_of_the_values(name, rng):
     """The mean weight is the integral of f |cos| over the sphere.

@@ -39,6 +39,7 @@ def above(wi):
     return np.where(wi[2] > 0.0, wi, np.nan)
 
 
+@pytest.mark.grid(3)
 @BOTH
 @pytest.mark.parametrize("alphas", ROUGH)
 @pytest.mark.parametrize("degrees", [0.0, 50.0, 80.0])

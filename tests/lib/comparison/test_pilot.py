@@ -54,6 +54,7 @@ def test_the_time_is_kept_and_the_first_bound_comes_early(monkeypatch, seconds):
     assert found.history[0].seconds <= 12.0
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("call", [0, 1, 2, 3, 4, 12, 30])
 def test_one_call_on_a_busy_moment_does_not_spoil_the_run(monkeypatch, call):
     """A hiccup of 4 s, at any call: not the pilot's, nor another one's."""

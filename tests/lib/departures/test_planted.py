@@ -67,6 +67,7 @@ def test_attribution_names_exactly_what_was_planted(make, names, seed):
     assert found.verdict.outcome is Outcome.EXPLAINED
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("make", list(SCENES))
 def test_departures_act_on_the_passes_that_the_catalogue_says(make):
     """The same random numbers with and without the departure.

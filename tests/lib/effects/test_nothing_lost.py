@@ -60,6 +60,7 @@ SOME = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.grid(3)
 @SOME
 @EACH
 def test_a_scene_that_needs_it(effect, most, seed):
@@ -72,6 +73,7 @@ def test_a_scene_that_needs_it(effect, most, seed):
     assert planned.any()
 
 
+@pytest.mark.grid(3)
 @SOME
 @EACH
 def test_a_scene_that_does_not(effect, most, seed):
@@ -163,6 +165,7 @@ def test_every_transport_effect_is_asked_for():
     assert switched <= set(ASKED)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("effect", ASKED)
 def test_a_plan_that_leaves_out_what_is_needed_is_caught(effect, seed):
     caught = False

@@ -70,6 +70,7 @@ def assert_integrates(coat, light, rng, scatter, value):
     assert np.all(np.abs(sampled.mean(axis=1) - exact.mean(axis=1)) <= 5.0 * error)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("name", ROUGH)
 def test_all_lobes_together(name, light, rng):

@@ -37,6 +37,7 @@ def test_every_light_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS["glossy"], [LIGHTS[name]]), seed, precision=0.08)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", of(MATERIALS, "rough_glass"))
 def test_every_lobe_gives_the_same_image(name, seed):
     assert_agree(ball_on_floor(MATERIALS[name]), seed, precision=0.08)

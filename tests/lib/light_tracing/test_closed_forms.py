@@ -14,6 +14,7 @@ from etalon.tests.replicates import assert_mean
 from etalon.tests.scenes import color, cube, diffuse, icosphere, material, perspective, scene
 
 
+@pytest.mark.slow
 def test_rectangle(seed):
     """Lambert's sum over the edges."""
     light, corners = rectangle(tilted=True)

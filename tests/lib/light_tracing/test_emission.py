@@ -88,6 +88,7 @@ def flux_onto(rays, ball):
     return rays.weight * ((dot(apart, apart) <= ball.radius**2) & (dot(beside, rays.direction) > 0.0))
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("name", [name for name in ALL if isinstance(light_sampler(ALL[name], 1.0), Aimable)])
 def test_aimed_rays_bring_the_same_flux_to_every_target(name, rng):
     """Two targets that overlap and one apart get the flux of rays that are not aimed.

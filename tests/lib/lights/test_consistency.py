@@ -46,6 +46,7 @@ def test_a_sampled_direction_hits_where_it_was_aimed(extended, point, rng):
         assert np.array_equal(before, after), "a kernel wrote into its arguments"
 
 
+@pytest.mark.grid(3)
 def test_directions_follow_the_density(extended, point, rng, assert_directions):
     if isinstance(extended, AreaSampler) and point[2, 0] > 2.0:
         return

@@ -117,6 +117,7 @@ def test_spread_keeps_the_flux(irradiance, assert_mean, shape, spread):
     assert_mean(irradiance(light), math.pi * RADIANCE)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("edge_v", [(0.0, 0.8, 0.0), (0.5, 0.8, 0.0)], ids=["upright", "sheared"])
 @pytest.mark.parametrize("spread", [1.2, math.pi])
 @pytest.mark.parametrize("shape", ["RECTANGLE", "ELLIPSE"])

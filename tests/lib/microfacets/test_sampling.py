@@ -47,6 +47,7 @@ def test_d_cos_chi_square(distribution, alpha_x, alpha_y, rng):
     assert result.p_value > LEVEL, result
 
 
+@pytest.mark.grid(3)
 @BOTH
 @pytest.mark.parametrize(("alpha_x", "alpha_y"), ALPHAS)
 @pytest.mark.parametrize("degrees", ANGLES)

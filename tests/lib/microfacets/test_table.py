@@ -62,6 +62,7 @@ def test_normals_follow_d_cos(distribution, alphas, rng):
     assert found.p_value > LEVEL
 
 
+@pytest.mark.grid(3)
 @EVERY
 @ALPHAS
 @ANGLES

@@ -116,6 +116,7 @@ def test_owen_scrambling_makes_bits_independent(rng):
     assert np.abs(np.corrcoef(columns.T)[np.triu_indices(k, 1)]).max() < quantile
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("sampler", [SobolSampler, RandomSampler])
 @pytest.mark.parametrize("samples", [1, 5, 16])
 def test_each_sample_is_uniform_over_replicates(sampler, samples, seed):

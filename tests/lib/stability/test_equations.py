@@ -29,6 +29,7 @@ CYCLES_LOSES_ALL = (
 )
 
 
+@pytest.mark.grid(3)
 @EVERY
 def test_last_digits(name):
     case = measure(FUNCTIONS[name], 30)

@@ -95,6 +95,7 @@ def test_the_shape_of_a_pareto_tail_is_found(rng, shape):
     assert np.isnan(pareto_shape(np.ones(100)))
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("runs", RUNS)
 @pytest.mark.parametrize("worth", [1e2, 1e3, 1e4, 1e5])
 def test_light_in_rare_samples_that_a_side_drops_is_not_called_agreement(rng, runs, worth):
@@ -106,6 +107,7 @@ def test_light_in_rare_samples_that_a_side_drops_is_not_called_agreement(rng, ru
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("runs", RUNS)
 @pytest.mark.parametrize("worth", [1e2, 1e3, 1e4, 1e5])
 def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, worth):
@@ -117,6 +119,7 @@ def test_fireflies_on_one_side_alone_are_not_called_a_difference(rng, runs, wort
     assert wrong <= stats.binom.ppf(0.999, runs, 0.01)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("runs", FEW)
 @pytest.mark.parametrize("noisy", [True, False], ids=["both sides", "one side"])
 @pytest.mark.parametrize("kind", HEAVY)

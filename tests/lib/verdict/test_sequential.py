@@ -48,6 +48,7 @@ def wrong(rng, runs, noise, bias, confidence):
     return count
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("runs", RUNS)
 @pytest.mark.parametrize("noise", [gaussian, fireflies])
 @pytest.mark.parametrize("bias", [0.0, 0.5 * TOLERANCE, TOLERANCE, -TOLERANCE])
@@ -66,6 +67,7 @@ def test_looks_that_are_not_paid_for_raise_false_alarms(rng, monkeypatch, noise)
     assert wrong(rng, 100, noise, TOLERANCE, 0.9) > stats.binom.ppf(0.999, 100, 0.1)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("runs", [5, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("bias", [0.005, 0.01, 0.02, 0.05])
 def test_a_planted_bias_on_one_material_is_found(rng, runs, bias):

@@ -13,6 +13,7 @@ from etalon.tests.scenes import color, cube, icosphere, material, orthographic, 
 INSIDE = perspective(8, 8, 1.0, (0.1, 0.2, 0.3), (0.3, 0.5, -1.0))
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
 @pytest.mark.parametrize(("bounces", "exact"), [(0, 1.8), (1, 2.44), (2, 2.952)])
 def test_glowing_box(direct, bounces, exact, seed):

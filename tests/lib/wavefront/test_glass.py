@@ -42,6 +42,7 @@ def test_clear_glass_in_a_furnace(degrees, seed):
     np.testing.assert_allclose(images, 1.0, rtol=1e-12)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("degrees", [0.0, 45.0, 75.0])
 @pytest.mark.parametrize("bounces", [0, 1, 2, 20])
 def test_coloured_glass_in_a_furnace(degrees, bounces, seed):

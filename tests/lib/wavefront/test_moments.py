@@ -39,6 +39,7 @@ def columns(place, times, weights, width=1.0):
     return (overlap(pixels, pixels + 1.0, left, left + width) * weights).sum(axis=1) / weights.sum()
 
 
+@pytest.mark.slow
 def test_a_strip_that_moves_by_a_piecewise_linear_path(seed):
     """A strip a pixel wide with three keys, fast then slow.
 

@@ -31,6 +31,7 @@ def some(effect):
     return [s for part in CASES[effect] for s in (part[0], indoors(part[0]))]
 
 
+@pytest.mark.grid(3)
 @EVERY
 def test_limits_end_in_the_image_and_leave_it_as_it_is(effect, seed):
     for the_scene in some(effect):
@@ -43,6 +44,7 @@ def test_limits_end_in_the_image_and_leave_it_as_it_is(effect, seed):
         np.testing.assert_allclose(found.passes[limits[-1]], plain.radiance, rtol=1e-12, atol=1e-300)
 
 
+@pytest.mark.grid(3)
 @EVERY
 def test_the_light_of_all_emitters_is_the_image(effect, seed):
     for the_scene in some(effect):

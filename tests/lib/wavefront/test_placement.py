@@ -98,6 +98,7 @@ def assert_alike(here, there):
     assert np.median(np.abs(here - there)) < 1e-6 * scale
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize(
     "camera", [CAMERA, orthographic(16, 16, 4.0, (0.01, -3.0, 2.5), (0.0, 3.0, -2.2))], ids=["persp", "ortho"]
 )
@@ -139,6 +140,7 @@ INSIDE = perspective(48, 48, 1.2, (0.11, -0.23, 0.07), (0.4, 0.7, -0.2))
 BOXES = {"cube": cube(), "icosphere": icosphere(1.0, 3)}
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("box", BOXES)
 @pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), *FAR])
 @pytest.mark.parametrize("walls", ["black", "diffuse", "glossy"])

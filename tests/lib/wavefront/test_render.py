@@ -47,6 +47,7 @@ def stage(veil=False):
     return scene(parts, materials, CAMERA, LIGHTS, 0.2, bounces=3)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("veil", [False, True])
 @pytest.mark.parametrize(
     "options", [{"tile_paths": 64}, {"tile_paths": 1000}, {"threads": 2, "tile_paths": 300}, {"threads": 5}]

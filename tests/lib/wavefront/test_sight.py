@@ -129,6 +129,7 @@ CAMERA_AT = orthographic(2, 2, 2.0, (2.0, 0.0, 2.0), (-1.0, 0.0, -1.0))
 LOW = replace(AREA, center=(0.3, 0.2, -1.5), normal=(0.0, 0.0, 1.0))
 
 
+@pytest.mark.grid(3)
 @DIRECT
 @pytest.mark.parametrize("name", PARTS)
 def test_a_lamp_seen_by_one_kind_of_ray_lights_the_lobes_of_that_kind(name, direct, seed):
@@ -259,6 +260,7 @@ FLAGGED = {  # what the camera sees of a sky of that flag: directly, by a mirror
 }
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("name", FLAGGED)
 def test_a_sky_that_only_rays_of_a_kind_see(name, seed):
     world = World(flag(name), (8, 4))

@@ -47,6 +47,7 @@ def test_a_sun_shows_the_shading_normal(tilt, sun, seed):
     np.testing.assert_allclose(image, 0.8 / np.pi * max(cos, 0.0), rtol=1e-6, atol=1e-15)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
 @pytest.mark.parametrize("world", [1.0, SAMPLED_SKY], ids=["constant", "sampled"])
 @pytest.mark.parametrize("tilt", [10.0, 30.0, 60.0])
@@ -60,6 +61,7 @@ def test_the_part_of_the_sky_that_both_normals_see(direct, world, tilt, seed):
     assert_mean(images.mean(axis=(1, 2), keepdims=True), (1.0 + np.cos(np.radians(tilt))) / 2.0, 0.01, rounding=1e-6)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("ground", [diffuse(0.8), glossy(0.2), glossy(0.5)], ids=["diffuse", "glossy", "rough"])
 def test_lights_and_bsdf_agree(ground, seed):
     """A low sphere light and an area light, on a leaning normal; seen at a slant.

@@ -69,6 +69,7 @@ def test_no_sheets_and_no_transparent_bounces(seed):
     np.testing.assert_allclose(replicates(bare, 1, 4, seed=seed), 0.8 / np.pi, rtol=1e-12)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("direct", ["mis", "lights", "bsdf"])
 @pytest.mark.parametrize("roughness", [None, 0.3])
 def test_area_light_through_coloured_sheets(direct, roughness, seed):

@@ -69,6 +69,7 @@ def test_emission_that_is_absorbed_again(seed):
         ReferenceRenderer(replace(box, world=World(color(0.0), volume=Volume(emission=(1.0,) * 3))), Options())
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("g", [0.0, 0.7, -0.4])
 @pytest.mark.parametrize(("beside", "end"), [(0.05, 6.0), (1.0, 6.0), (1.0, np.inf)])
 def test_a_lamp_in_fog(g, beside, end, seed):
