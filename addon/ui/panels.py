@@ -36,20 +36,48 @@ class _Main:
     bl_label = "Étalon"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the result first, then the button or the progress."""
-        layout, scene = self.layout, context.scene
-        result = session.result_of(scene)
-        if result is not None:
-            draw_result(layout, context, result)
-        for error in session.errors.get(scene.session_uid, ()):
-            draw_text(layout.box(), context, translate_error(error), icon="ERROR")
-        if session.running is None:
-            draw_start(layout, context)
-        else:
-            draw_progress(layout, context)
-        unchecked = describe_unchecked(bpy.app.version[:2])
-        if unchecked:
-            draw_text(layout, context, unchecked, icon="INFO")
+        """Draw it below the panel's header."""
+        draw_main(self.layout, context)
+
+
+class _Headless:
+    """Everything in one panel without a header of Blender's.
+
+    Blender keeps such panels above the others, in the order in which they were registered.
+    """
+
+    bl_label = "Étalon"
+    bl_options: ClassVar = {"HIDE_HEADER"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw what is always visible and the sub-panels, below a header that closes and opens all of it."""
+        header, body = self.layout.panel("etalon_main")
+        header.label(text=self.bl_label)
+        if body is None:
+            return
+        draw_main(body, context)
+        for name, part in PARTS.items():
+            header, inner = body.panel(f"etalon_{name}", default_closed="DEFAULT_CLOSED" in part.bl_options)
+            header.label(text=part.bl_label)
+            if inner is not None:
+                part.draw_column(inner, context)
+
+
+def draw_main(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draw the result first, then the button or the progress."""
+    scene = context.scene
+    result = session.result_of(scene)
+    if result is not None:
+        draw_result(layout, context, result)
+    for error in session.errors.get(scene.session_uid, ()):
+        draw_text(layout.box(), context, translate_error(error), icon="ERROR")
+    if session.running is None:
+        draw_start(layout, context)
+    else:
+        draw_progress(layout, context)
+    unchecked = describe_unchecked(bpy.app.version[:2])
+    if unchecked:
+        draw_text(layout, context, unchecked, icon="INFO")
 
 
 def draw_start(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -119,12 +147,17 @@ class _Part:
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw what it holds, greyed while a job runs."""
-        column = self.layout.column()
+        """Draw what it holds."""
+        self.draw_column(self.layout, context)
+
+    @classmethod
+    def draw_column(cls, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw what it holds into `layout`, greyed while a job runs."""
+        column = layout.column()
         column.use_property_split = True
         column.use_property_decorate = False
         column.enabled = session.running is None
-        self.draw_part(column, context)
+        cls.draw_part(column, context)
 
 
 def draw_options(layout: bpy.types.UILayout, context: bpy.types.Context, group: str) -> None:
@@ -140,7 +173,8 @@ class _Target(_Part):
     bl_label = "Target"
     bl_options: ClassVar = set()
 
-    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    @classmethod
+    def draw_part(cls, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         """Draw presets and settings."""
         row = layout.row(align=True)
         row.use_property_split = False
@@ -154,7 +188,8 @@ class _Model(_Part):
 
     bl_label = "Model"
 
-    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    @classmethod
+    def draw_part(cls, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         """Draw the options of the reference."""
         draw_options(layout, context, "model")
 
@@ -164,7 +199,8 @@ class _Frame(_Part):
 
     bl_label = "Region"
 
-    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    @classmethod
+    def draw_part(cls, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         """Draw the scene's own settings."""
         scene, render = context.scene, context.scene.render
         layout.prop(scene, "camera")
@@ -183,7 +219,8 @@ class _Passes(_Part):
 
     bl_label = "Passes"
 
-    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    @classmethod
+    def draw_part(cls, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         """Draw the choice of light passes."""
         draw_options(layout, context, "passes")
 
@@ -193,7 +230,8 @@ class _Tools(_Part):
 
     bl_label = "Settings, Cost and Plan"
 
-    def draw_part(self, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    @classmethod
+    def draw_part(cls, layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         """Draw a button for each, and below what it found."""
         layout.use_property_split = False
         found = session.figures.get(context.scene.session_uid, {})
@@ -242,10 +280,7 @@ def draw_plan(layout: bpy.types.UILayout, context: bpy.types.Context, figures: d
             draw_text(layout, context, f"{decision['effect']}: {decision['fact']}", icon="DOT")
 
 
-def _in_render_properties(base: type, name: str, **more: object) -> type:
-    """The panel `base` in the Render properties."""
-    place = {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"}
-    return type(f"ETALON_PT_render_{name}", (base, bpy.types.Panel), place | more)
+PARTS = {"target": _Target, "model": _Model, "region": _Frame, "passes": _Passes, "tools": _Tools}
 
 
 def _in_sidebar(base: type, name: str, **more: object) -> type:
@@ -262,12 +297,12 @@ def _in_image_editor(base: type, name: str, **more: object) -> type:
 
 def _make_panels() -> tuple[type, ...]:
     """All panels, each in each of its places; parents come before their children."""
-    made = []
-    for place in (_in_render_properties, _in_sidebar, _in_image_editor):
+    place = {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"}
+    made = [type("ETALON_PT_render_main", (_Headless, bpy.types.Panel), place)]
+    for place in (_in_sidebar, _in_image_editor):
         main = place(_Main, "main")
         made.append(main)
-        parts = {"target": _Target, "model": _Model, "region": _Frame, "passes": _Passes, "tools": _Tools}
-        made += [place(base, name, bl_parent_id=main.__name__) for name, base in parts.items()]
+        made += [place(base, name, bl_parent_id=main.__name__) for name, base in PARTS.items()]
     return tuple(made)
 
 

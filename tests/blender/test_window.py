@@ -4,7 +4,7 @@
 import json
 
 import pytest
-from etalon.tests.blender.hand import LIST_ROW, RUN, START, STOP, click, find, press_button
+from etalon.tests.blender.hand import LIST_ROW, RUN, START, STOP, click, find, press_button, settle
 
 pytestmark = pytest.mark.blender
 
@@ -88,3 +88,19 @@ selected = sorted(thing.name for thing in bpy.context.view_layer.objects if thin
     for number in range(3):
         click(window, x - 40, y + number * LIST_ROW)
     window.ask("bpy.ops.ed.undo()\nNone")
+
+
+def test_the_panel_stands_below_the_engine_in_the_render_properties(window, pictures):
+    window.wait_for("ready", seconds=START)
+    window.ask(
+        "max((a for a in bpy.context.screen.areas if a.type == 'VIEW_3D'), key=lambda a: a.width).type = 'PROPERTIES'"
+    )
+    settle(window)  # an editor knows its tabs once it has been drawn
+    box = window.ask("""
+area = max((a for a in bpy.context.screen.areas if a.type == 'PROPERTIES'), key=lambda a: a.width)
+area.spaces.active.context = 'RENDER'
+region = next(r for r in area.regions if r.type == 'WINDOW')
+[region.x, bpy.context.window.height - region.y - region.height, region.width, region.height]""")
+    settle(window)
+    _, y = find(window, box, pictures / "properties.png", (1.0, 0.0, 1.0))
+    assert y < box[1] + box[3] / 3

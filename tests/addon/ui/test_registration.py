@@ -55,6 +55,12 @@ def test_what_compare_the_rest_switches_comes_back_where_nothing_starts(monkeypa
         registration.unregister()
 
 
+def test_the_panel_of_the_render_properties_has_no_header_so_that_blender_keeps_it_above():
+    places = [panel for panel in panels.PANELS if panel.bl_space_type == "PROPERTIES"]
+    assert [panel.__name__ for panel in places] == ["ETALON_PT_render_main"]
+    assert "HIDE_HEADER" in places[0].bl_options
+
+
 def test_every_icon_exists():
     known = {item.identifier for item in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items}
     used = {f"{panels._PREFIX}_{number:02}" for number in panels.COLOURS.values()}
