@@ -8,6 +8,7 @@ from etalon.lib.scene import rays
 from etalon.lib.scene.converters import Component
 from etalon.lib.scene.expressions import (
     ZERO,
+    AmbientOcclusion,
     Attribute,
     Bump,
     Constant,
@@ -250,6 +251,13 @@ CASES = {
     "bumps": (
         [with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
         [with_uvs(PLAIN)],
+    ),
+    "ambient occlusion": (
+        [
+            of(Diffuse(ValueToColor(AmbientOcclusion(Constant(9.0), inside=True)))),
+            of(Glossy("GGX", ValueToColor(AmbientOcclusion(Constant(0.3), inside=True)), HALF)),
+        ],
+        [PLAIN, CROWDED],
     ),
     "mesh attributes": ([with_uvs(of(Diffuse(Attribute("paint"))))], [with_uvs(PLAIN)]),
     "point lights": (

@@ -12,6 +12,7 @@ from etalon.lib.scene.camera import Aperture
 from etalon.lib.scene.expressions import (
     ONE,
     ZERO,
+    AmbientOcclusion,
     Attribute,
     Bump,
     Checker,
@@ -21,6 +22,7 @@ from etalon.lib.scene.expressions import (
     ImageTexture,
     Mix,
     NormalMap,
+    ValueToColor,
 )
 from etalon.lib.scene.images import Image
 from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight, SunLight
@@ -179,6 +181,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "normal maps": _sockets("normal", lambda old: old or NormalMap(color(0.7), ZERO)),
     "bumps": _sockets("normal", lambda old: old or Bump(Constant(0.3), ZERO, ONE)),
     "mesh attributes": _sockets("color", _unused(Attribute("paint"))),
+    "ambient occlusion": _sockets("color", _unused(ValueToColor(AmbientOcclusion(ONE)))),
     "point lights": _light(PointLight("dark", (0.0, 0.0, 3.0), DARK)),
     "sphere lights": _light(SphereLight("dark", (0.0, 0.0, 3.0), 0.5, DARK)),
     "sun lights": _light(SunLight("dark", (0.0, 0.0, 1.0), 0.1, DARK)),

@@ -94,9 +94,13 @@ WHATS: dict[str, str] = {
     "the subsurface scattering of '{name}'": "la diffusion sous la surface de « {name} »",
     "the volume of '{name}', which scatters": "le volume de « {name} », qui diffuse",
     "its emission": "son émission",
+    "its subsurface scattering": "sa diffusion sous la surface",
+    "a value that does more than scale a lobe": "une valeur qui fait plus que multiplier un lobe",
     "what lets light straight through": "ce qui laisse passer la lumière tout droit",
     "a world that depends on the direction": "un monde qui dépend de la direction",
     "{what} beside a displacement": "{what} à côté d'un déplacement",
+    "ambient occlusion in {place}": "l'occlusion ambiante dans {place}",
+    ", a Distance of 0, which stands for the world's,": ", une Distance de 0, qui désigne celle du monde,",
     "'{output}' of a Light Path node in {place}": "« {output} » d'un nœud Light Path dans {place}",
     "{kind} '{name}' of the library '{path}', which is not there,": (
         "{kind} « {name} » de la bibliothèque « {path} », qui n'est pas là"
@@ -275,6 +279,10 @@ REMEDIES: dict[str, str] = {
         "son type manque à ce Blender ({version}) ; utilisez la version qui l'a créé, ou supprimez-le"
     ),
     "turn by an axis and an angle": "tournez par un axe et un angle",
+    "give it a distance": "donnez-lui une distance",
+    "link it to a factor of a diffuse colour, or unlink it": (
+        "reliez-la à un facteur d'une couleur diffuse, ou retirez son lien"
+    ),
     "unlink the Light Path node": "retirez le lien du nœud Light Path",
     "unlink Displacement, or choose Bump Only and a Displacement node": (
         "retirez le lien de Displacement, ou choisissez Bump Only et un nœud Displacement"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..scene.expressions import Attribute, Bump, Checker, EnvironmentTexture, ImageTexture, NormalMap
+from ..scene.expressions import AmbientOcclusion, Attribute, Bump, Checker, EnvironmentTexture, ImageTexture, NormalMap
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import (
     Anisotropic,
@@ -88,6 +88,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.NORMAL_MAPS, Stage.SHADE, socket((NormalMap,), "no normal is mapped")),
     Entry(Effect.BUMPS, Stage.SHADE, socket((Bump,), "no bump is linked")),
     Entry(Effect.MESH_ATTRIBUTES, Stage.SHADE, socket((Attribute,), "no socket reads an attribute")),
+    Entry(Effect.AMBIENT_OCCLUSION, Stage.SHADE, socket((AmbientOcclusion,), "no socket reads ambient occlusion")),
     # What shines.
     Entry(Effect.POINT_LIGHTS, Stage.LIGHTS, light((PointLight, SpotLight), lambda x: not getattr(x, "radius", 0))),
     Entry(Effect.SPHERE_LIGHTS, Stage.LIGHTS, light((SphereLight, SpotLight), lambda x: x.radius > 0)),

@@ -51,6 +51,7 @@ class Effect(StrEnum):
     NORMAL_MAPS = "normal maps"
     BUMPS = "bumps"
     MESH_ATTRIBUTES = "mesh attributes"
+    AMBIENT_OCCLUSION = "ambient occlusion"
 
     POINT_LIGHTS = "point lights"
     SPHERE_LIGHTS = "sphere lights"

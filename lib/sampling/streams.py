@@ -80,6 +80,9 @@ ENTER, ENTRY, WALK_KEY = 0, 1, 2
 FIRST_VOLUME_STEP = 1 << 27
 VOLUME_PLACE, VOLUME_LIGHT, VOLUME_CHOICES, VOLUME_FLIGHT, VOLUME_PHASE, VOLUME_FATE = range(6)
 
+# Rays of ambient occlusion, a pair for each step of a camera path.
+OCCLUSION = 1 << 26
+
 # Keys beside the dimensions: how pixels pick and shift point sets, the generator of plain random numbers, and those of Markov chains.
 PIXEL_KEYS, RANDOM_NUMBERS, METROPOLIS = -2, -1, -3
 
@@ -90,6 +93,11 @@ def step_dimension(step: int, decision: int) -> int:
     `decision` is BSDF, LIGHT, CHOICES or FATE.
     """
     return FIRST_STEP + DIMENSIONS_PER_STEP * step + decision
+
+
+def occlusion_dimension(step: int) -> int:
+    """Return the dimension of the ray of ambient occlusion at a step of the path, from 0."""
+    return OCCLUSION + step
 
 
 def light_step_dimension(step: int, decision: int) -> int:

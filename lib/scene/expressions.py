@@ -322,6 +322,20 @@ class Wireframe(Expression):
 
 
 @dataclass(frozen=True)
+class AmbientOcclusion(Expression):
+    """The share of the hemisphere about the normal where no face is within `distance` metres (a value).
+
+    It is weighted by the cosine. 1 where the distance is not above 0. n is `normal`, or the shading normal, and points to
+    the other side where `inside`. `only_local`: only faces of the point's own object count.
+    """
+
+    distance: Expression
+    normal: Expression | None = None
+    inside: bool = False
+    only_local: bool = False
+
+
+@dataclass(frozen=True)
 class Backfacing(Expression):
     """1 where the ray meets the back of the face, else 0 (a value)."""
 

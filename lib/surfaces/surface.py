@@ -7,6 +7,7 @@ Each is computed when it is first asked for.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -71,18 +72,34 @@ class SurfaceTables:
         return self._frames[uv_map]
 
 
+class OcclusionRays(Protocol):
+    """Casts the rays of ambient occlusion."""
+
+    def open_share(
+        self, points: SurfacePoints, chance: np.ndarray, normal: np.ndarray, distance: np.ndarray, only_local: bool
+    ) -> np.ndarray:
+        """Return 1 where a ray meets nothing within `distance` metres, else 0, (n,).
+
+        `chance` (3, n): the uniforms that choose the ray about the unit `normal`, and how far off the face it starts.
+        """
+        ...
+
+
 class SurfacePoints(Context):
     """Points on triangles, seen from `wo`; the context in which expressions are evaluated.
 
     triangle (n,) int, barycentrics u, v (n,) of the second and third corner, position, ng and wo (3, n). The geometric normal is
     turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where. `wavelength` (n,), in nanometres, is
     that of the light, where something depends on it. `flags`, () or (n,) int, are those of the rays that meet the points (scene/rays.py),
-    where shaders ask, and `tally` (counts, n) the counts of the paths that meet them.
+    where shaders ask, and `tally` (counts, n) the counts of the paths that meet them. `occluders` cast the rays of ambient occlusion, by
+    `chance` (3, n), where shaders ask for it and a path meets the points.
     """
 
     wavelength: np.ndarray | None = None
     flags: np.ndarray | int = 0
     tally: np.ndarray | None = None
+    occluders: OcclusionRays | None = None
+    chance: np.ndarray | None = None
 
     def __init__(
         self,
@@ -124,6 +141,8 @@ class SurfacePoints(Context):
         flags = self.flags
         points.flags = flags[start:stop] if isinstance(flags, np.ndarray) and flags.ndim else flags
         points.tally = None if self.tally is None else self.tally[:, start:stop]
+        points.occluders = self.occluders
+        points.chance = None if self.chance is None else self.chance[:, start:stop]
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:
@@ -134,6 +153,8 @@ class SurfacePoints(Context):
             setattr(points, name, np.take(getattr(self, name), index, axis=-1))
         points.flags = self.flags if np.ndim(self.flags) == 0 else np.take(self.flags, index)
         points.tally = None if self.tally is None else np.take(self.tally, index, axis=1)
+        points.occluders = self.occluders
+        points.chance = None if self.chance is None else np.take(self.chance, index, axis=1)
         return points
 
     @cached_property
@@ -256,6 +277,15 @@ class SurfacePoints(Context):
             area = cross(edge, self.position - corners[k])
             nearest = np.minimum(nearest, np.sqrt(dot(area, area) / dot(edge, edge)))
         return nearest
+
+    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> np.ndarray:
+        """Return the estimate of ambient occlusion by one ray, (n,).
+
+        1 where no path meets the points, as for Cycles' light samples.
+        """
+        if self.occluders is None or self.chance is None:
+            return np.ones(self.size)
+        return self.occluders.open_share(self, self.chance, normal, distance, only_local)
 
     def object_info(self) -> np.ndarray:
         """Location, colour, alpha, index and random number of the object, (9, n)."""

@@ -47,6 +47,13 @@ class Context(Protocol):
         """
         ...
 
+    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> np.ndarray:
+        """Return an unbiased estimate (n,) of ambient occlusion, 1 where nothing is near.
+
+        It is about unit normals (3, n), by faces of the same object or of all within `distance` metres, () or (n,).
+        """
+        ...
+
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the tangent (3, n), the bitangent's sign (n,) and the normal (3, n).
 
@@ -105,6 +112,10 @@ class WithoutSurface(Context):
     def edge_distance(self) -> NoReturn:
         """No triangle."""
         _refuse("edge")
+
+    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> NoReturn:
+        """No point that faces could be near."""
+        _refuse("occlusion")
 
     def tangent_frame(self, uv_map: str) -> NoReturn:
         """No UV map."""

@@ -15,7 +15,7 @@ from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
 from ..scene.rays import COUNTS, FLAGS
 from ..scene.sky import Sky
-from ..vectors import dot
+from ..vectors import dot, normalize
 from .angles import fresnel_factor, layer_weight_facing, layer_weight_fresnel
 from .checker import checker
 from .color_spaces import luminance
@@ -179,6 +179,11 @@ def _ray_count(node: ex.RayCount, read: Evaluator) -> np.ndarray:
     return np.zeros(()) if tally is None else tally[COUNTS.index(node.count)]
 
 
+def _ambient_occlusion(node: ex.AmbientOcclusion, read: Evaluator) -> np.ndarray:
+    n = read.context.n if node.normal is None else np.broadcast_to(normalize(read(node.normal)), read.context.n.shape)
+    return read.context.open_share(-n if node.inside else n, read(node.distance), node.only_local)
+
+
 _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     **CONVERTERS,
     **PATTERNS,
@@ -214,6 +219,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),
     ex.Wireframe: lambda node, read: (read.context.edge_distance() < 0.5 * np.abs(read(node.size))).astype(np.float64),
+    ex.AmbientOcclusion: _ambient_occlusion,
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.RayFlag: lambda node, read: np.asarray(np.bitwise_and(read.context.flags, FLAGS[node.flag]) != 0, np.float64),
     ex.RayCount: _ray_count,

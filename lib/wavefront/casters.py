@@ -56,6 +56,10 @@ class Casters:
         things = self._mesh.objects
         return self._for_objects(tuple(has_bits(one.rays, SHADOW) and has_set(sets, one.blocker) for one in things))
 
+    def for_object(self, number: int) -> Raycaster | PartCaster:
+        """The caster for rays that meet one object only."""
+        return self._for_objects(tuple(k == number for k in range(len(self._mesh.objects))))
+
     def _for_objects(self, met: tuple[bool, ...]) -> Raycaster | PartCaster:
         if all(met):
             return self.whole

@@ -38,6 +38,7 @@ from .direction import Directions
 from .emissive import EmissiveMesh
 from .emitter_names import EmitterNames, name_emitters
 from .media import Media
+from .occlusion import Occluders
 from .refuse import refuse_combinations
 from .sight import Sight
 
@@ -56,6 +57,7 @@ class Kernel:
     `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
     others; both belong to departures. `media` are the volumes, where there are any. `bodies` are the objects that light scatters inside of;
     `exit_of` (materials,) numbers the entry of `materials` that says what faces do where it leaves.
+    `occluders` cast the rays of ambient occlusion, where shaders ask for it.
     With `apart`, emissive faces have a sampler for each object, so that each sampler is of one emitter.
     A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
@@ -107,6 +109,7 @@ class Kernel:
         switches += [(one, True) for one, _ in meshes]
         delta = np.array([light.delta for light in self.lights], bool)
         self.sight = Sight(scene, plan, self._casters, switches, delta)
+        self.occluders = Occluders(self.scene, self._casters) if plan.needs(Effect.AMBIENT_OCCLUSION) else None
         lit_from_below = LIGHT_BELOW in options.departures
         self.coplanar = CoplanarFaces(scene.mesh) if FACES_IN_ONE_PLANE in options.departures else None
         self.other_faces = (

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from ..effects.facts import Facts
 from ..effects.masks import flags_in, linked_lights, ray_kinds
 from ..errors import Refusal, Refused
 from ..scene.links import EVERY_SET
-from ..scene.materials import Subsurface
+from ..scene.materials import Subsurface, WeightedClosure
+from ..scene.occlusion import find_misuse
 from ..scene.rays import COUNTS, EVERY
 from ..scene.scene import Scene
 
@@ -21,6 +22,7 @@ def refuse_combinations(scene: Scene) -> None:
     refuse_linked_faces(scene)
     refuse_volumes(scene)
     refuse_counts(scene)
+    refuse_occlusion(scene)
 
 
 def refuse_linked_faces(scene: Scene) -> None:
@@ -50,6 +52,27 @@ def refuse_counts(scene: Scene) -> None:
     what = f"the depth or length of rays beside {' and '.join(inside)}"
     if asking and inside:
         raise Refused([Refusal(f"material '{name}'", what, "unlink the Light Path node") for name in asking])
+
+
+def refuse_occlusion(scene: Scene) -> None:
+    """Raise Refused where the mean of what shaders make of ambient occlusion depends on the number of rays.
+
+    Also where Cycles does not trace these rays for all the light that it samples.
+    """
+    refusals = [
+        Refusal(f"material '{material.name}'", what, remedy)
+        for material in Facts(scene).materials
+        for what, remedy in dict.fromkeys(misused_occlusion(material.lobes))
+    ]
+    if refusals:
+        raise Refused(refusals)
+
+
+def misused_occlusion(lobes: Iterable[WeightedClosure]) -> Iterator[tuple[str, str]]:
+    """Yield what folded lobes make of ambient occlusion that is not simulated, each with the remedy."""
+    for where in map(find_misuse, lobes):
+        if where is not None:
+            yield f"ambient occlusion in {where}", "link it to a factor of a diffuse colour, or unlink it"
 
 
 def refuse_volumes(scene: Scene) -> None:

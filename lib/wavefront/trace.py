@@ -13,7 +13,7 @@ import numpy as np
 from ..effects.names import Stage
 from ..effects.transport import ROULETTE_AFTER
 from ..sampling.sobol import RandomTile, SobolTile
-from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, step_dimension
+from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, occlusion_dimension, step_dimension
 from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..scene.rays import DEPTH_OF_KIND
 from ..surfaces.surface import SurfacePoints
@@ -174,6 +174,9 @@ class Tracer:
         points.flags = self._kernel.sight.flags_of(paths)
         if self._flow.counts:
             points.tally = paths.tally(distance)
+        if self._flow.occludes:
+            points.occluders = self._kernel.occluders
+            points.chance = np.stack([*self._pair(occlusion_dimension(step), paths), offset])
         self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:

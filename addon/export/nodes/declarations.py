@@ -39,6 +39,11 @@ _MODELS = ("RGB", "HSV", "HSL")
 
 DECLARATIONS: Mapping[str, Declaration] = {
     **SHADER_DECLARATIONS,
+    "ShaderNodeAmbientOcclusion": Declaration(
+        reads=("Color", "Distance", "Normal"),
+        properties={"inside": None, "only_local": None},
+        unused=("samples",),
+    ),
     "ShaderNodeAttribute": Declaration(
         idle=("LightIndex",),
         properties={

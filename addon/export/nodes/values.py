@@ -97,6 +97,17 @@ def _light_path(reader: TreeReader, node: bpy.types.Node, output: str, scope: Sc
     return ex.RayFlag(flag)
 
 
+def _ambient_occlusion(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    color = reader.read(node.inputs["Color"], scope) if output == "Color" else None
+    if reader.is_world:
+        return ex.ONE if color is None else color  # nothing is near a world
+    distance = fold(reader.read(node.inputs["Distance"], scope))
+    if distance == ex.ZERO:
+        reader.refuse(node, scope, ", a Distance of 0, which stands for the world's,", "give it a distance")
+    share = ex.AmbientOcclusion(distance, _normal(reader, node, scope), node.inside, node.only_local)
+    return share if color is None else ex.Mix(ex.ONE, ex.ValueToColor(share), color, blend="MULTIPLY")
+
+
 def _normal(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> ex.Expression | None:
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
@@ -107,6 +118,7 @@ VALUES = {
     **TEXTURES,
     **PROCEDURAL,
     **CONVERTERS,
+    "ShaderNodeAmbientOcclusion": _ambient_occlusion,
     "ShaderNodeRGB": _rgb,
     "ShaderNodeValue": _value,
     "ShaderNodeMath": _math,

@@ -101,7 +101,19 @@ REFUSED = {
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
     "Wireframe), option 'Pixel Size'": colored(lambda t: node(t, "Wireframe", use_pixel_size=True)),
     "node 'Bevel'": lambda t: node(t, "BsdfDiffuse", {"Normal": node(t, "Bevel")}),
-    "node 'Ambient Occlusion'": colored(lambda t: node(t, "AmbientOcclusion")),
+    "Ambient Occlusion), a Distance of 0, which stands for the world's,": colored(
+        lambda t: node(t, "AmbientOcclusion", {"Distance": 0.0})
+    ),
+    "ambient occlusion in a value that does more than scale a lobe": lambda t: node(
+        t, "BsdfDiffuse", {"Roughness": node(t, "AmbientOcclusion", output="AO")}
+    ),
+    "ambient occlusion in its emission": lambda t: node(t, "Emission", {"Color": node(t, "AmbientOcclusion")}),
+    "ambient occlusion in its subsurface scattering": lambda t: node(
+        t, "SubsurfaceScattering", {"Color": node(t, "AmbientOcclusion")}
+    ),
+    "ambient occlusion in what lets light straight through": lambda t: node(
+        t, "BsdfTransparent", {"Color": node(t, "AmbientOcclusion")}
+    ),
     "Gabor Texture": colored(lambda t: node(t, "TexGabor")),
     "socket 'Tangent' (linked)": lambda t: node(t, "BsdfGlossy", {"Anisotropy": 0.5, "Tangent": bump(t)}),
     "output 'Camera'": colored(lambda t: node(t, "TexCoord", output="Camera")),
