@@ -13,8 +13,9 @@ from ..sampling.streams import PIXEL
 
 # The chance of a large step, which draws all numbers anew.
 LARGE = 0.3
-# The least and the largest size of a small step (Kelemen et al. 2002, section 4).
-LEAST_STEP, LARGEST_STEP = 1.0 / 1024.0, 1.0 / 64.0
+# The least and the largest bound of a small step. Kelemen et al. (2002, section 4) go up to 1 / 64; a chain that must cross
+# a raster of few pixels needs longer ones, and one that lies in a narrow peak still gets its short ones.
+LEAST_STEP, LARGEST_STEP = 1.0 / 1024.0, 1.0 / 8.0
 
 
 class ChainUniforms(RandomTile):
@@ -53,12 +54,17 @@ class ChainUniforms(RandomTile):
         for dimension, state in self._state.items():
             np.copyto(state, self._proposed[dimension], where=accepted)
 
-    def start(self, chosen: np.ndarray) -> ChainUniforms:
-        """Chains that begin where the proposals `chosen` (n,) are."""
-        chains = ChainUniforms(self._generator, chosen.size, 1, 1)
-        chains._raster = self._raster
-        chains._state = {k: np.take(a, chosen, axis=1) for k, a in self._proposed.items()}
-        return chains
+    def take_over(self, chain: np.ndarray, other: ChainUniforms, chosen: np.ndarray) -> None:
+        """Move the chains `chain` (n,) to where the proposals `chosen` (n,) of `other` are.
+
+        Pairs that only one of the two has been asked for are uniform in the other.
+        """
+        for dimension in other._proposed.keys() - self._state.keys():
+            self._state[dimension] = self._generator.random((2, self._count))
+        for dimension, state in self._state.items():
+            proposed = other._proposed.get(dimension)
+            new = self._generator.random((2, chain.size)) if proposed is None else np.take(proposed, chosen, axis=1)
+            state[:, chain] = new
 
     def place(self) -> tuple[np.ndarray, np.ndarray]:
         """Raster points (n,) of the proposals, in pixels, x to the right and y up."""
@@ -68,11 +74,11 @@ class ChainUniforms(RandomTile):
     def _mutated(self, state: np.ndarray) -> np.ndarray:
         """Return proposals for a pair, (2, n).
 
-        They are uniform, or moved by LARGEST exp(-log(LARGEST / LEAST) u) to either side, around the end.
+        They are uniform, or moved by a uniform step around the end. Its bound is LARGEST_STEP^(1 - u) LEAST_STEP^u, for each
+        pair with another uniform u, so that some pairs move far while others stay near.
         """
-        generator = self._generator
-        sign = np.where(generator.random(state.shape) < 0.5, -1.0, 1.0)
-        length = LARGEST_STEP * np.exp(-np.log(LARGEST_STEP / LEAST_STEP) * generator.random(state.shape))
-        small = np.mod(state + sign * length, 1.0)
+        uniform = self._generator.random(state.shape)
+        bound = LARGEST_STEP * (LEAST_STEP / LARGEST_STEP) ** self._generator.random(self._count)
+        small = np.mod(state + bound * (2.0 * uniform - 1.0), 1.0)
         small[small == 1.0] = 0.0  # what is just below 0 rounds to 1
-        return np.where(self._large, generator.random(state.shape), small)
+        return np.where(self._large, uniform, small)

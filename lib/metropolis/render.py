@@ -26,12 +26,15 @@ from ..wavefront.sums import PixelSums, StageClock
 from ..wavefront.trace import Tracer
 from .chains import ChainUniforms
 
-# Paths of a group of chains, which is an estimator by itself; they share one thread.
-GROUP_PATHS = 1 << 17
+# Paths of a group of chains, which is an estimator by itself; they share one thread. Chains of fewer are too short to get
+# away from the few bright samples that they start at.
+GROUP_PATHS = 1 << 20
 # Chains of a group that run side by side: with fewer, the interpreter takes more of the time.
 CHAINS = 1024
 # One path in so many is an independent sample: of their mean brightness, and for the chains to start from.
 SHARE = 4
+# Independent samples that are traced at once.
+BLOCK = 1 << 15
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,11 @@ class _Values:
     def take(self, index: np.ndarray) -> _Values:
         """Those at `index`."""
         return _Values(*(np.take(array, index, axis=-1) for array in vars(self).values()))
+
+    def put(self, index: np.ndarray, other: _Values) -> None:
+        """Write the `other` ones at `index`."""
+        for old, new in zip(vars(self).values(), vars(other).values(), strict=True):
+            old[..., index] = new
 
     def replaced(self, other: _Values, where: np.ndarray) -> _Values:
         """These, with the `other` ones where (n,) bool says so."""
@@ -118,15 +126,10 @@ class MetropolisRenderer:
         first = max(paths // SHARE, 1)
         count = min(CHAINS, max(paths - first, 1))
         length = max((paths - first) // count, 1)
-        uniforms = ChainUniforms(generator, first, camera.width, camera.height)
-        found, rays = self._trace(uniforms, first)
-        sums.nonfinite += np.bincount(found.pixel[found.bad], minlength=sums.nonfinite.size)
-        total = found.brightness.sum()
+        chains, now, total, rays = self._start(generator, first, count, sums, progress)
         if total == 0.0:
             return sums, rays
         scale = total / first * sums.nonfinite.size / (count * length)
-        chosen = _resample(found.brightness, generator.random(), count)
-        chains, now = uniforms.start(chosen), found.take(chosen)
         for _ in range(length):
             chains.propose()
             new, traced = self._trace(chains, count)
@@ -141,6 +144,34 @@ class MetropolisRenderer:
             now = now.replaced(new, accepted)
             progress.check()
         return sums, rays
+
+    def _start(
+        self, generator: np.random.Generator, first: int, count: int, sums: PixelSums, progress: Progress
+    ) -> tuple[ChainUniforms, _Values, float, int]:
+        """Trace `first` independent samples and start `count` chains at some of them.
+
+        Each chain starts at a sample that is picked in proportion to its brightness among all of them, block by block.
+        Returned are the chains, what they contribute, the sum of the brightness of all samples, and the rays.
+        """
+        camera = self.scene.camera
+        chains = ChainUniforms(generator, count, camera.width, camera.height)
+        now = _Values(np.zeros((3, count)), np.zeros(count), np.zeros(count, np.intp), np.zeros(count, bool))
+        total, rays = 0.0, 0
+        for begin in range(0, first, BLOCK):
+            size = min(BLOCK, first - begin)
+            uniforms = ChainUniforms(generator, size, camera.width, camera.height)
+            found, traced = self._trace(uniforms, size)
+            rays += traced
+            sums.nonfinite += np.bincount(found.pixel[found.bad], minlength=sums.nonfinite.size)
+            more = float(found.brightness.sum())
+            if more > 0.0:
+                total += more
+                moved = generator.permutation(count)[: int(count * more / total + generator.random())]
+                chosen = _resample(found.brightness, generator.random(), moved.size)
+                chains.take_over(moved, uniforms, chosen)
+                now.put(moved, found.take(chosen))
+            progress.check()
+        return chains, now, total, rays
 
     def _trace(self, uniforms: ChainUniforms, count: int) -> tuple[_Values, int]:
         """Return what the proposals of all chains contribute, and the rays traced.

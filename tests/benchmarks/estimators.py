@@ -3,7 +3,7 @@
 
 They get the product's own verdict, and error against time.
 
-    python tests/benchmarks/estimators.py [--time 60]               # verdicts on reference scenes
+    python tests/benchmarks/estimators.py [--time 60] [--size 32]   # verdicts on reference scenes
     python tests/benchmarks/estimators.py --cost FOLDER [--time 60] # scenes on which each wins or loses
 
 Small images, one thread for each side. `--cost` writes a cost page with its plot for each scene into FOLDER.
@@ -12,7 +12,7 @@ Small images, one thread for each side. `--cost` writes a cost page with its plo
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +29,14 @@ from etalon.lib.cost.write import write_cost
 from etalon.lib.errors import EtalonError
 from etalon.lib.scene.camera import smaller_camera
 from etalon.lib.scene.scene import Scene
-from etalon.lib.settings.reference import LIGHT_TRACING, METROPOLIS, PHOTON_MAPPING, Options, RenderOptions
+from etalon.lib.settings.reference import (
+    LIGHT_TRACING,
+    METROPOLIS,
+    OTHER_ESTIMATORS,
+    PHOTON_MAPPING,
+    Options,
+    RenderOptions,
+)
 from etalon.lib.wavefront.coverage import coverage
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.tuning import tune_process
@@ -76,6 +83,20 @@ def _under_glass(pane: bool) -> None:
     building.camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), lens=50.0)
 
 
+def _high_lamp(pane: bool) -> None:
+    """A cube on a wide floor under a wide pane of index 1, and a lamp so high that few of its photons come into view."""
+    building.start("high lamp", SIDE, SIDE, 6)
+    white = building.diffuse("White", (0.6, 0.6, 0.6))
+    building.rectangle("Floor", white, (0.0, 0.0, 0.0), (200.0, 0.0, 0.0), (0.0, 200.0, 0.0))
+    building.box("Cube", white, (0.05, 0.0, 0.1), (0.2, 0.2, 0.2))
+    if pane:
+        clear = glass("Glass")
+        clear.node_tree.nodes["Glass BSDF"].inputs["IOR"].default_value = 1.0
+        building.box("Pane", clear, (0.0, 0.0, 0.6), (200.0, 200.0, 0.1))
+    building.sphere_light("Lamp", (20.0, 10.0, 60.0), 2.0, (1_000.0,) * 3)
+    building.camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), lens=70.0)
+
+
 def _window(pane: bool) -> None:
     """A room that the sun lights through a small window; the camera does not see where.
 
@@ -113,6 +134,7 @@ def _plain(pane: bool) -> None:
 WINNERS = {
     "caustic": (_caustic, LIGHT_TRACING, LIGHT_TRACING),
     "under glass": (_under_glass, PHOTON_MAPPING, WITHOUT),
+    "high lamp": (_high_lamp, METROPOLIS, WITHOUT),
     "window": (_window, BEST, BEST),
     "lambert_analytic": (_plain, BEST, BEST),
 }
@@ -125,22 +147,26 @@ def _at_size(scene: Scene, side: int) -> Scene:
     return replace(scene, camera=smaller_camera(camera, camera.width // divisor, camera.height // divisor))
 
 
-def verdicts(seconds: float) -> None:
-    """One line for each reference scene and estimator."""
-    for scene_name in REFERENCE_SCENES:
+def verdicts(seconds: float, scenes: Sequence[str], estimators: Sequence[str], side: int) -> None:
+    """One line for each reference scene and estimator; images are about `side` pixels wide."""
+    for scene_name in scenes:
         with quiet():
             SCENES[scene_name].build()
-            scene = _at_size(export(bpy.context.scene), WIDE)
-        for name in (PHOTON_MAPPING, METROPOLIS):
+            scene = _at_size(export(bpy.context.scene), side)
+        for name in estimators:
             reference = ReferenceRenderer(scene, Options(seed=1, threads=1))
-            candidate = Estimator(scene, RenderOptions(seed=2, threads=1, strategy=name))
+            title = f"{scene_name:18} {scene.camera.width} x {scene.camera.height} {name:15}"
+            try:
+                candidate = Estimator(scene, RenderOptions(seed=2, threads=1, strategy=name))
+            except EtalonError as error:
+                print(f"{title} {error}", flush=True)
+                continue
             options = CompareOptions(time=seconds, tolerance=0.01)
-            verdict = compare(scene, reference, candidate, coverage(reference.kernel), options).verdict
-            bias = getattr(candidate.renderer, "bias", "")
+            comparison = compare(scene, reference, candidate, coverage(reference.kernel), options)
+            verdict, bias = comparison.verdict, getattr(candidate.renderer, "bias", "")
             print(
-                f"{scene_name:18} {scene.camera.width} x {scene.camera.height} {name:15} {verdict.outcome.value:11} "
-                f"image within {verdict.bounds[0]:.2%}, "
-                f"all regions within {verdict.bound:.2%}  {bias}",
+                f"{title} {verdict.outcome.value:11} image within {verdict.bounds[0]:.2%}, all {verdict.bounds.size} "
+                f"regions within {verdict.bound:.2%}, {comparison.seconds:.0f} s  {bias}",
                 flush=True,
             )
 
@@ -168,7 +194,8 @@ def costs(seconds: float, folder: Path, only: str | None) -> None:
                 for way in reference_ways(other, 3, 1, 0.0)
                 if way.key == BEST
             ]
-        measurement = measure(name, ways, truth, seconds, truth_share=0.4)
+        share = 0.1 if truth == WITHOUT else 0.4  # light sampling finds the lamp where there is no pane
+        measurement = measure(name, ways, truth, seconds, truth_share=share)
         place = folder / name.replace(" ", "_")
         place.mkdir(parents=True, exist_ok=True)
         figures = write_cost(
@@ -192,11 +219,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--time", type=float, default=60.0)
     parser.add_argument("--cost", type=Path, metavar="FOLDER")
+    parser.add_argument("--size", type=int, default=WIDE, help="width of the images of verdicts, about")
+    parser.add_argument("--scenes", nargs="+", choices=sorted(SCENES), default=REFERENCE_SCENES)
+    parser.add_argument("--estimators", nargs="+", choices=OTHER_ESTIMATORS, default=OTHER_ESTIMATORS)
     parser.add_argument("--only", choices=sorted(WINNERS), help="one scene of --cost")
     arguments = parser.parse_args()
     try:
         if arguments.cost is None:
-            verdicts(arguments.time)
+            verdicts(arguments.time, arguments.scenes, arguments.estimators, arguments.size)
         else:
             costs(arguments.time, arguments.cost, arguments.only)
     except EtalonError as error:
