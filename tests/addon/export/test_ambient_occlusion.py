@@ -106,6 +106,20 @@ def blind(scene):
     return replace(scene, materials=tuple(replace(m, lobes=tuple(map(lobe, m.lobes))) for m in scene.materials))
 
 
+def round_and_principled(studio):
+    """A smooth ball on the floor, of few faces, and a floor with a Principled BSDF; rays go below the ball's faces."""
+    tree = bpy.data.materials["grey"].node_tree
+    node, whole = occlude("grey", (0.9, 0.6, 0.3)), tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node.inputs["Distance"].default_value = 2.0
+    tree.links.new(node.outputs["Color"], whole.inputs["Base Color"])
+    tree.links.new(whole.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    occlude("red", (0.9, 0.3, 0.2)).inputs["Distance"].default_value = 1.0
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=5, radius=1.0, location=(0.8, -1.0, 0.9))
+    ball = bpy.context.object
+    ball.data.materials.append(bpy.data.materials["red"])
+    ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
+
+
 CHANGES = {
     "beside a clear card and one without shadows": beside(as_it_comes),
     "near": near,
@@ -113,6 +127,7 @@ CHANGES = {
     "turned": turned,
     "mixed shaders": mixed,
     "own faces": own,
+    "a smooth ball and a Principled BSDF": round_and_principled,
 }
 
 
