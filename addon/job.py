@@ -24,6 +24,7 @@ from ..lib.comparison.interim import BoundAt, Interim
 from ..lib.comparison.memory import require_memory
 from ..lib.comparison.parts import PassChoice, asked_parts, choose_passes, fit_memory
 from ..lib.comparison.run import Stop, TimedRun
+from ..lib.comparison.sides import Replicates
 from ..lib.comparison.size import choose_divisor
 from ..lib.comparison.unsupported import find_unsupported_light
 from ..lib.errors import EtalonError, Refusal, Refused
@@ -85,6 +86,15 @@ def _pass_by(comparison: Comparison) -> None:
     pass
 
 
+# Of both renderers and how many times narrower and lower the image is: what renders the replicates that are compared.
+Spread = Callable[[ReferenceRenderer, Renderer, int], tuple[Replicates, Replicates]]
+
+
+def here(reference: ReferenceRenderer, candidate: Renderer, divisor: int) -> tuple[Replicates, Replicates]:
+    """Both sides as they are: this machine renders them."""
+    return reference, candidate
+
+
 def _shrink(
     scene: Scene, reference: ReferenceRenderer, candidate: Renderer, divisor: int
 ) -> tuple[ReferenceRenderer, Renderer]:
@@ -129,6 +139,7 @@ def judge(
     transform: ViewTransform | None = None,
     conclude: Callable[[Comparison], None] = _pass_by,
     keep_exrs: bool = True,
+    spread: Spread = here,
 ) -> Comparison:
     """Render the reference beside `candidate`, compare the two, and write the report.
 
@@ -136,7 +147,7 @@ def judge(
     `repeat` is the command that does the same again; the report shows it. Where the time is short for a large image,
     and the settings and `may_shrink` allow it, a smaller one of the same view is compared. `transform` is how the
     scene wants its images shown in the report. `conclude` is called with the comparison before the report is written.
-    Without `keep_exrs` the report comes without float images.
+    Without `keep_exrs` the report comes without float images. `spread` may have workers render.
     """
     with nullcontext() if folder is None else replace_files(folder, without=(MINIMAL, *EXRS)) as beside:
         reference = ReferenceRenderer(scene, settings.part(Options))
@@ -153,8 +164,7 @@ def judge(
         verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
         comparison = compare(
             reference.scene,
-            reference,
-            candidate,
+            *spread(reference, candidate, divisor),
             coverage(reference.kernel),
             verdict,
             progress,
@@ -192,12 +202,13 @@ def compare_here(
     folder: Path | None = None,
     repeat: str = "",
     progress: Progress = NO_PROGRESS,
+    spread: Spread = here,
 ) -> Comparison:
     """Compare with Cycles in this process; the scene's own settings are restored afterwards.
 
     The report goes to `folder`, if there is one. Where something differs and no departure explains it, a small scene
     that shows it goes there too. `repeat` is the command that the report shows. `progress` receives the share that is
-    done, and says whether to end. Raises Refused or EtalonError.
+    done, and says whether to end. `spread` as for `judge`. Raises Refused or EtalonError.
     """
     progress.begin("reading the scene")
     exported = export(scene, settings.partial, settings.motion_blur)
@@ -205,7 +216,8 @@ def compare_here(
     with neutral(scene, threads=settings.threads, motion_blur=blur):
         candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads, motion_blur=blur)
         may_shrink = not scene.render.use_border
-        comparison = judge(exported, candidate, settings, folder, repeat, progress, may_shrink, name, transform)
+        about = {"may_shrink": may_shrink, "name": name, "transform": transform, "spread": spread}
+        comparison = judge(exported, candidate, settings, folder, repeat, progress, **about)
         if folder is not None and comparison.stopped is not Stop.CANCELLED:
             if unexplained(comparison):
                 progress.begin("looking for the smallest scene that shows it")

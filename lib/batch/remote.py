@@ -74,7 +74,7 @@ def run_on_worker(
     if isinstance(places, Lacks):
         return places
     name, scene, *rest = words
-    if str(places.get(scene, scene)) != scene and (message := _find_absolute(scene, str(places[scene]))):
+    if str(places.get(scene, scene)) != scene and (message := find_absolute(scene, str(places[scene]))):
         return Done(REFUSED, int(ExitCode.BAD_INPUT), message)
     with tempfile.TemporaryDirectory(dir=folder()) as made:
         out = Path(made) / "out"
@@ -87,7 +87,7 @@ def run_on_worker(
 
 
 @lru_cache
-def _find_absolute(scene: str, copy: str) -> str:
+def find_absolute(scene: str, copy: str) -> str:
     """Why the copy of a scene does not find the copies of its files, or ''."""
     answer = ask_plan(copy, ())
     if answer.found is None:

@@ -82,6 +82,10 @@ class Cluster:
                 self._send(found.worker, digest, contents[digest])
         raise EtalonError(f"worker {found.worker} does not keep the files that it gets; check its local directory")
 
+    def run_everywhere(self, function: Callable[..., Any], *arguments: Any) -> None:
+        """Run `function` once in every worker; one that has died meanwhile is left out."""
+        self._client.run(function, *arguments, on_error="ignore")
+
     def _result(self, future: Any, is_ending: Callable[[], bool]) -> Any:
         from distributed import CancelledError, KilledWorker
 

@@ -24,10 +24,10 @@ from ..scene.scene import Scene
 from ..settings.reference import PHOTON_MAPPING, RenderOptions
 from ..version import VERSION
 from .client import Cluster
-from .worker import Lacks, digest_of, find_content, watch_task, worker_name
+from .worker import Lacks, digest_of, find_content, require_version, watch_task, worker_name
 
 # A worker's threads share one renderer, which uses all its processors.
-_RENDERING = Lock()
+RENDERING = Lock()
 
 
 def render_film_on_cluster(
@@ -85,12 +85,11 @@ def render_replicate(version: str, digest: str, options: RenderOptions, replicat
 
     It is of the saved scene with that digest.
     """
-    if version != VERSION:
-        raise EtalonError(f"worker {worker_name()} has Étalon {VERSION}; install Étalon {version} there, as here")
+    require_version(version)
     path = find_content(digest)
     if path is None:
         return Lacks(worker_name(), (digest,))
-    with _RENDERING:
+    with RENDERING:
         renderer = _renderer(path, options)
         return renderer.render(COUNTED.number(replicate), options.samples, Progress(is_cancelled=watch_task()))
 

@@ -19,6 +19,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from ..errors import EtalonError
+from ..version import VERSION
+
 _DESCRIBE = "import bpy; print(); print(bpy.app.version_string, bpy.app.build_hash.decode(errors='replace'))"
 
 
@@ -52,6 +55,12 @@ def worker_name() -> str:
     from distributed import get_worker
 
     return get_worker().address
+
+
+def require_version(version: str) -> None:
+    """Raise EtalonError where this worker has another version of Étalon."""
+    if version != VERSION:
+        raise EtalonError(f"worker {worker_name()} has Étalon {VERSION}; install Étalon {version} there, as here")
 
 
 def folder() -> Path:

@@ -39,7 +39,7 @@ from .parts import NO_CHOICE, PassChoice
 from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
-from .sides import Renderer, Side, room_left_by
+from .sides import Renderer, Replicates, Side, room_left_by
 from .unsupported import UnsupportedLight, room_beside
 from .versions import versions
 
@@ -92,8 +92,8 @@ class Comparison:
 
 def compare(
     scene: Scene,
-    reference: Renderer,
-    candidate: Renderer,
+    reference: Replicates,
+    candidate: Replicates,
     coverage: Coverage,
     options: CompareOptions,
     progress: Progress = NO_PROGRESS,
@@ -141,7 +141,7 @@ class _Loop:
     def __init__(
         self,
         scene: Scene,
-        renderers: tuple[Renderer, Renderer],
+        renderers: tuple[Replicates, Replicates],
         options: CompareOptions,
         progress: Progress,
         among: Alternatives | None,

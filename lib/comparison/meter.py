@@ -10,7 +10,7 @@ from ..film.windows import Windows
 from ..progress import Progress
 from ..settings.comparison import CompareOptions
 from .run import Stop, TimedRun
-from .sides import Renderer
+from .sides import Replicates
 
 # A call that goes on beyond this many times the budget is cut short, and its image is not kept; the first FEWEST images are finished.
 PATIENCE, FEWEST = 1.05, 2
@@ -60,7 +60,7 @@ class Meter(TimedRun):
         self._mark = self.elapsed - self.spent_aside, replicates
 
     def render_counted(
-        self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None
+        self, renderer: Replicates, replicate: int, samples: int, windows: Windows | None
     ) -> tuple[Rendering, float]:
         """Render one replicate that counts towards the limits; return it and its seconds.
 
@@ -87,7 +87,7 @@ class Meter(TimedRun):
         late = self._options.time is not None and self.elapsed > PATIENCE * self._options.time
         return late and self._rendered >= 2 * FEWEST
 
-    def render_aside(self, renderer: Renderer, replicate: int, samples: int) -> Rendering:
+    def render_aside(self, renderer: Replicates, replicate: int, samples: int) -> Rendering:
         """One replicate on the time set aside."""
         before = self.elapsed
         rendering, _ = self.render(renderer, replicate, samples)

@@ -20,7 +20,7 @@ from ..sampling.streams import FIRST_CALLS
 from ..verdict.allocation import MOST_SAMPLES, Cost, allocate, fit_cost
 from ..verdict.boundaries import FIRST_LOOK, count_looks
 from .run import TimedRun
-from .sides import Renderer
+from .sides import Replicates
 
 # Of the time: what one timed call may take at most, and what the first look may take; but no more than so many seconds.
 CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.05, 0.08, 10.0
@@ -65,7 +65,7 @@ class Layout:
     looks: int
 
 
-def time_calls(renderers: tuple[Renderer, Renderer], run: TimedRun) -> tuple[Timings, Timings]:
+def time_calls(renderers: tuple[Replicates, Replicates], run: TimedRun) -> tuple[Timings, Timings]:
     """Measure timings of both sides; raises Cancelled.
 
     Their first calls set things up and count nowhere. Samples grow while the next call, were it STEP times as long as

@@ -12,7 +12,7 @@ from enum import Enum
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import Progress
-from .sides import Renderer
+from .sides import Replicates
 
 
 class Stop(Enum):
@@ -54,16 +54,16 @@ class TimedRun:
         return float("inf") if self.budget is None else part * self.budget
 
     def render(
-        self, renderer: Renderer, replicate: int, samples: int, windows: Windows | None = None
+        self, renderer: Replicates, replicate: int, samples: int, windows: Windows | None = None
     ) -> tuple[Rendering, float]:
         """Render one replicate; return it and the seconds of the whole call.
 
-        Raises Cancelled when the run is to end.
+        Where it was begun before the call, those that it took. Raises Cancelled when the run is to end.
         """
         start = time.monotonic()
         rendering = renderer.render(replicate, samples, Progress(self.report, self.is_ending), windows)
         self.progress.check()
-        return rendering, time.monotonic() - start
+        return rendering, max(time.monotonic() - start, rendering.seconds)
 
     def is_ending(self) -> bool:
         """Whether the call under way is to end."""

@@ -19,12 +19,11 @@ from ..progress import Progress
 from ..verdict.rare import describe_tails, room_for_rare_light
 
 
-class Renderer(Protocol):
-    """Either side: `settings` is what the report prints.
+class Replicates(Protocol):
+    """What a comparison needs of either side: `settings` is what the report prints.
 
     `render` gives replicate number `replicate`, independent of all others, with `samples` per pixel, or of the pixels in `windows`
-    alone. It raises Cancelled once `progress` says that the work is to end. `at_size` gives a renderer of the same view with fewer
-    pixels, whose numbers divide its own; `with_passes` one whose images come with light passes.
+    alone. It raises Cancelled once `progress` says that the work is to end.
     """
 
     @property
@@ -46,6 +45,14 @@ class Renderer(Protocol):
     ) -> Rendering:
         """One replicate."""
         ...
+
+
+class Renderer(Replicates, Protocol):
+    """One whose image can still be chosen.
+
+    `at_size` gives a renderer of the same view with fewer pixels, whose numbers divide its own; `with_passes` one whose images come with
+    light passes.
+    """
 
     def at_size(self, width: int, height: int) -> Renderer:
         """The same view on a smaller raster."""
@@ -72,7 +79,7 @@ class Side:
     pass_films: dict[Part, Moments] = field(default_factory=dict)
 
     @classmethod
-    def empty(cls, renderer: Renderer, regions: Regions, samples: int, passes: Sequence[Part] = ()) -> Side:
+    def empty(cls, renderer: Replicates, regions: Regions, samples: int, passes: Sequence[Part] = ()) -> Side:
         """A side before its first replicate."""
         film = Film.empty(*regions.shape, samples)
         return cls(

@@ -9,10 +9,10 @@ from typing import ClassVar
 
 from ..errors import EtalonError
 from ..film.light_passes import Family, LightPass
-from .common import Seeded
+from .common import LOCAL, Seeded
 from .declaration import Panel, option
 from .reference import Options
-from .units import Choice, FilePath, Flag, Seconds, Share, Whole, WholeOrPair, WholeRange
+from .units import Choice, FilePath, Flag, Seconds, Share, Unit, Whole, WholeOrPair, WholeRange
 
 SIZES = ("auto", "full")
 AUTO = "auto"
@@ -145,3 +145,12 @@ class Settings(CompareOptions, Options):
         super().__post_init__()
         if self.partial and self.motion_blur:
             raise EtalonError("--partial does not know motion blur; leave --partial or --motion-blur out")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareSettings(Settings):
+    """Options of the command `etalon compare`, which can use several machines."""
+
+    scheduler: str = option(
+        LOCAL, Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"
+    )
