@@ -322,11 +322,15 @@ def test_an_order_to_end_is_a_wish_however_often_it_comes(name):
     if not hasattr(signal, name):
         pytest.skip("Windows has no such signal")
     number = getattr(signal, name)
-    with interruptible() as interrupted:
-        for _ in range(3):
-            signal.raise_signal(number)
-        assert interrupted()
-    assert signal.getsignal(number) is signal.SIG_DFL
+    found = signal.signal(number, signal.SIG_DFL)  # under nohup, SIGHUP is ignored
+    try:
+        with interruptible() as interrupted:
+            for _ in range(3):
+                signal.raise_signal(number)
+            assert interrupted()
+        assert signal.getsignal(number) is signal.SIG_DFL
+    finally:
+        signal.signal(number, found)
 
 
 def test_an_order_to_end_elsewhere_interrupts_once(capfd, monkeypatch):
