@@ -67,9 +67,14 @@ def _workers(target: Target, settings: CompareSettings) -> Iterator[job.Spread]:
         paths = [Path(str(target.scene)), *map(Path, external_files())]
         files = {str(path): digest_of(path.read_bytes()) for path in paths if path.is_file()}
     with connect(settings.scheduler) as cluster:
-        cluster.check(f"{bpy.app.version_string} {bpy.app.build_hash.decode(errors='replace')}")
-        with spread_over(cluster, target, settings.part(Settings), files) as spread:
+        version, commit, date = bpy.app.version_string, *map(_text, (bpy.app.build_hash, bpy.app.build_date))
+        cluster.check(f"{version} {commit}")
+        with spread_over(cluster, (version, f"{commit}, {date}"), target, settings.part(Settings), files) as spread:
             yield spread
+
+
+def _text(value: bytes) -> str:
+    return value.decode(errors="replace")
 
 
 def _print(comparison: Comparison, folder: Path) -> None:

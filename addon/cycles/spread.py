@@ -6,12 +6,14 @@ A worker renders in a process of its own, which stays open for the replicates th
 
 from __future__ import annotations
 
+import asyncio
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -54,46 +56,67 @@ _using = Lock()
 
 @contextmanager
 def spread_over(
-    cluster: Cluster, target: Target, settings: Settings, files: Mapping[str, str]
+    cluster: Cluster, blender: tuple[str, str], target: Target, settings: Settings, files: Mapping[str, str]
 ) -> Iterator[Callable[[ReferenceRenderer, Renderer, int], tuple[Replicates, Replicates]]]:
     """Yield a function that has the workers render both sides of a comparison.
 
     It takes the two renderers and how many times narrower and lower than the scene's their image is. `files` are the
-    paths of the scene's files with their digests. At the end of the block, workers close what they opened for it.
+    paths of the scene's files with their digests, `blender` the version and build that workers must have. Workers open
+    the scene before the block, so that its time budget pays for no start of Blender, and close it at the end.
     """
     begun: list[SpreadSide] = []
-    orders: list[Order] = []
+    order = Order(uuid4().hex, VERSION, blender, target, settings, files)
+    cluster.prepare(prepare, (order,), _contents(order))
     ahead = cluster.slots + 1
-    with ThreadPoolExecutor(max_workers=4 * ahead) as pool:
 
-        def spread(reference: ReferenceRenderer, candidate: Renderer, divisor: int) -> tuple[Replicates, Replicates]:
-            build = str(candidate.settings["version"]), str(candidate.settings["build"])
-            order = Order(uuid4().hex, VERSION, build, target, settings, files)
-            camera = reference.scene.camera
-            size = None if divisor == 1 else (camera.width, camera.height)
-            asks = ask_reference(cluster, reference), _ask_cycles(cluster, order, size, reference.passes)
-            sides = [SpreadSide(one, ask, pool, ahead) for one, ask in zip((reference, candidate), asks, strict=True)]
-            orders.append(order)
-            begun.extend(sides)
-            return sides[0], sides[1]
+    def spread(
+        pool: Executor, reference: ReferenceRenderer, candidate: Renderer, divisor: int
+    ) -> tuple[Replicates, Replicates]:
+        camera = reference.scene.camera
+        size = None if divisor == 1 else (camera.width, camera.height)
+        asks = ask_reference(cluster, reference), _ask_cycles(cluster, order, size, reference.passes)
+        sides = [SpreadSide(one, ask, pool, ahead) for one, ask in zip((reference, candidate), asks, strict=True)]
+        begun.extend(sides)
+        return sides[0], sides[1]
 
-        try:
-            yield spread
-        finally:
-            for side in begun:
-                side.close()
-    for order in orders:
+    try:
+        with ThreadPoolExecutor(max_workers=4 * ahead) as pool:
+            try:
+                yield partial(spread, pool)
+            finally:
+                for side in begun:
+                    side.close()
+    finally:
         cluster.run_everywhere(close_order, order.key)
+
+
+def _contents(order: Order) -> dict[str, Path | bytes]:
+    return {digest: Path(path) for path, digest in order.files.items()}
 
 
 def _ask_cycles(cluster: Cluster, order: Order, size: tuple[int, int] | None, passes: tuple[Part, ...]) -> Ask:
     """A function that has a replicate rendered by Cycles on some worker."""
-    contents: dict[str, Path | bytes] = {digest: Path(path) for path, digest in order.files.items()}
+    contents = _contents(order)
 
     def ask(request: Request, is_ending: Callable[[], bool]) -> Rendering:
         return cluster.call(render_cycles, (order, size, passes, request), contents, is_ending)
 
     return ask
+
+
+async def prepare(order: Order) -> Lacks | None:
+    """Open the order's scene on this worker, beside the loop in which it answers the scheduler."""
+    return await asyncio.to_thread(_prepare, order)
+
+
+def _prepare(order: Order) -> Lacks | None:
+    require_version(order.version)
+    places = find_files(order.files)
+    if isinstance(places, Lacks):
+        return places
+    with _using:
+        _opened(order, places)
+    return None
 
 
 def render_cycles(

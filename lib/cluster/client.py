@@ -82,9 +82,26 @@ class Cluster:
                 self._send(found.worker, digest, contents[digest])
         raise EtalonError(f"worker {found.worker} does not keep the files that it gets; check its local directory")
 
+    def prepare(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], contents: Mapping[str, Path | bytes]
+    ) -> None:
+        """Run the coroutine `function` in every worker, and again once those that return Lacks have their files.
+
+        Raises the EtalonError of one that fails. A worker that dies is left out.
+        """
+        for _ in range(2):
+            found = self._client.run(function, *arguments, on_error="return").values()
+            for lacks in (one for one in found if isinstance(one, Lacks)):
+                for digest in lacks.digests:
+                    self._send(lacks.worker, digest, contents[digest])
+        for one in found:
+            if isinstance(one, EtalonError):
+                raise one
+
     def run_everywhere(self, function: Callable[..., Any], *arguments: Any) -> None:
-        """Run `function` once in every worker; one that has died meanwhile is left out."""
-        self._client.run(function, *arguments, on_error="ignore")
+        """Run `function` once in every worker that is still there."""
+        if self._client.status == "running":
+            self._client.run(function, *arguments, on_error="ignore")
 
     def _result(self, future: Any, is_ending: Callable[[], bool]) -> Any:
         from distributed import CancelledError, KilledWorker
