@@ -127,6 +127,33 @@ def _window(pane: bool) -> None:
     building.camera((0.9, -0.9, 1.6), (-1.0, -0.2, 1.5), lens=35.0)
 
 
+def _glossy_floor() -> None:
+    """A floor of roughness 0.77 under an area lamp; the camera sees the floor alone."""
+    building.start("glossy floor", SIDE, SIDE, 0)
+    gloss = building.glossy("Gloss", "GGX", 0.6, (0.8, 0.7, 0.6))
+    building.rectangle("Floor", gloss, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    building.area_light("Lamp", (0.0, 0.3, 1.2), (0.0, 0.3, 0.0), (0.8, 0.8), (10.0, 9.0, 8.0))
+    building.camera((0.0, -1.5, 2.0), (0.0, 0.0, 0.0), lens=50.0)
+
+
+def _room() -> None:
+    """A closed white room with a lamp at the ceiling; the camera sees a part of one wall."""
+    building.start("room", SIDE, SIDE, 3)
+    white = building.diffuse("White", (0.6, 0.6, 0.6))
+    building.rectangle("Floor", white, (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))
+    building.rectangle("Ceiling", white, (0.0, 0.0, 2.0), (0.0, 2.0, 0.0), (2.0, 0.0, 0.0))
+    building.rectangle("Back", white, (0.0, 1.0, 1.0), (2.0, 0.0, 0.0), (0.0, 0.0, 2.0))
+    building.rectangle("Front", white, (0.0, -1.0, 1.0), (0.0, 0.0, 2.0), (2.0, 0.0, 0.0))
+    building.rectangle("Left", white, (-1.0, 0.0, 1.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0))
+    building.rectangle("Right", white, (1.0, 0.0, 1.0), (0.0, 0.0, 2.0), (0.0, 2.0, 0.0))
+    building.area_light("Lamp", (0.0, 0.0, 1.98), (0.0, 0.0, 0.0), (0.7, 0.7), (10.0, 9.0, 8.0))
+    building.camera((0.0, -0.8, 1.0), (0.05, 1.0, 0.95), lens=50.0)
+
+
+SMALL = {"glossy floor": _glossy_floor, "room": _room}
+"""Scenes for verdicts that are small and even enough to be decided in a minute or two."""
+
+
 def _plain(pane: bool) -> None:
     SCENES["lambert_analytic"].build()
 
@@ -151,7 +178,7 @@ def verdicts(seconds: float, scenes: Sequence[str], estimators: Sequence[str], s
     """One line for each reference scene and estimator; images are about `side` pixels wide."""
     for scene_name in scenes:
         with quiet():
-            SCENES[scene_name].build()
+            (SMALL[scene_name] if scene_name in SMALL else SCENES[scene_name].build)()
             scene = _at_size(export(bpy.context.scene), side)
         for name in estimators:
             reference = ReferenceRenderer(scene, Options(seed=1, threads=1))
@@ -220,7 +247,7 @@ def main() -> None:
     parser.add_argument("--time", type=float, default=60.0)
     parser.add_argument("--cost", type=Path, metavar="FOLDER")
     parser.add_argument("--size", type=int, default=WIDE, help="width of the images of verdicts, about")
-    parser.add_argument("--scenes", nargs="+", choices=sorted(SCENES), default=REFERENCE_SCENES)
+    parser.add_argument("--scenes", nargs="+", choices=[*SCENES, *SMALL], default=REFERENCE_SCENES)
     parser.add_argument("--estimators", nargs="+", choices=OTHER_ESTIMATORS, default=OTHER_ESTIMATORS)
     parser.add_argument("--only", choices=sorted(WINNERS), help="one scene of --cost")
     arguments = parser.parse_args()
