@@ -6,7 +6,6 @@ A worker renders in a process of its own, which stays open for the replicates th
 
 from __future__ import annotations
 
-import asyncio
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -104,12 +103,8 @@ def _ask_cycles(cluster: Cluster, order: Order, size: tuple[int, int] | None, pa
     return ask
 
 
-async def prepare(order: Order) -> Lacks | None:
-    """Open the order's scene on this worker, beside the loop in which it answers the scheduler."""
-    return await asyncio.to_thread(_prepare, order)
-
-
-def _prepare(order: Order) -> Lacks | None:
+def prepare(order: Order) -> Lacks | None:
+    """Open the order's scene on this worker."""
     require_version(order.version)
     places = find_files(order.files)
     if isinstance(places, Lacks):

@@ -85,18 +85,18 @@ class Cluster:
     def prepare(
         self, function: Callable[..., Any], arguments: tuple[Any, ...], contents: Mapping[str, Path | bytes]
     ) -> None:
-        """Run the coroutine `function` in every worker, and again once those that return Lacks have their files.
+        """Call `function` in every worker, and again once those that return Lacks have their files.
 
-        Raises the EtalonError of one that fails. A worker that dies is left out.
+        Another worker answers for one that dies. Raises EtalonError as `call` does.
         """
         for _ in range(2):
-            found = self._client.run(function, *arguments, on_error="return").values()
-            for lacks in (one for one in found if isinstance(one, Lacks)):
+            futures = [
+                self._client.submit(function, *arguments, pure=False, workers=[worker], allow_other_workers=True)
+                for worker in self._client.nthreads()
+            ]
+            for lacks in (one for one in [self._result(future, bool) for future in futures] if isinstance(one, Lacks)):
                 for digest in lacks.digests:
                     self._send(lacks.worker, digest, contents[digest])
-        for one in found:
-            if isinstance(one, EtalonError):
-                raise one
 
     def run_everywhere(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Run `function` once in every worker that is still there."""
