@@ -150,5 +150,6 @@ class PassTest:
             room = np.where(few, np.inf, room)
             mean = reference[name].moments.mean
             # Rare light of a pass that is darker than the floor counts by the floor, too.
-            found.append(room * np.abs(mean).mean(axis=1) / difference_scale(mean, self._test.floor).mean(axis=1))
+            with np.errstate(invalid="ignore"):  # no bound on no light is no bound
+                found.append(room * np.abs(mean).mean(axis=1) / difference_scale(mean, self._test.floor).mean(axis=1))
         return np.nan_to_num(np.concatenate(found), nan=np.inf, posinf=np.inf)

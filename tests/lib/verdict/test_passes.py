@@ -76,6 +76,15 @@ def test_nothing_is_claimed_from_so_few_replicates_that_they_may_be_equal_by_cha
     assert claimed == [False] * 3 + [True] * 4
 
 
+def test_nothing_is_claimed_of_a_black_pass_from_few_replicates():
+    test = PassTest(NAMES[:1], REGIONS.families, TOLERANCE, 0.99, 3)
+    sides = [{name: RegionMoments(REGIONS) for name in NAMES[:1]} for _ in range(2)]
+    for side in (*sides, *sides):
+        side[NAMES[0]].add(np.zeros((2, 2, 3)))
+    test.look(*sides, (10**6, 10**6), np.full(3, 1e-3), False)
+    assert (test.conclude(*sides).outcomes == Outcome.UNDECIDED).all()
+
+
 @pytest.mark.slow
 def test_a_clear_difference_is_claimed(rng):
     assert false_claims(rng, 5.0 * TOLERANCE, Outcome.DIFFERENT) == RUNS
