@@ -63,9 +63,11 @@ class LightChoice:
     def part(self, start: int, stop: int) -> LightChoice:
         """The samples from `start` to `stop`, sharing arrays."""
         piece = LightSample(*(a[..., start:stop] for a in self.sample))
-        facts = self.number, self.probability, self.alone
+        number, probability, alone = (
+            a if np.ndim(a) == 0 else a[start:stop] for a in (self.number, self.probability, self.alone)
+        )
         cell = None if self.cell is None else self.cell[start:stop]
-        return LightChoice(piece, *(a if np.ndim(a) == 0 else a[start:stop] for a in facts), cell)
+        return LightChoice(piece, number, probability, alone, cell)
 
     def within_bounces(self, kernel: Kernel, scatterings: np.ndarray | int) -> LightChoice:
         """The samples, without light where a light's limit of bounces is below `scatterings`.
