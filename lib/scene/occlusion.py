@@ -96,15 +96,23 @@ class _Forms:
         self._done: dict[int, tuple[ex.Expression, _Form]] = {}
 
     def __call__(self, node: ex.Expression) -> _Form:
-        if id(node) not in self._done:
-            self._done[id(node)] = (node, self._form(node))
+        waiting = [node]  # chains of nodes are longer than Python's stack
+        while waiting:
+            last = waiting[-1]
+            open_ = [part for part in _parts(last).values() if id(part) not in self._done]
+            if open_ and id(last) not in self._done:
+                waiting += open_
+                continue
+            waiting.pop()
+            if id(last) not in self._done:
+                self._done[id(last)] = (last, self._form(last))
         return self._done[id(node)][1]
 
     def _form(self, node: ex.Expression) -> _Form:
         if isinstance(node, ex.Constant):
             channels = node.value if isinstance(node.value, tuple) else (node.value,)
             return _Form(0.0, min(channels), max(channels), True)
-        parts = {f.name: self(part) for f in fields(node) if isinstance(part := getattr(node, f.name), ex.Expression)}
+        parts = {name: self._done[id(part)][1] for name, part in _parts(node).items()}
         varies = any(part.degree for part in parts.values())
         if isinstance(node, ex.AmbientOcclusion):
             return _CROOKED if varies else _SHARE
@@ -113,6 +121,11 @@ class _Forms:
         known = next((find for kind, find in _KNOWN.items() if isinstance(node, kind)), None)
         form = None if known is None else known(node, parts)
         return form if form is not None else _CROOKED if varies else _UNKNOWN
+
+
+def _parts(node: ex.Expression) -> dict[str, ex.Expression]:
+    """The expressions that an expression is made of, by their fields."""
+    return {f.name: part for f in fields(node) if isinstance(part := getattr(node, f.name), ex.Expression)}
 
 
 def _add(a: _Form, b: _Form) -> _Form:

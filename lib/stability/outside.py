@@ -113,6 +113,7 @@ OUTSIDE: dict[str, str] = {
             "sampling.sobol.RandomTile",
             "sampling.streams.Stream",
             "sampling.streams.step_dimension",
+            "sampling.streams.occlusion_dimension",
             "sampling.streams.volume_step_dimension",
         ),
         _INTEGERS,

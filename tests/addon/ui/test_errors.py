@@ -30,6 +30,7 @@ NOT_SHOWN = {
     "without a time limit nothing ends the comparison; give samples and replicates, or a time",
     "{}: there are {} replicates, and number {} is asked for; give fewer replicates of more samples",
     "{} is a folder; name a file",
+    "worker {} has Blender {}; install Blender {} there, as here",
     # The first words of `unknown`, which is recognised as a whole.
     *("option", "strategy", "--{}"),
     # Commands that the panel ends at once when they are cancelled.

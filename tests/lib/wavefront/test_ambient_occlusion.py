@@ -202,3 +202,11 @@ def test_a_mean_that_depends_on_the_number_of_rays_is_refused(closure, weight, w
 def test_light_tracing_refuses_it():
     with pytest.raises(EtalonError, match="ambient occlusion by light tracing"):
         LightTracingRenderer(scene(floor(), occluded(), ABOVE, [AWAY]), Options(threads=1))
+
+
+def test_a_chain_of_nodes_may_be_long():
+    share = AmbientOcclusion(distance=FAR)
+    for _ in range(5000):
+        share = Math("MULTIPLY", share, Constant(1.0), ZERO)
+    assert find_misuse(WeightedClosure(Diffuse(color(1.0, 1.0, 1.0)), share)) is None
+    assert find_misuse(WeightedClosure(Diffuse(color(1.0, 1.0, 1.0)), Math("MULTIPLY", share, share, ZERO)))
