@@ -95,6 +95,7 @@ def radiance_above(x, lamps):
     return np.array(ALBEDO) * total
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("direct", ["mis", "lights"])
 @pytest.mark.parametrize("x", [0.0, 10.4, 33.0])
 def test_floor_under_a_row_of_lamps_is_the_sum_of_their_closed_forms(x, direct):

@@ -79,6 +79,7 @@ def test_nothing_within_the_distance_leaves_the_colour(reach, seed):
     np.testing.assert_array_equal(below_ceiling(occluded(distance=Constant(reach)), seed), white)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize(
     ("from_inside", "more", "share"),
     [
@@ -110,6 +111,7 @@ def unshadowing(made):
     return replace(made, mesh=replace(made.mesh, objects=(things[0], replace(things[1], rays=EVERY & ~SHADOW))))
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize(
     ("change", "more", "counts"),
     [
@@ -138,6 +140,7 @@ RED, BLUE = color(0.9, 0.1, 0.2), color(0.05, 0.3, 0.8)
 HALF = Constant(0.5)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize(
     ("closures", "mean"),
     [
