@@ -67,6 +67,13 @@ def _caustic(pane: bool) -> None:
     building.camera((0.9, -0.2, 2.2), (0.0, 0.25, 0.0), lens=80.0)
 
 
+def _pane(width: float) -> None:
+    """A pane of index 1 at a height of 0.6 m, through which light goes straight on."""
+    clear = glass("Glass")
+    clear.node_tree.nodes["Glass BSDF"].inputs["IOR"].default_value = 1.0
+    building.box("Pane", clear, (0.0, 0.0, 0.6), (width, width, 0.1))
+
+
 def _under_glass(pane: bool) -> None:
     """A floor under a pane, which both camera and lamp look through.
 
@@ -76,9 +83,7 @@ def _under_glass(pane: bool) -> None:
     floor = building.diffuse("Floor", (0.6, 0.6, 0.6))
     building.rectangle("Floor", floor, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
     if pane:
-        clear = glass("Glass")
-        clear.node_tree.nodes["Glass BSDF"].inputs["IOR"].default_value = 1.0
-        building.box("Pane", clear, (0.0, 0.0, 0.6), (4.0, 4.0, 0.1))
+        _pane(4.0)
     building.sphere_light("Lamp", (0.3, 0.3, 1.2), 0.01, (10_000.0,) * 3)
     building.camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), lens=50.0)
 
@@ -90,9 +95,7 @@ def _high_lamp(pane: bool) -> None:
     building.rectangle("Floor", white, (0.0, 0.0, 0.0), (200.0, 0.0, 0.0), (0.0, 200.0, 0.0))
     building.box("Cube", white, (0.05, 0.0, 0.1), (0.2, 0.2, 0.2))
     if pane:
-        clear = glass("Glass")
-        clear.node_tree.nodes["Glass BSDF"].inputs["IOR"].default_value = 1.0
-        building.box("Pane", clear, (0.0, 0.0, 0.6), (200.0, 200.0, 0.1))
+        _pane(200.0)
     building.sphere_light("Lamp", (20.0, 10.0, 60.0), 2.0, (1_000.0,) * 3)
     building.camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), lens=70.0)
 
