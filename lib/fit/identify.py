@@ -178,7 +178,7 @@ def _cannot_tell(one: Solution, best: Solution, seen: Observations) -> bool:
     from scipy.stats import chi2
 
     more = abs(one.candidate.parameters(seen.colors) - best.candidate.parameters(seen.colors))
-    return one.chi2 - best.chi2 <= float(chi2.ppf(CONFIDENCE, max(more, 1))) * seen.inflation
+    return one.chi2 - best.chi2 <= float(chi2.ppf(CONFIDENCE, max(more, 1))) * seen.rise
 
 
 def _best(solutions: list[Solution], seen: Observations) -> Solution:

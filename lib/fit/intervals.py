@@ -18,13 +18,12 @@ _DOUBLINGS = 12
 def profile_interval(solution: Solution, seen: Observations, index: int) -> tuple[float, float]:
     """The 95 % interval of entry `index` of the searched vector.
 
-    chi^2 rises by 3.84 at its ends, or a bound is met. Residuals whose errors are estimated are larger by
-    `inflation`, and so is the rise.
+    chi^2 rises by 3.84 at its ends, by more where errors are estimated (`Observations.rise`), or a bound is met.
     """
     from scipy.optimize import root_scalar
     from scipy.stats import chi2
 
-    level = solution.chi2 + float(chi2.ppf(CONFIDENCE, 1)) * seen.inflation
+    level = solution.chi2 + float(chi2.ppf(CONFIDENCE, 1)) * seen.rise
     low, high = (float(bound[index]) for bound in solution.candidate.bounds(seen.colors))
     best, step = float(solution.vector[index]), _step(solution, seen, index)
 

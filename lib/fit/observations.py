@@ -92,6 +92,16 @@ class Observations:
         """
         return 1.0 if np.isinf(self.degrees) else self.degrees / (self.degrees - 2.0)
 
+    @property
+    def rise(self) -> float:
+        """By what factor chi^2 rises more from its least to the truth than where errors are known.
+
+        Of v degrees of freedom, the mean of a weight w = 1 / (estimated variance) is v / (v - 2) of the right one, and that of
+        its square v^2 / ((v - 2) (v - 4)). The rise for each parameter has the mean E[w^2] / E[w] = v / (v - 4) over
+        many values: values whose errors are underestimated have too much weight.
+        """
+        return 1.0 if np.isinf(self.degrees) else self.degrees / (self.degrees - 4.0)
+
 
 def plain_observations(
     wi: np.ndarray, wo: np.ndarray, values: np.ndarray, noise: float, anisotropic: bool, source: str
