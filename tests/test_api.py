@@ -82,7 +82,7 @@ def test_lib_and_render_work_without_blender(tmp_path):
 
     A saved scene is rendered, and what needs Blender says what to install.
     """
-    bpy.ops.wm.read_factory_settings()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 8
     from etalon.addon import job
 

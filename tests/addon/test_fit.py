@@ -23,7 +23,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*use_nodes.*:DeprecationWarning
 
 def sphere(roughness, distribution="GGX", size=32, segments=128):
     """A smooth sphere with a Glossy BSDF under a sun, seen by an orthographic camera."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=segments // 2, radius=1.0)
     ball = bpy.context.object

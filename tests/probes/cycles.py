@@ -41,7 +41,7 @@ def node_tree(probe):
 
 def prepare(width, height):
     """An empty scene for Cycles, with light after one scattering only."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     made = bpy.context.scene
     made.render.engine = "CYCLES"
     made.render.resolution_x, made.render.resolution_y, made.render.resolution_percentage = width, height, 100

@@ -13,7 +13,7 @@ NODE = r'materials["A = \"b\".c[1]"].node_tree.nodes["Glossy BSDF"]'
 @pytest.fixture
 def node():
     """A Glossy node in a material whose name holds all that a path is made of."""
-    bpy.ops.wm.read_factory_settings()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
     material = bpy.data.materials["Material"]
     material.name = NAME
     return material.node_tree.nodes.new("ShaderNodeBsdfAnisotropic")

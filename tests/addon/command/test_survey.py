@@ -86,7 +86,7 @@ def test_a_folder_without_files_is_told(tmp_path):
 
 
 def test_files_are_read_one_by_one_and_a_damaged_one_is_a_row(capfd, tmp_path):
-    bpy.ops.wm.read_factory_settings()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
     (tmp_path / "below").mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "good.blend"))
     bpy.context.scene.render.use_simplify = True

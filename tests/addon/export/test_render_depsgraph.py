@@ -13,7 +13,7 @@ def scene():
 
     Its cube is subdivided once in viewports, three times in renders, and hidden in viewports.
     """
-    bpy.ops.wm.read_factory_settings()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
     cube = bpy.data.objects["Cube"]
     modifier = cube.modifiers.new("Subdivision", "SUBSURF")
     modifier.levels, modifier.render_levels = 1, 3

@@ -39,9 +39,12 @@ class Module:
         self.tree = ast.parse(path.read_text(encoding="utf-8"))
         self.assigned: dict[str, list[ast.expr]] = {}
         self.functions: dict[str, ast.FunctionDef] = {}
+        self.called: list[ast.Call] = []
         for node in ast.walk(self.tree):
             if isinstance(node, ast.FunctionDef):
                 self.functions[node.name] = node
+            elif isinstance(node, ast.Call):
+                self.called.append(node)
             elif isinstance(node, ast.Assign):
                 self._assign(node.targets[0], node.value)
 
@@ -84,9 +87,9 @@ class Module:
 
     def calls(self, *names: str) -> Iterator[ast.Call]:
         """The calls of functions or methods of these names."""
-        for node in ast.walk(self.tree):
-            is_call = isinstance(node, ast.Call) and not any(isinstance(one, ast.Starred) for one in node.args)
-            if is_call and getattr(node.func, "id", getattr(node.func, "attr", "")) in names:
+        for node in self.called:
+            is_named = getattr(node.func, "id", getattr(node.func, "attr", "")) in names
+            if is_named and not any(isinstance(one, ast.Starred) for one in node.args):
                 yield node
 
     def _pieces(self, node: ast.expr, seen: frozenset[str]) -> set[str]:

@@ -6,6 +6,7 @@ It has French with the same values.
 
 import re
 import string
+from functools import cache
 
 import bpy  # noqa: F401  (makes blf importable)
 import pytest
@@ -18,7 +19,6 @@ from etalon.lib.errors import Refusal, unknown
 from etalon.tests.addon.ui.messages import find_messages
 
 TABLES = {"errors": (ERRORS, errors._ERRORS), "whats": (WHATS, errors._WHATS), "remedies": (REMEDIES, errors._REMEDIES)}
-FOUND = dict(zip(TABLES, find_messages(), strict=True))
 # What the scan finds and the panel never shows.
 NOT_SHOWN = {
     # Options that the panel does not have.
@@ -74,6 +74,15 @@ MADE = {
 _VALUE = re.compile(r"(?:\{\}|[^a-z]|[A-Z][\w-]*)+")
 
 
+@cache
+def found():
+    """What the sources say, by table.
+
+    The tests ask for it, not the import: every worker imports this file, and one runs it.
+    """
+    return dict(zip(TABLES, find_messages(), strict=True))
+
+
 def without_names(template):
     return re.sub(r"\{\w*\}", "{}", template)
 
@@ -91,16 +100,16 @@ def is_recognised(template, patterns):
 @pytest.mark.parametrize("name", TABLES)
 def test_every_message_of_the_sources_is_recognised(name):
     _, patterns = TABLES[name]
-    advice = FOUND["remedies"] if name == "whats" else set()  # a function that returns both
-    new = [one for one in FOUND[name] - advice - NOT_SHOWN if has_words(one) and not is_recognised(one, patterns)]
+    advice = found()["remedies"] if name == "whats" else set()  # a function that returns both
+    new = [one for one in found()[name] - advice - NOT_SHOWN if has_words(one) and not is_recognised(one, patterns)]
     assert sorted(new) == []
 
 
 @pytest.mark.parametrize("name", TABLES)
 def test_every_template_is_in_the_sources_and_keeps_its_values_in_french(name):
     texts, _ = TABLES[name]
-    unused = {without_names(one) for one in texts} - FOUND[name] - MADE
-    assert {one for one in unused if not any(has_part(one, text) for text in FOUND[name])} == set()
+    unused = {without_names(one) for one in texts} - found()[name] - MADE
+    assert {one for one in unused if not any(has_part(one, text) for text in found()[name])} == set()
     for text, french in texts.items():
         assert values_of(text) == values_of(french)
 

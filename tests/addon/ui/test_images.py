@@ -10,7 +10,7 @@ from etalon.lib.film.exr import read_exr
 from etalon.lib.film.light_passes import LightPass
 from etalon.lib.report.ranking import rank_regions
 from etalon.lib.report.views import View
-from etalon.tests.lib.report.comparisons import CASES, made
+from etalon.tests.lib.report.comparisons import comparison_of
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def result(tmp_path):
     registration.register()
     scene = bpy.context.scene
     session.results[scene.session_uid] = Result(
-        made(**CASES["passes"]), tmp_path / "out", Setup.of(scene), (0.0, 0.0, 1.0, 1.0), False
+        comparison_of("passes"), tmp_path / "out", Setup.of(scene), (0.0, 0.0, 1.0, 1.0), False
     )
     yield session.results[scene.session_uid]
     session.results.pop(scene.session_uid)
@@ -74,6 +74,6 @@ def test_a_new_result_without_the_light_that_was_chosen_shows_its_own_regions(re
     scene = bpy.context.scene
     bpy.ops.etalon.show_light(part=LightPass.GLOSSY_INDIRECT)
     images._writers[scene.session_uid]._thread.join()
-    new = Result(made(), result.folder, Setup.of(scene), result.border, False)
+    new = Result(comparison_of("equivalent"), result.folder, Setup.of(scene), result.border, False)
     session.results[scene.session_uid] = new
     assert images.regions_shown(scene.session_uid) == new.regions

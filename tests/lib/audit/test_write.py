@@ -5,6 +5,7 @@ Its figures follow their schema, and its page is safe from the names that a file
 """
 
 import base64
+import functools
 import json
 import re
 from html.parser import HTMLParser
@@ -48,6 +49,7 @@ def image(value=1.0, part=1.0):
     return out
 
 
+@functools.cache  # each takes the time that it is given; tests read it, and none changes it
 def made(name="Test", level=1.0, broken=False, candidates=True, noise=0.01):
     biased = image(level, 0.9)
     if broken:

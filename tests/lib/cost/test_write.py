@@ -52,27 +52,34 @@ def measurement(measured):
     return deepcopy(measured)
 
 
-def test_the_folder(measurement, tmp_path):
+@pytest.fixture(scope="module")
+def written(measured, tmp_path_factory):
+    """The folder of a measurement, and its figures."""
+    folder = tmp_path_factory.mktemp("cost")
+    forms = (Form("Fresnel", "Schlick", "exact", 0.1, 0.2, 1.0, 30.0),)
+    return folder, write_cost(measured, Extras(forms, command="etalon cost <x>"), folder)
+
+
+def test_the_folder(written):
     """The folder has JSON without NaN, CSV with its points, and pictures.
 
     The scene's name is text on the page.
     """
-    forms = (Form("Fresnel", "Schlick", "exact", 0.1, 0.2, 1.0, 30.0),)
-    figures = write_cost(measurement, Extras(forms, command="etalon cost <x>"), tmp_path)
-    assert {p.name for p in tmp_path.iterdir()} == {"cost.html", "cost.json", "cost.csv", "cost.png", "cost.svg"}
-    text = (tmp_path / "cost.json").read_text(encoding="utf-8")
+    folder, figures = written
+    assert {p.name for p in folder.iterdir()} == {"cost.html", "cost.json", "cost.csv", "cost.png", "cost.svg"}
+    text = (folder / "cost.json").read_text(encoding="utf-8")
     assert json.loads(text, parse_constant=pytest.fail) == json.loads(json.dumps(figures))
-    with (tmp_path / "cost.csv").open(encoding="utf-8") as file:
+    with (folder / "cost.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == sum(len(w["points"]) for w in figures["ways"]) == 12
     first = figures["ways"][0]["points"][0]
     assert float(rows[0]["error"]) == first["error"]["value"] == pytest.approx(np.sqrt(RELATIVE), rel=0.1)
-    page = (tmp_path / "cost.html").read_text(encoding="utf-8")
+    page = (folder / "cost.html").read_text(encoding="utf-8")
     assert "<script" not in page
     assert "&lt;script&gt;" in page
     assert "etalon cost &lt;x&gt;" in page
     assert page.count("<svg") == 1
-    assert (tmp_path / "cost.png").read_bytes().startswith(b"\x89PNG")
+    assert (folder / "cost.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_stages_are_drawn_where_there_are_clocks(measurement, tmp_path):
@@ -96,9 +103,8 @@ def test_gaps_are_told(measurement, tmp_path):
     assert "no time left" in (tmp_path / "cost.html").read_text(encoding="utf-8")
 
 
-def test_the_table_has_the_cheapest_first(measurement, tmp_path):
-    figures = write_cost(measurement, Extras(targets=(0.1,)), tmp_path)
-    lines = table(figures).splitlines()
+def test_the_table_has_the_cheapest_first(measurement):
+    lines = table(document(measurement, Extras(targets=(0.1,)))).splitlines()
     assert lines[0].split() == ["to", "10", "%"]
     assert lines[1].startswith("mis")
     assert lines[2].startswith("cycles ")
@@ -107,14 +113,14 @@ def test_the_table_has_the_cheapest_first(measurement, tmp_path):
     assert len(lines) == 5
 
 
-def test_the_page_opens_with_the_cheapest_unbiased_way(measurement, tmp_path):
-    figures = write_cost(measurement, Extras(), tmp_path)
+def test_the_page_opens_with_the_cheapest_unbiased_way(written):
+    folder, figures = written
     (k,) = [k for k, target in enumerate(figures["targets"]) if target == 0.01]
     unbiased = [way for way in figures["ways"] if way["points"] and way["bias_kind"] == "none"]
     best = min(unbiased, key=lambda way: way["to_error"][k]["seconds"]["median"] or np.inf)
     said = summarize(figures)
     assert said.startswith(f"The cheapest unbiased way to 1 % is {best['label']}: ")
-    assert f"<h1>{escape(said)}</h1>" in (tmp_path / "cost.html").read_text(encoding="utf-8")
+    assert f"<h1>{escape(said)}</h1>" in (folder / "cost.html").read_text(encoding="utf-8")
 
 
 def test_an_error_that_no_unbiased_way_reaches_is_said(measurement):

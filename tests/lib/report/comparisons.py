@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Comparisons of images that are known, and the pages written of them."""
 
+import functools
 from html.parser import HTMLParser
 
 import numpy as np
@@ -111,6 +112,13 @@ def made(
         among,
         passes=tuple(passes),
     )
+
+
+@functools.cache
+def comparison_of(case):
+    """One of CASES, made once: tests read it, and none changes it."""
+    with np.errstate(invalid="ignore"):
+        return made(**CASES[case])
 
 
 class Page(HTMLParser):

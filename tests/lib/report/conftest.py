@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One comparison of each kind."""
 
-import numpy as np
 import pytest
-from etalon.tests.lib.report.comparisons import CASES, made
+from etalon.tests.lib.report.comparisons import CASES, comparison_of
 
 QUICK = ("different", "undecided", "passes", "partial", "non-finite", "one pixel")
 
 
 @pytest.fixture(params=[pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in CASES])
 def comparison(request):
-    with np.errstate(invalid="ignore"):
-        return made(**CASES[request.param])
+    return comparison_of(request.param)

@@ -12,7 +12,7 @@ from etalon.lib.film.light_passes import LightPass
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import grey
 from etalon.tests.lib.report.browser import PROGRAM, Browser
-from etalon.tests.lib.report.comparisons import CASES, HOSTILE, made, written_page
+from etalon.tests.lib.report.comparisons import HOSTILE, comparison_of, made, written_page
 
 pytestmark = pytest.mark.skipif(PROGRAM is None, reason="no Chromium or Chrome is on the path")
 
@@ -109,7 +109,7 @@ def test_the_filters_say_how_many_regions_pass_them(opened, comparison):
 
 
 def test_an_undecided_report_opens_with_what_is_undecided(browser, tmp_path):
-    found = made(**CASES["undecided"])
+    found = comparison_of("undecided")
     written_page(found, tmp_path, "")
     browser.problems.clear()
     browser.open(tmp_path / "report.html")

@@ -17,7 +17,7 @@ from etalon.lib.relative import relative_difference, worst_channel
 from etalon.lib.report.document import document
 from etalon.lib.report.page import order_regions, shorten_region
 from etalon.lib.srgb import srgb_encode
-from etalon.tests.lib.report.comparisons import CASES, PLAN, made
+from etalon.tests.lib.report.comparisons import PLAN, comparison_of
 
 SCRIPT = (Path(report.__file__).parent / "calculations.js").read_text(encoding="utf-8")
 
@@ -96,7 +96,7 @@ def test_a_region_is_shown_in_the_channel_furthest_off():
 @pytest.mark.parametrize("case", ["different", "nothing finite"])
 def test_the_rows_of_a_report_have_the_names_that_the_script_reads(case):
     with np.errstate(invalid="ignore"):
-        figures = document(made(**CASES[case]), PLAN, "")
+        figures = document(comparison_of(case), PLAN, "")
     rows = [shorten_region(one) for one in figures["regions"]]
     keys = ("kind", "name", "outcome", "box", "pixels", "excluded_pixels", "decided_at")
     for row, shown, of in zip(rows, evaluate("rows.map(pickChannel)", rows=rows), figures["regions"], strict=True):

@@ -12,7 +12,7 @@ from etalon.lib.scene.findings import Finding
 from etalon.lib.verdict.causes import State
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.renderers import grey
-from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, HOSTILE, PLAN, Page, made, written_page
+from etalon.tests.lib.report.comparisons import BRIGHTER, HOSTILE, PLAN, Page, comparison_of, made, written_page
 
 SAID = {
     "explained": (
@@ -49,7 +49,7 @@ SAID = {
 @pytest.mark.parametrize("case", SAID)
 def test_what_is_known_of_causes_is_said_in_words_and_figures(case, tmp_path):
     state, words = SAID[case]
-    found = made(**CASES[case])
+    found = comparison_of(case)
     assert found.explanation.state is state
     said = [sentence for sentence in sentences(found) if re.fullmatch(words, sentence)]
     assert len(said) == 1, sentences(found)
@@ -61,14 +61,14 @@ def test_what_is_known_of_causes_is_said_in_words_and_figures(case, tmp_path):
 
 
 def test_a_difference_whose_causes_were_not_sought_is_said_to_be_unexplained():
-    found = made(**CASES["different"])
+    found = comparison_of("different")
     count = found.verdict.count(Outcome.DIFFERENT)
     assert f"Unexplained: {count} regions differ. Departures were not searched." in sentences(found)
     assert document(found, PLAN, "")["attribution"]["state"] == "not searched"
 
 
 def test_where_nothing_differs_no_cause_is_spoken_of():
-    found = made(**CASES["equivalent"])
+    found = comparison_of("equivalent")
     figures = document(found, PLAN, "")
     assert (figures["attribution"], figures["unexplained"]) == (None, 0)
 
@@ -129,7 +129,7 @@ def test_a_departure_that_fits_the_whole_but_not_its_parts_is_said_not_to_be_the
     [("equivalent", {None}), ("explained", {"departures", None}), ("no reason", {"unexplained", None})],
 )
 def test_every_difference_has_a_reason_in_the_figures(case, reasons):
-    figures = document(made(**CASES[case]), PLAN, "")
+    figures = document(comparison_of(case), PLAN, "")
     assert {region["reason"] for region in figures["regions"]} == reasons
     for region in figures["regions"]:
         assert (region["reason"] is None) == (region["outcome"] in ("EQUIVALENT", "UNDECIDED"))
@@ -153,7 +153,7 @@ def test_what_rounding_decides_is_put_down_to_the_scene():
 
 def test_findings_of_the_scene_check_stand_in_the_figures_and_on_the_page(tmp_path):
     finding = Finding("overlapping faces", f"'{HOSTILE}' and 'Floor' (4 m²).", "They hide light.", "Move one.")
-    found = replace(made(**CASES["equivalent"]), findings=(finding,))
+    found = replace(comparison_of("equivalent"), findings=(finding,))
     assert document(found, PLAN, "")["scene_check"] == [vars(finding)]
     shown = Page(written_page(found, tmp_path, "")).shown
     for text in vars(finding).values():

@@ -10,7 +10,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.report import write_report
 from etalon.lib.report.document import CHANGES, VERSION, document
 from etalon.lib.report.read import read_verdict
-from etalon.tests.lib.report.comparisons import PLAN, made
+from etalon.tests.lib.report.comparisons import PLAN, comparison_of
 from jsonschema import Draft202012Validator
 
 SCHEMA = json.loads((Path(package.__file__).parent / "verdict.schema.json").read_text(encoding="utf-8"))
@@ -28,7 +28,7 @@ def test_figures_are_what_the_schema_says(comparison):
 
 
 def test_the_schema_notices_what_is_amiss():
-    figures = json.loads(json.dumps(document(made(), PLAN, "")))
+    figures = json.loads(json.dumps(document(comparison_of("equivalent"), PLAN, "")))
     valid = Draft202012Validator(SCHEMA).is_valid
     assert valid(figures)
     for broken in ({"version": 2}, {"verdict": "FINE"}, {"tolerance": 0}, {"surplus": 1}, {"regions": [{}]}):
@@ -38,7 +38,7 @@ def test_the_schema_notices_what_is_amiss():
 
 def test_a_verdict_is_read_back_and_an_older_one_told_apart(tmp_path):
     path = tmp_path / "verdict.json"
-    write_report(made(), PLAN, tmp_path)
+    write_report(comparison_of("equivalent"), PLAN, tmp_path)
     figures = read_verdict(path)
     assert figures["verdict"] == "EQUIVALENT"
     assert [entry["version"] for entry in figures["changes"]] == list(CHANGES) == list(range(2, VERSION + 1))

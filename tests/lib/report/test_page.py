@@ -15,7 +15,7 @@ from etalon.lib.report import write_report
 from etalon.lib.report.page import label_maps, order_regions, significances
 from etalon.lib.report.pixels import MANTISSA, SIGNIFICANCE_ONE
 from etalon.tests.lib.renderers import grey
-from etalon.tests.lib.report.comparisons import CASES, FILES, HOSTILE, PLAN, Page, made, written_page
+from etalon.tests.lib.report.comparisons import FILES, HOSTILE, PLAN, Page, comparison_of, made, written_page
 
 
 def unpacked(page, name):
@@ -62,7 +62,7 @@ def test_the_page_holds_the_floats(tmp_path):
 
 
 def test_the_plan_is_in_both(tmp_path):
-    page = Page(written_page(made(), tmp_path, ""))
+    page = Page(written_page(comparison_of("equivalent"), tmp_path, ""))
     plan = json.loads((tmp_path / "verdict.json").read_text(encoding="utf-8"))["plan"]
     assert plan[0] == {"effect": "GGX", "needed": True, "fact": f"material {HOSTILE}"}
     assert [decision["needed"] for decision in plan] == [True, False]
@@ -72,7 +72,7 @@ def test_the_plan_is_in_both(tmp_path):
 
 
 def test_the_page_holds_flip_and_says_what_it_is_for(tmp_path):
-    found = made(**CASES["non-finite"])
+    found = comparison_of("non-finite")
     page = Page(written_page(found, tmp_path, ""))
     held = unpacked(page, "flip").reshape(20, 24)
     assert np.argwhere(held == 255).tolist() == [[2, 5]]
@@ -84,7 +84,7 @@ def test_significances_of_equal_images_are_standard_normal():
 
     1440 values have it with a standard error of 4 %.
     """
-    found = significances(made())
+    found = significances(comparison_of("equivalent"))
     assert found.shape == (20, 24, 3)
     assert abs(found.mean()) < 0.15
     assert 0.85 < found.std() < 1.2
@@ -104,14 +104,14 @@ def test_the_last_digit_of_single_precision_is_no_significant_difference(factor,
 
 
 def test_there_is_no_significance_without_a_second_replicate(tmp_path):
-    found = made(**CASES["one replicate"])
+    found = comparison_of("one replicate")
     assert np.isnan(significances(found)).all()
     page = Page(written_page(found, tmp_path, ""))
     assert (unpacked(page, "significance").view(np.int8) == -128).all()
 
 
 def test_significances_travel_in_eighths(tmp_path):
-    found = made(**CASES["different"])
+    found = comparison_of("different")
     page = Page(written_page(found, tmp_path, ""))
     held = unpacked(page, "significance").view(np.int8).reshape(20, 24, 3) / SIGNIFICANCE_ONE
     np.testing.assert_allclose(held, np.clip(significances(found), -127 / 8, 127 / 8), atol=1 / 16)
@@ -122,7 +122,7 @@ def test_a_pixel_belongs_to_the_material_that_covers_most_of_it():
     left[:, :3], left[:, 3] = 1.0, 0.4
     coverage = {"material": [("Left", left), ("Right", 1.0 - left)], "object": [("Ball", left)]}
     regions = image_regions(4, 6, coverage)
-    kinds, labels = label_maps(replace(made(), regions=regions), 1)
+    kinds, labels = label_maps(replace(comparison_of("equivalent"), regions=regions), 1)
     assert kinds == ["material", "object"]
     numbers = {name: regions.names.index(name) + 1 for name in ("Left", "Right", "Ball")}
     assert labels[0, 0].tolist() == [numbers["Left"]] * 3 + [numbers["Right"]] * 3
@@ -155,7 +155,7 @@ def test_rows_are_readable_without_a_script(tmp_path):
 
 
 def test_a_view_transform_that_cannot_be_applied_is_named_and_srgb_takes_its_place(tmp_path):
-    write_report(made(), PLAN, tmp_path, "", ViewTransform(tmp_path / "nowhere.ocio", "AgX"))
+    write_report(comparison_of("equivalent"), PLAN, tmp_path, "", ViewTransform(tmp_path / "nowhere.ocio", "AgX"))
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "view transform &#39;AgX&#39; cannot be applied" in text
     assert json.loads(Page(text).scripts["view"])["transform"] is None

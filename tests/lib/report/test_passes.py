@@ -11,7 +11,7 @@ from etalon.lib.report.document import document
 from etalon.lib.report.headline import details
 from etalon.lib.report.passes import pass_figures, pass_sentences
 from etalon.lib.report.words import sentences
-from etalon.tests.lib.report.comparisons import CASES, PLAN, made
+from etalon.tests.lib.report.comparisons import CASES, PLAN, comparison_of, made
 from etalon.tests.lib.report.test_document import SCHEMA
 from jsonschema import Draft202012Validator
 
@@ -19,7 +19,7 @@ OFF = {LightPass.GLOSSY_INDIRECT: (0.1, 0.095), LightPass.DIFFUSE_DIRECT: (0.9, 
 
 
 def test_the_pass_that_differs_is_named_and_the_others_are_bounded():
-    comparison = made(**CASES["passes"])
+    comparison = comparison_of("passes")
     first, second = pass_sentences(comparison)
     assert first.startswith("The glossy indirect pass differs by -")
     assert "All other passes agree to within" in second
@@ -32,12 +32,12 @@ def test_all_that_agree_are_bounded_together():
 
 
 def test_too_few_samples_are_said_to_be_too_few():
-    (only,) = pass_sentences(made(**CASES["noisy passes"]))
+    (only,) = pass_sentences(comparison_of("noisy passes"))
     assert only == "Too few samples to judge: emission."
 
 
 def test_nothing_is_said_where_no_pass_was_compared():
-    comparison = made()
+    comparison = comparison_of("equivalent")
     assert pass_sentences(comparison) == []
     assert pass_figures(comparison) is None
 
@@ -46,7 +46,8 @@ def test_nothing_is_said_where_no_pass_was_compared():
 def test_passes_that_the_default_leaves_out_are_told_with_the_reason(why):
     """In words, in the panel's lines and in the figures, which follow their schema."""
     comparison = replace(
-        made(), pass_choice=PassChoice("auto", cost=0.139627 if why is WhyNot.COST else None, why_not=why)
+        comparison_of("equivalent"),
+        pass_choice=PassChoice("auto", cost=0.139627 if why is WhyNot.COST else None, why_not=why),
     )
     (said,) = pass_sentences(comparison)
     assert said in sentences(comparison)

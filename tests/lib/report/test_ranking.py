@@ -8,12 +8,12 @@ from etalon.lib.report.headline import TEMPLATES, details, headline
 from etalon.lib.report.page import GRIDS, URGENCY, order_regions
 from etalon.lib.report.ranking import rank_regions
 from etalon.lib.verdict.outcome import Outcome
-from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, made
+from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, comparison_of, made
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_regions_stand_in_the_order_of_the_page(case):
-    comparison = made(**CASES[case])
+    comparison = comparison_of(case)
     regions = document(comparison, PLAN, "")["regions"]
     there = [k for k in order_regions(regions) if regions[k]["excluded_pixels"] < regions[k]["pixels"]]
     assert [(r.kind, r.name) for r in rank_regions(comparison)] == [
@@ -22,7 +22,7 @@ def test_regions_stand_in_the_order_of_the_page(case):
 
 
 def test_a_region_has_the_figures_of_the_channel_that_is_furthest_off():
-    comparison = made(**CASES["different"])
+    comparison = comparison_of("different")
     named = next(r for r in rank_regions(comparison) if r.kind == "material")
     assert named.low <= named.difference <= named.high
     assert named.difference == pytest.approx(0.05, rel=0.2)
@@ -32,7 +32,7 @@ def test_a_region_has_the_figures_of_the_channel_that_is_furthest_off():
 
 def test_the_regions_of_a_part_of_the_light_have_the_figures_of_that_part():
     """The image agrees: what glossy light lacks, diffuse light has."""
-    comparison = made(**CASES["passes"])
+    comparison = comparison_of("passes")
     figures = {part["name"]: part["regions"] for part in document(comparison, PLAN, "")["passes"]}
     whole = {(r.kind, r.name) for r in rank_regions(comparison)}
     for part in comparison.passes.passes:
@@ -50,11 +50,11 @@ def test_the_regions_of_a_part_of_the_light_have_the_figures_of_that_part():
 
 def test_a_part_of_the_light_that_was_not_compared_has_no_regions():
     with pytest.raises(ValueError, match="emission was not compared"):
-        rank_regions(made(**CASES["passes"]), LightPass.EMISSION)
+        rank_regions(comparison_of("passes"), LightPass.EMISSION)
 
 
 def said(case):
-    comparison = made(**CASES[case])
+    comparison = comparison_of(case)
     return str(headline(comparison, rank_regions(comparison))), [str(phrase) for phrase in details(comparison)]
 
 
@@ -102,7 +102,7 @@ def test_noise_and_an_early_end_are_said():
 
 @pytest.mark.parametrize("case", CASES)
 def test_every_line_is_a_template_with_its_values(case):
-    comparison = made(**CASES[case])
+    comparison = comparison_of(case)
     for phrase in (headline(comparison, rank_regions(comparison)), *details(comparison)):
         assert phrase.template in TEMPLATES
         assert len(str(phrase)) < 120

@@ -7,11 +7,11 @@ import pytest
 from etalon.lib.report.document import document
 from etalon.lib.report.summary import describe_box, next_step, summarize
 from etalon.lib.scene.findings import OVERLAPPING_FACES, Finding
-from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, made
+from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, comparison_of, made
 
 
 def summary(case):
-    return summarize(replace(made(**CASES[case]), scene="kitchen.blend"))
+    return summarize(replace(comparison_of(case), scene="kitchen.blend"))
 
 
 def test_a_picture_that_agrees_asks_for_nothing():
@@ -32,7 +32,7 @@ def test_a_difference_is_placed_and_signed():
 
 
 def test_another_model_of_glossy_nodes_is_named_beside_the_difference_that_it_makes():
-    comparison = made(**CASES["different"])
+    comparison = comparison_of("different")
     settings = {**comparison.reference.settings, "model": "ward", "fresnel": "schlick"}
     _, second, third = summarize(replace(comparison, reference=replace(comparison.reference, settings=settings)))
     assert second.endswith("Glossy nodes have another model in the reference, by choice: ward, Fresnel schlick.")
@@ -69,7 +69,7 @@ def test_a_summary_has_three_short_sentences_without_options_of_the_command_line
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_file_of_figures_has_the_same_summary(case):
-    found = made(**CASES[case])
+    found = comparison_of(case)
     assert tuple(document(found, PLAN, "")["summary"]) == summarize(found)
 
 

@@ -17,11 +17,11 @@ from etalon.lib.report.views import (
 )
 from etalon.lib.srgb import srgb_encode
 from etalon.lib.verdict.outcome import Outcome
-from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, made
+from etalon.tests.lib.report.comparisons import BRIGHTER, comparison_of, made
 
 
 def test_radiance_is_written_as_three_float_channels(tmp_path):
-    comparison = made(**CASES["different"])
+    comparison = comparison_of("different")
     write_views(comparison, tmp_path / "new")
     channels = read_exr(tmp_path / "new" / View.CYCLES.value)
     assert sorted(channels) == ["B", "G", "R"]
@@ -75,13 +75,13 @@ def test_all_images_are_written_at_each_look(tmp_path):
 
 @pytest.mark.parametrize("case", ["nothing finite", "one replicate", "black", "light on black"])
 def test_images_without_numbers_are_written_too(tmp_path, case):
-    write_views(made(**CASES[case]), tmp_path)
+    write_views(comparison_of(case), tmp_path)
     assert np.isfinite(read_exr(tmp_path / View.SIGNIFICANCE.value)["R"]).all()
 
 
 def test_the_images_of_a_part_of_the_light_show_it_alone(tmp_path):
     """Radiance, difference and significance are the pass's; the verdict stays the image's."""
-    comparison = made(**CASES["passes"])
+    comparison = comparison_of("passes")
     write_views(comparison, tmp_path / "all")
     write_views(comparison, tmp_path / "pass", LightPass.GLOSSY_INDIRECT)
     shown, whole = ({view: read_exr(tmp_path / name / view.value) for view in View} for name in ("pass", "all"))

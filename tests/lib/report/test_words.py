@@ -8,11 +8,11 @@ import numpy as np
 from etalon.lib.pages.formats import format_duration, format_percent
 from etalon.lib.report.document import document
 from etalon.lib.report.words import sentences
-from etalon.tests.lib.report.comparisons import CASES, PLAN, made, written_page
+from etalon.tests.lib.report.comparisons import PLAN, comparison_of, made, written_page
 
 
 def test_the_verdict_in_words():
-    said = {name: sentences(made(**CASES[name])) for name in ("equivalent", "different", "undecided", "one replicate")}
+    said = {name: sentences(comparison_of(name)) for name in ("equivalent", "different", "undecided", "one replicate")}
     assert re.fullmatch(
         r"Cycles agrees with the reference to within 0\.\d+ % everywhere \(99 % confidence\)\.", said["equivalent"][0]
     )
@@ -28,13 +28,13 @@ def test_the_verdict_in_words():
 
 
 def test_a_smaller_image_is_said_to_be_one():
-    found = replace(made(**CASES["equivalent"]), divisor=2)
+    found = replace(comparison_of("equivalent"), divisor=2)
     (said,) = (s for s in sentences(found) if "narrower" in s)
     assert said.startswith("Compared at 24 x 20 pixels, 2 times narrower and lower than the scene asks for")
 
 
 def test_caustics_are_said_where_they_keep_a_region_open():
-    found = made(**CASES["undecided"])
+    found = comparison_of("undecided")
     share = np.full(len(found.regions), 0.001)
     share[3] = 0.052
     # Noise keeps all regions open here; caustics are no reason.

@@ -7,7 +7,7 @@ from etalon.lib.errors import EtalonError
 from etalon.lib.film.exr import read_exr
 from etalon.lib.report import write_report
 from etalon.lib.report.page import averaged
-from etalon.tests.lib.report.comparisons import CASES, FILES, PLAN, made
+from etalon.tests.lib.report.comparisons import FILES, PLAN, comparison_of
 
 
 def test_all_files_are_there_and_nothing_else(comparison, tmp_path):
@@ -17,7 +17,7 @@ def test_all_files_are_there_and_nothing_else(comparison, tmp_path):
 
 
 def test_images_on_disk_are_the_films(tmp_path):
-    found = made(**CASES["non-finite"])
+    found = comparison_of("non-finite")
     write_report(found, PLAN, tmp_path)
     pixels = np.stack([read_exr(tmp_path / "cycles.exr")[c] for c in "RGB"], axis=2)
     np.testing.assert_allclose(pixels, found.candidate.film.moments.mean, rtol=1e-6)
@@ -28,7 +28,7 @@ def test_images_on_disk_are_the_films(tmp_path):
 
 
 def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
-    write_report(made(), PLAN, tmp_path)
+    write_report(comparison_of("equivalent"), PLAN, tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
     def full(*args):
@@ -36,14 +36,14 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
 
     monkeypatch.setattr("etalon.lib.report.write.write_png", full)
     with pytest.raises(EtalonError, match=r"cannot be written \(No space left on device\); make room"):
-        write_report(made(**CASES["different"]), PLAN, tmp_path)
+        write_report(comparison_of("different"), PLAN, tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_a_folder_that_is_a_file_is_named(tmp_path):
     (tmp_path / "out").write_text("a file")
     with pytest.raises(EtalonError, match=r"out is a file, not a folder"):
-        write_report(made(), PLAN, tmp_path / "out")
+        write_report(comparison_of("equivalent"), PLAN, tmp_path / "out")
 
 
 def test_large_images_are_averaged_block_by_block(rng):
@@ -55,6 +55,6 @@ def test_large_images_are_averaged_block_by_block(rng):
 
 
 def test_without_exrs_older_ones_go_too(tmp_path):
-    write_report(made(), PLAN, tmp_path)
-    write_report(made(), PLAN, tmp_path, keep_exrs=False)
+    write_report(comparison_of("equivalent"), PLAN, tmp_path)
+    write_report(comparison_of("equivalent"), PLAN, tmp_path, keep_exrs=False)
     assert {path.name for path in tmp_path.iterdir()} == {name for name in FILES if not name.endswith(".exr")}

@@ -32,13 +32,13 @@ def assert_same(light, read_materials, defined):
 @pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("light", sorted({probe.light for probe in probes_of(RELEASE)} & set(SUNS)))
 def test_probes_are_exported_as_they_are_defined(light, step):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     probes = [probe for probe in probes_of(RELEASE) if probe.light == light][::step]
     assert_same(light, [read(cycles.node_tree(p)) for p in probes], [reference.material(p, RELEASE) for p in probes])
 
 
 def test_a_mix_of_two_nodes_weighs_their_lobes():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     coated = Probe("", "coated", "front", "BsdfPrincipled",
                    {"Base Color": BLUE, "Coat Weight": 0.5, "Coat Tint": RED, "Coat Roughness": 0.3}, "GGX")  # fmt: skip
     material = cycles.node_tree(coated)
