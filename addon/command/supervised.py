@@ -28,8 +28,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     alone = sys.platform == "win32" or "bpy" in sys.modules or LEASH in os.environ
     if alone or not _loads_scene(words):
-        return cli.main(words)
+        code = cli.main(words)
+        if argv is None:
+            _close_output()
+        return code
     return supervise([*etalon_command(), *words])
+
+
+def _close_output() -> None:
+    """Have what Blender prints as the process ends go nowhere: it would follow the JSON of an answer."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
 
 
 def _loads_scene(words: list[str]) -> bool:

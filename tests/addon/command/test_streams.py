@@ -6,6 +6,7 @@ Streams are closed, full and broken, have few characters, and get control charac
 
 import errno
 import io
+import json
 import subprocess
 import sys
 
@@ -120,3 +121,18 @@ def test_control_characters_of_a_name_are_escaped_in_errors(tmp_path):
     assert done.stderr.splitlines() == [
         "etalon: a\\x1b[2J\\nb.toml: cannot be read (No such file or directory); check the path"
     ]
+
+
+LATE = """
+import atexit, ctypes, sys
+from etalon.addon.command import supervised
+atexit.register(lambda: ctypes.CDLL(None).puts(b"Error: Not freed memory blocks: 6"))
+sys.argv = ["etalon", "scenes", "--json"]
+sys.exit(supervised.main())
+"""
+
+
+@posix
+def test_what_blender_prints_as_the_process_ends_does_not_follow_the_answer():
+    done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, check=True)
+    assert "glossy_spheres" in str(json.loads(done.stdout))
