@@ -39,7 +39,7 @@ def alternatives(reference: ReferenceRenderer) -> Alternatives:
 
     def renderer(names: frozenset[str]) -> ReferenceRenderer:
         changed = replace(options, departures=options.departures | names)
-        return ReferenceRenderer(reference.scene, changed, reference.plan)
+        return ReferenceRenderer(reference.scene, changed, reference.plan, reference.kernel)
 
     return Alternatives(found, renderer)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The chances of lights by the place that they are to light: a grid of cells, each with chances of its own."""
+"""The chances of lights, and of their parts, by the place that they are to light: a table with a row for each cell."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..sampling.tables import Rows
-from .light import Aimable, LightSampler
+from .cells import Cells, Parts, Places
+from .light import Aimable, Divided, LightSampler
 
 EVEN_SHARE = 1.0 / 16.0
 """What all lights that shine share evenly, whatever their power and place."""
 NEAR_SHARE = 3.0 / 4.0
 """What of the rest goes by the light that a place can expect, and not by power alone."""
-_MOST_CELLS = 4096
-_MOST_CHANCES = 1 << 20
+LEAST_GAIN = 1.5
+"""Parts are chosen by place where a choice by power alone has at least so many times the second moment."""
 
 
 def chances_by_power(power: np.ndarray) -> np.ndarray:
@@ -39,75 +40,92 @@ def chances_by_place(power: np.ndarray, expected: np.ndarray) -> np.ndarray:
     `power` (k,); `expected` (c, k), not negative, 0 where the power is. As `chances_by_power`, but NEAR_SHARE of what goes by power
     there goes by what is expected. The rest bounds what a sample weighs where walls hide the near lights.
     """
-    total = expected.sum(axis=1, keepdims=True)
-    by_power = power / max(float(power.sum()), 1e-300)
-    near = np.divide(expected, total, out=np.broadcast_to(by_power, expected.shape).copy(), where=total > 0.0)
+    by_power, near = _shares(power, expected)
     return chances_by_power(power) + (1.0 - EVEN_SHARE) * NEAR_SHARE * (near - by_power)
 
 
-class LightGrid:
-    """Chances of lights in the cells of a grid over the part of the scene about the lights.
+def _shares(power: np.ndarray, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each light's share (k,) of the power, and (c, k) of what is expected; of the power, too, where nothing is."""
+    total = expected.sum(axis=1, keepdims=True)
+    by_power = power / max(float(power.sum()), 1e-300)
+    near = np.divide(expected, total, out=np.broadcast_to(by_power, expected.shape).copy(), where=total > 0.0)
+    return by_power, near
 
-    `samplers`: at least one. `bounds` (2, 3): least and greatest coordinates of what is to be lit, metres. `radius`, metres: the scene's,
-    as that of suns and worlds. A place outside the grid has the chances of the nearest cell. There is one cell more, `everywhere`,
-    whose chances go by power alone. `useful`: whether the cells differ.
 
-    What a cell expects of a light with a place is its power over 4 (d^2 + r^2 + R^2), with the distance d of their middles, the cell's
-    radius r and the light's R; of a sun or a world its power over `radius`^2. Both are irradiance, but for a factor of pi.
+class PartChances:
+    """Chances of the parts of one light in the cells of a grid, NEAR_SHARE of them by the light that a cell can expect.
+
+    `power` (g,) of the parts, none 0; `expected` (c, g). The row after the last cell goes by power alone. `gain`: the second moment of
+    what a sample brings by power alone, over that of one by what is expected, where parts hide nothing; the mean over the cells.
     """
 
-    def __init__(self, samplers: Sequence[LightSampler], bounds: np.ndarray, radius: float) -> None:
-        power = np.array([sampler.power for sampler in samplers])
-        power = power / max(float(power.max()), 1e-300)
-        balls = {
-            k: sampler.extent for k, sampler in enumerate(samplers) if power[k] > 0.0 and isinstance(sampler, Aimable)
-        }
-        center = np.hstack([ball.center for ball in balls.values()]) if balls else np.zeros((3, 1))
-        self._lay_out(center, bounds)
-        expected = np.empty((self.everywhere, power.size))
+    def __init__(self, power: np.ndarray, expected: np.ndarray) -> None:
+        self._by_power, near = _shares(power, expected)
+        self.gain = float((np.square(near) / self._by_power).sum(axis=1).mean())
+        mixed = self._by_power + NEAR_SHARE * (near - self._by_power)
+        self._rows = Rows(np.vstack([mixed, self._by_power]))
+        self._over_power = self._rows.probability / np.maximum(self._by_power, 1e-300)
+
+    def gain_at(self, expected: np.ndarray, cell: np.ndarray) -> float:
+        """The gain by these chances at places in the cells (n,) that receive `expected` (n, g) of the parts.
+
+        Its geometric mean, weighted by what they receive in all. The twentieth of them that receives most, such as what is
+        behind a panel on a ceiling, counts alike.
+        """
+        share = np.square(_shares(self._by_power, expected)[1])
+        received = expected.sum(axis=1)
+        received = np.minimum(received, np.quantile(received, 0.95))
+        by_power, by_place = (share / one for one in (np.maximum(self._by_power, 1e-300), self._rows.probability[cell]))
+        gain = np.log(np.maximum(by_power.sum(axis=1), 1e-300) / np.maximum(by_place.sum(axis=1), 1e-300))
+        return float(np.exp((received @ gain) / max(received.sum(), 1e-300)))
+
+    def choose(self, cell: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the parts (n,) that uniforms `u` (n,) choose in the cells (n,), and the rest of `u`."""
+        return self._rows.sample(cell, u)
+
+    def over_power(self, part: np.ndarray, cell: np.ndarray) -> np.ndarray:
+        """Probability (n,) of parts (n,) in the cells (n,), over their shares of the power."""
+        return self._over_power[cell, part]
+
+
+class LightGrid:
+    """Chances of lights, and of their parts, in the cells of a grid over the part of the scene about the lights.
+
+    `samplers`: at least one. `bounds` (2, 3): least and greatest coordinates of what is to be lit, metres. `radius`, metres: the scene's,
+    as that of suns and worlds. `places` on what is to be lit, where they are known. The row `cells.everywhere` has chances that
+    go by power alone. `useful`: whether the cells' chances of lights differ. `within` has the PartChances of samplers, by number, and
+    what is gained by them at `places`, for those whose cells differ.
+
+    What a cell expects of a light with a place is in `Cells.expect`, of a sun or a world its power over `radius`^2. Both are
+    irradiance, but for a factor of pi.
+    """
+
+    def __init__(
+        self, samplers: Sequence[LightSampler], bounds: np.ndarray, radius: float, places: Places | None = None
+    ) -> None:
+        power, parts = _read(samplers)
+        self._key = _key(power, parts, bounds, radius, places)
+        centers = np.hstack([one.center for one in parts.values()]) if parts else np.zeros((3, 1))
+        self.cells = Cells(centers, bounds, len(parts))
+        expected = np.empty((self.cells.everywhere, power.size))
         expected[:] = power / max(radius, 1e-150) ** 2
-        middles, half = self._middles()
-        for (k, ball), place in zip(balls.items(), center.T, strict=False):
-            apart = np.square(middles - place[:, None]).sum(axis=0) + half + ball.radius**2
-            expected[:, k] = power[k] / (4.0 * np.maximum(apart, 1e-300))
-        self.useful = self.everywhere > 1 and len(balls) > 0
-        chances = np.vstack([chances_by_place(power, expected), chances_by_power(power)])
-        self._rows = Rows(chances)
+        self.within: dict[int, tuple[PartChances, float]] = {}
+        for k, one in parts.items():
+            of_parts = self.cells.expect(one)
+            expected[:, k] = of_parts.sum(axis=1)
+            if one.power.size > 1 and self.cells.everywhere > 1:
+                chances = PartChances(one.power, of_parts)
+                if chances.gain > LEAST_GAIN and places is not None:
+                    self.within[k] = chances, chances.gain_at(places.expect(one), self.cells.number(places.position))
+        self.useful = power.size > 1 and self.cells.everywhere > 1 and len(parts) > 0
+        self._rows = Rows(np.vstack([chances_by_place(power, expected), chances_by_power(power)]))
         self._probability = self._rows.probability
 
-    def _lay_out(self, center: np.ndarray, bounds: np.ndarray) -> None:
-        """Choose the cells: about the lights' middles (3, k), within `bounds`, nearly cubes."""
-        least, most = center.min(axis=1), center.max(axis=1)
-        margin = 0.5 * (most - least).max()
-        low, high = bounds
-        least, most = np.clip(least - margin, low, high), np.clip(most + margin, low, high)
-        extent = most - least
-        longest = float(extent.max())
-        limit = max(min(_MOST_CELLS, _MOST_CHANCES // max(center.shape[1], 1)), 1)
-        self._count = np.ones(3, np.intp)
-        for along in range(limit, 1, -1) if longest > 0.0 else ():
-            count = np.maximum(np.ceil(extent / longest * along), 1.0)
-            if count.prod() <= limit:
-                self._count = count.astype(np.intp)
-                break
-        self._least, self._edge = least, extent / self._count
-        self._per_metre = np.divide(1.0, self._edge, out=np.zeros(3), where=self._edge > 0.0)
-        self.everywhere = int(self._count.prod())
-
-    def _middles(self) -> tuple[np.ndarray, float]:
-        """The cells' middles (3, c) in the order of their numbers, and their squared radius."""
-        number = np.stack(np.unravel_index(np.arange(self.everywhere), tuple(self._count)))
-        middles = self._least[:, None] + (number + 0.5) * self._edge[:, None]
-        return middles, 0.25 * float(np.square(self._edge).sum())
-
-    def cell(self, point: np.ndarray) -> np.ndarray:
-        """The numbers (n,) of the cells that hold the points (3, n)."""
-        number = np.zeros(point.shape[1], np.intp)
-        for along in range(3):
-            place = (point[along] - self._least[along]) * self._per_metre[along]
-            number *= self._count[along]
-            number += np.clip(place, 0.0, self._count[along] - 1.0).astype(np.intp)
-        return number
+    def is_of(
+        self, samplers: Sequence[LightSampler], bounds: np.ndarray, radius: float, places: Places | None = None
+    ) -> bool:
+        """Whether a grid that is made of these would be the same."""
+        return self._key == _key(*_read(samplers), bounds, radius, places)
 
     def choose(self, cell: np.ndarray, u: np.ndarray) -> np.ndarray:
         """The lights (n,) that the uniforms `u` (n,) choose in the cells (n,)."""
@@ -116,3 +134,25 @@ class LightGrid:
     def probability(self, light: np.ndarray | int, cell: np.ndarray) -> np.ndarray:
         """Probability (n,) with which `choose` gives `light`, () or (n,), in the cells (n,)."""
         return self._probability[cell, light]
+
+
+def _read(samplers: Sequence[LightSampler]) -> tuple[np.ndarray, dict[int, Parts]]:
+    """The power (k,) of lights over the greatest, and the parts of those that shine and have places, by number."""
+    power = np.array([sampler.power for sampler in samplers])
+    power = power / max(float(power.max()), 1e-300)
+    parts = {}
+    for k, sampler in enumerate(samplers):
+        if power[k] > 0.0 and isinstance(sampler, Divided):
+            share = sampler.parts.power / sampler.parts.power.sum()
+            parts[k] = sampler.parts._replace(power=power[k] * share)
+        elif power[k] > 0.0 and isinstance(sampler, Aimable):
+            parts[k] = Parts(power[k : k + 1], sampler.extent.center, np.array([sampler.extent.radius]))
+    return power, parts
+
+
+def _key(
+    power: np.ndarray, parts: dict[int, Parts], bounds: np.ndarray, radius: float, places: Places | None
+) -> tuple[object, ...]:
+    """What a grid depends on, to be compared."""
+    balls = tuple((k, *(array.tobytes() for array in one)) for k, one in parts.items())
+    return power.tobytes(), balls, bounds.tobytes(), radius, None if places is None else places.position.tobytes()

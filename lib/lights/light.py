@@ -9,6 +9,7 @@ import numpy as np
 
 from ..sampling.warps import uniform_disk
 from ..vectors import dot, orthonormal_basis
+from .cells import Parts
 
 Pair = tuple[np.ndarray, np.ndarray]
 """Two uniforms (n,) for each ray."""
@@ -93,6 +94,20 @@ class LightSampler(Emitter, Protocol):
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""
+        ...
+
+
+@runtime_checkable
+class Divided(LightSampler, Protocol):
+    """A light of several parts, which can be chosen by the place that they are to light."""
+
+    @property
+    def parts(self) -> Parts:
+        """The parts, none without power."""
+        ...
+
+    def sample_from(self, cell: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """As `sample`, of parts that are chosen by the chances of the cells (n,)."""
         ...
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..sampling.tables import Distribution1D
 from .by_place import LightGrid, chances_by_power
-from .light import LightSample, LightSampler
+from .light import Divided, LightSample, LightSampler
 from .sphere import Spheres, SphereSampler
 
 
@@ -37,11 +37,11 @@ class LightSelection:
 
     def cells(self, point: np.ndarray) -> np.ndarray | None:
         """The cells (n,) of the grid that decide at points (3, n); None where there is no grid."""
-        return None if self.grid is None else self.grid.cell(point)
+        return None if self.grid is None else self.grid.cells.number(point)
 
     def everywhere(self, size: int) -> np.ndarray | None:
         """As many times the cell whose chances go by power alone; None where there is no grid."""
-        return None if self.grid is None else np.full(size, self.grid.everywhere, np.intp)
+        return None if self.grid is None else np.full(size, self.grid.cells.everywhere, np.intp)
 
     def choose(self, u: np.ndarray, cell: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Index (n,) into `samplers` by the uniform `u`, and its probability (n,).
@@ -57,13 +57,16 @@ class LightSelection:
             return np.take(self._choice.probability, index)
         return self.grid.probability(index, cell)
 
-    def sample(self, index: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
-        """A direction from each point (3, n) towards the light `index` (n,) there."""
+    def sample(
+        self, index: np.ndarray, cell: np.ndarray | None, point: np.ndarray, u1: np.ndarray, u2: np.ndarray
+    ) -> LightSample:
+        """A direction from each point (3, n) towards the light `index` (n,) there; `cell` as for `choose`."""
         if len(self._batches) == 1:
-            return self._sample_batch(0, index, point, u1, u2)
+            return self._sample_batch(0, index, cell, point, u1, u2)
         batch = np.take(self._batch_of, index).astype(np.int16)
         order = np.argsort(batch, kind="stable")
         index, point, u1, u2 = (np.take(a, order, axis=-1) for a in (index, point, u1, u2))
+        cell = None if cell is None else np.take(cell, order)
         stops = np.cumsum(np.bincount(batch, minlength=len(self._batches)))
         count = index.shape[0]
         whole = LightSample(np.empty((3, count)), np.empty(count), np.empty((3, count)), np.empty(count))
@@ -71,7 +74,8 @@ class LightSelection:
         for k, stop in enumerate(stops):
             if stop > start:
                 here = slice(start, stop)
-                part = self._sample_batch(k, index[here], point[:, here], u1[here], u2[here])
+                there = None if cell is None else cell[here]
+                part = self._sample_batch(k, index[here], there, point[:, here], u1[here], u2[here])
                 for array, values in zip(whole, part, strict=True):
                     array[..., here] = values
             start = stop
@@ -79,11 +83,30 @@ class LightSelection:
         back[order] = np.arange(count)
         return LightSample(*(np.take(array, back, axis=-1) for array in whole))
 
+    def sample_only(self, cell: np.ndarray | None, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """A direction from each point (3, n) towards the only light; `cell` as for `choose`."""
+        return _sample(self.samplers[0], cell, point, u1, u2)
+
     def _sample_batch(
-        self, batch: int, index: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray
+        self,
+        batch: int,
+        index: np.ndarray,
+        cell: np.ndarray | None,
+        point: np.ndarray,
+        u1: np.ndarray,
+        u2: np.ndarray,
     ) -> LightSample:
         """Samples of lights of one batch."""
         sampler = self._batches[batch]
         if isinstance(sampler, Spheres):
             return sampler.sample(np.take(self._place, index), point, u1, u2)
-        return sampler.sample(point, u1, u2)
+        return _sample(sampler, cell, point, u1, u2)
+
+
+def _sample(
+    sampler: LightSampler, cell: np.ndarray | None, point: np.ndarray, u1: np.ndarray, u2: np.ndarray
+) -> LightSample:
+    """Samples of one light, of the parts that the cells (n,) choose where it has any."""
+    if cell is not None and isinstance(sampler, Divided):
+        return sampler.sample_from(cell, point, u1, u2)
+    return sampler.sample(point, u1, u2)

@@ -13,6 +13,8 @@ import numpy as np
 LARGEST_UNIFORM = np.nextafter(1.0, 0.0)
 # Up to so many entries comparing with each edge beats the guide.
 _FEW = 24
+# Entries of the guide that are made at a time.
+_GUIDED = 1 << 16
 
 
 class Distribution1D:
@@ -83,10 +85,15 @@ class Rows:
         self._upper = upper.ravel()
         # A row's guide says, for every bucket of u, the first index that it can mean; a power of two keeps u * buckets exact.
         self._buckets = 4 << (length - 1).bit_length()
-        edges = np.arange(self._buckets + 1) / self._buckets
         guide = np.empty((count, self._buckets + 1), np.min_scalar_type(length))
-        for row in range(count):
-            guide[row] = np.searchsorted(upper[row], edges, side="right")
+        step = max(_GUIDED // (self._buckets + 1), 1)
+        for row in range(0, count, step):  # as many rows as fit into a cache
+            part = upper[row : row + step]
+            # Of each edge, the first bucket that begins there or after it.
+            place = np.ceil(part * self._buckets).astype(np.intp)
+            place += np.arange(len(part))[:, None] * (self._buckets + 1)
+            found = np.bincount(place.ravel(), minlength=len(part) * (self._buckets + 1))
+            guide[row : row + step] = np.cumsum(found.reshape(len(part), -1), axis=1)
         self._guide = np.minimum(guide, length - 1, out=guide).ravel()
 
     def index(self, u: np.ndarray) -> np.ndarray:

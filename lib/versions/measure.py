@@ -118,7 +118,7 @@ def _models(
             # The tables of a departure are those of the release that exported the scene.
             like = references[key]
             scene = replace(like.scene, blender=one.scene.blender)
-            made[which] = ReferenceRenderer(scene, departing, like.plan, passes=like.passes)
+            made[which] = ReferenceRenderer(scene, departing, like.plan, like.kernel, like.passes)
         models.append(made[which])
     return models
 

@@ -8,31 +8,43 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..lights.by_place import LEAST_GAIN, LightGrid
+from ..lights.cells import Places
+from ..lights.face_groups import DividedFaces, divide_faces
 from ..lights.light import Ball, Emitted, LightSample, Pair, bounding_ball, luminance
-from ..lights.triangles import EmissiveTriangles
+from ..lights.triangles import EmissiveTriangles, TriangleSample
 from ..sampling.warps import cosine_hemisphere
+from ..scene.mesh import Mesh
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..vectors import cross, dot, orthonormal_basis, to_world
+
+# The normals of closed faces, times their areas, add up to nothing; of open ones to more than this part of what they are without sign.
+_OPEN = 0.02
+# Places in the scene at which is asked whether a choice by place pays.
+_PLACES = 1024
 
 
 class EmissiveMesh:
     """A light sampler of emissive faces, given by their indices `triangles` (t,).
 
-    A sample has the material's own emission at the sampled point.
+    A sample has the material's own emission at the sampled point. `parts` are up to `most_parts` groups of near faces.
     """
 
     delta = False
 
     def __init__(
-        self, tables: SurfaceTables, materials: list[PreparedMaterial], planes: np.ndarray, triangles: np.ndarray
+        self,
+        tables: SurfaceTables,
+        materials: list[PreparedMaterial],
+        planes: np.ndarray,
+        triangles: np.ndarray,
+        most_parts: int = 1,
     ) -> None:
         """`triangles` (t,) are the indices of those that emit; `planes` as in raycaster.py."""
         self._tables, self._materials = tables, materials
         mesh = tables.mesh
-        a, b, c = mesh.triangles[:, triangles]
-        corner = np.take(mesh.vertices, a, axis=1)
-        edges = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
+        corner, *edges = _with_edges(mesh, mesh.triangles[:, triangles])
         self._normal, self._plane_of = planes[:3, triangles], np.full(mesh.triangle_count, -1, np.intp)
         self._plane_of[triangles] = np.arange(triangles.size)
         self._offset = float(planes[4].max())
@@ -41,8 +53,30 @@ class EmissiveMesh:
         flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edges)  # both faces
         self._sampler = EmissiveTriangles(corner, *edges, triangles, flux)
         self.power = self._sampler.power
+        corners = np.stack([corner, *(corner + edge for edge in edges)])
+        self._divided: DividedFaces | None = divide_faces(corners, flux, most_parts)
+        self.parts = self._divided.groups.parts
+        areas = np.abs(normal).sum()
+        self._is_closed = bool(np.abs(normal.sum(axis=1)).sum() < _OPEN * areas)
 
-    def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edges: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    def choose_by_place(self, grid: LightGrid, number: int) -> bool:
+        """Have samples in cells choose among the parts by the chances of `grid`, and return True, where that pays.
+
+        `number` is that of this light in the grid. It pays by what the grid says, and where the faces are closed: they hide
+        what is behind them, so that the near ones are those that are seen.
+        """
+        chances, gain = grid.within.get(number, (None, 0.0))
+        mesh, divided = self._tables.mesh, self._divided
+        self._divided = None  # its memory is for other things
+        pays = gain > LEAST_GAIN or self._is_closed
+        if chances is not None and divided is not None and pays:
+            corner, *edges = _with_edges(mesh, divided.strips.turned(mesh.triangles[:, self.triangles]))
+            self._sampler = EmissiveTriangles(corner, *edges, self.triangles, divided.power, divided.strips)
+            self._sampler.choose_by_place(divided.pieces, divided.groups, chances)
+            return True
+        return False
+
+    def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edges: list[np.ndarray]) -> np.ndarray:
         """Magnitude of the emission at each triangle's middle, also where it is negative.
 
         A floor keeps every face that emits.
@@ -66,7 +100,14 @@ class EmissiveMesh:
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """A direction to a point on an emissive face; the distance ends just short of it."""
-        found = self._sampler.sample(point, u1, u2)
+        return self._to(self._sampler.sample(point, u1, u2), point)
+
+    def sample_from(self, cell: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """As `sample`, of faces that are chosen by the chances of the cells (n,)."""
+        return self._to(self._sampler.sample(point, u1, u2, cell), point)
+
+    def _to(self, found: TriangleSample, point: np.ndarray) -> LightSample:
+        """The samples as directions from the points (3, n)."""
         local = self._plane_of[found.triangle]
         position = point + found.wi * found.distance
         points = SurfacePoints(
@@ -108,9 +149,36 @@ class EmissiveMesh:
         origin = position + normal * np.copysign(self._offsets[which], cosine)
         return Emitted(origin, direction, weight, luminance(np.abs(radiance)))
 
-    def pdf_of_hit(self, triangle: np.ndarray, distance: np.ndarray, cos_light: np.ndarray) -> np.ndarray:
-        """Density per steradian with which `sample` gives a direction that hits `triangle`.
+    def pdf_of_hit(
+        self,
+        triangle: np.ndarray,
+        distance: np.ndarray,
+        cos_light: np.ndarray,
+        cell: np.ndarray | None = None,
+        weights: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> np.ndarray:
+        """Density per steradian with which a direction that hits `triangle` is sampled.
 
-        `distance` is that of the hit.
+        By `sample`, or by `sample_from` with the cells (n,); then `weights` are the hit's u and v. `distance` is that of the hit.
         """
-        return self._sampler.pdf_of_hit(triangle, distance, cos_light)
+        return self._sampler.pdf_of_hit(triangle, distance, cos_light, cell, weights)
+
+
+def _with_edges(mesh: Mesh, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The first corner of triangles (3, t) of vertices, and the edges to the second and third, (3, t) each."""
+    first, second, third = (np.take(mesh.vertices, corner, axis=1) for corner in corners)
+    return first, second - first, third - first
+
+
+def places_on(mesh: Mesh, faces: np.ndarray) -> Places:
+    """Places that are spread evenly over the area of `faces` (t,), at least one of them."""
+    first, edge1, edge2 = _with_edges(mesh, mesh.triangles[:, faces])
+    normal = cross(edge1, edge2)
+    length = np.sqrt(dot(normal, normal))
+    summed = np.cumsum(length)
+    number = np.arange(_PLACES)
+    face = np.searchsorted(summed, (number + 0.5) / _PLACES * summed[-1])
+    face = np.minimum(face, summed.size - 1)
+    root, along = np.sqrt((0.5 + number * 0.7548776662466927) % 1.0), (0.5 + number * 0.5698402909980532) % 1.0
+    position = first[:, face] + edge1[:, face] * (1.0 - root) + edge2[:, face] * (root * along)
+    return Places(position, normal[:, face] / np.maximum(length[face], 1e-300))

@@ -161,7 +161,7 @@ class Emitters:
             reach = distance if paths.travelled is None else distance + paths.travelled[start:stop]
             facing = np.abs(dot(points.ng, points.wo))
             for sampler in kernel.emissive:  # each has a density for its own faces, and none for the others
-                density = sampler.pdf_of_hit(points.triangle, reach, facing)
+                density = sampler.pdf_of_hit(points.triangle, reach, facing, cell, (points.u, points.v))
                 arriving *= self._weight(pdf, kernel.lights.index(sampler), density, cell)
         emitter = -1
         if self._sums.emitters is not None:

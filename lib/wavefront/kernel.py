@@ -35,7 +35,7 @@ from .bodies import Bodies, exit_materials
 from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
-from .emissive import EmissiveMesh
+from .emissive import EmissiveMesh, places_on
 from .emitter_names import EmitterNames, name_emitters
 from .media import Media
 from .occlusion import Occluders
@@ -44,6 +44,8 @@ from .sight import Sight
 
 LIGHT_BELOW = "light below the face"
 """The departure that lets light sampling reach below smooth-shaded faces."""
+# Groups of faces that are chosen by place, of one emissive mesh and of all: a table has a column for each.
+_MOST_GROUPS_OF_MESH, _MOST_GROUPS = 128, 256
 
 
 class Kernel:
@@ -102,7 +104,7 @@ class Kernel:
         if is_constant(radiance) and plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
             world = np.asarray(radiance.value, np.float64)
             self.sky = np.broadcast_to(world, (3,))[:, None]
-        self._selection = LightSelection(self.lights, self._grid()) if self.lights else None
+        self._selection = LightSelection(self.lights, self._grid(like)) if self.lights else None
         self.meetable = _meetable([sampler for _, sampler in objects])
         switches = [(light, False) for light, _ in objects]
         switches += [(Switches(rays=scene.world.rays), False)] * (self.environment is not None)
@@ -142,19 +144,30 @@ class Kernel:
             (Switches(rays=kinds[k][0], links=kinds[k][1]), np.flatnonzero(emits & (kind == k)))
             for k in np.unique(kind[emits])
         ]
+        most = max(min(_MOST_GROUPS // max(len(parts), 1), _MOST_GROUPS_OF_MESH), 1)
         return [
-            (switches, EmissiveMesh(self.tables, self.materials, self.caster.planes, part))
+            (switches, EmissiveMesh(self.tables, self.materials, self.caster.planes, part, most))
             for switches, part in parts
             if switches.rays & SCATTERED
         ]
 
-    def _grid(self) -> LightGrid | None:
-        """The grid by which lights are chosen; None where there is no choice, or where no place is nearer to one of them."""
+    def _grid(self, like: Kernel | None) -> LightGrid | None:
+        """The grid by which lights and emissive faces are chosen; None where no choice depends on the place.
+
+        It is that of a kernel `like` this one where the lights are the same.
+        """
         vertices = self.scene.mesh.vertices
-        if not self.selects or len(self.lights) < 2 or vertices.size == 0:
+        chooses = self.selects and len(self.lights) > 1
+        if vertices.size == 0 or not (chooses or any(mesh.parts.power.size > 1 for mesh in self.emissive)):
             return None
-        grid = LightGrid(self.lights, np.stack([vertices.min(axis=1), vertices.max(axis=1)]), self.caster.radius)
-        return grid if grid.useful else None
+        bounds = np.stack([vertices.min(axis=1), vertices.max(axis=1)])
+        dark = np.flatnonzero(~self._emits)
+        places = places_on(self.scene.mesh, dark) if self.emissive and dark.size else None
+        inputs = self.lights, bounds, self.caster.radius, places
+        made = None if like is None or like._selection is None else like._selection.grid
+        grid = made if made is not None and made.is_of(*inputs) else LightGrid(*inputs)
+        chosen = [mesh.choose_by_place(grid, self.lights.index(mesh)) for mesh in self.emissive]
+        return grid if grid.useful or any(chosen) else None
 
     @property
     def selection(self) -> LightSelection:

@@ -51,7 +51,7 @@ class LightChoice:
     """A light sample for each point.
 
     `number` is its light's, `probability` the chance of that light, `alone` whether only light sampling finds it, () or
-    (n,) each. `cell` (n,) is where the light was chosen, None where its chance depends on no place (lights/by_place.py).
+    (n,) each. `cell` (n,) is where the light and its part were chosen, None where no chance depends on a place (lights/by_place.py).
     """
 
     sample: LightSample
@@ -94,15 +94,14 @@ def choose_light(
     """Pick a light for each point (3, n), then a direction towards it.
 
     `choice` picks the light where there is more than one (`selects`), by the chances of `cell` (n,), or by power where it is None;
-    (u1, u2) give the direction.
+    (u1, u2) give the part of the light, by the same chances, and the direction.
     """
-    lights = kernel.lights
     if not selects:
-        sample = lights[0].sample(position, u1, u2)
-        return LightChoice(sample, np.asarray(0, np.intp), np.asarray(1.0), kernel.sight.alone[0])
+        sample = kernel.selection.sample_only(cell, position, u1, u2)
+        return LightChoice(sample, np.asarray(0, np.intp), np.asarray(1.0), kernel.sight.alone[0], cell)
     index, probability = kernel.selection.choose(choice, cell)
     alone = np.take(kernel.sight.alone, index) if kernel.sight.alone.any() else np.asarray(False)
-    return LightChoice(kernel.selection.sample(index, position, u1, u2), index, probability, alone, cell)
+    return LightChoice(kernel.selection.sample(index, cell, position, u1, u2), index, probability, alone, cell)
 
 
 def weigh_light(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:

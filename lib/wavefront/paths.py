@@ -23,7 +23,7 @@ class Paths:
     the set of linked objects that scattered the ray, -1 for camera rays, is kept only where lights are linked. `medium`
     (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes` (n,), how
     often each scattered in them, where they scatter. `cell` (n,), the cell of the grid of lights where each scattered last,
-    is kept only where lights are chosen by place. `at_camera` says that these are the camera rays themselves.
+    is kept only where lights or their parts are chosen by place. `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray

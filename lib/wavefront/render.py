@@ -123,7 +123,8 @@ class ReferenceRenderer:
             return self._render_still(replicate, samples, progress, windows)
 
         def render(scene: Scene, seed: int, count: int, part: Progress) -> Rendering:
-            still = ReferenceRenderer(scene, replace(self.options, seed=seed), passes=self.passes)
+            options = replace(self.options, seed=seed)
+            still = ReferenceRenderer(scene, options, like=self.kernel, passes=self.passes)
             return still.render(replicate, count, part, windows)
 
         return render_moments(self.scene, self.options.seed, replicate, samples, progress, render)

@@ -39,14 +39,14 @@ def test_lights_are_chosen_with_the_chances_of_the_cell():
     assert grid.useful
     u = (np.arange(50000) + 0.5) / 50000
     for x in (0.0, 17.0, 80.0):
-        cell = grid.cell(np.array([[x], [0.3], [0.0]]))
+        cell = grid.cells.number(np.array([[x], [0.3], [0.0]]))
         found = np.bincount(grid.choose(np.repeat(cell, u.size), u), minlength=13) / u.size
         np.testing.assert_allclose(found, grid.probability(np.arange(13), np.repeat(cell, 13)), atol=1e-4)
 
 
 def test_chances_of_each_cell_add_up_to_one_and_none_is_rare(rng):
     grid = grid_of([*ROW, SUN])
-    chances = np.array([grid.probability(k, np.arange(grid.everywhere + 1)) for k in range(13)])
+    chances = np.array([grid.probability(k, np.arange(grid.cells.everywhere + 1)) for k in range(13)])
     np.testing.assert_allclose(chances.sum(axis=0), 1.0, rtol=1e-12)
     assert chances.min() >= EVEN_SHARE / 13.0 * (1.0 - 1e-12)
 
@@ -55,7 +55,7 @@ def test_the_nearest_of_equal_lamps_is_the_likeliest():
     lamps = [PointLight("lamp", (3.0 * k, 0.0, 1.5), (1.0, 1.0, 1.0)) for k in range(12)]
     grid = grid_of(lamps)
     point = np.array([[3.0 * k for k in range(12)], [0.0] * 12, [0.0] * 12])
-    chances = np.array([grid.probability(k, grid.cell(point)) for k in range(12)])
+    chances = np.array([grid.probability(k, grid.cells.number(point)) for k in range(12)])
     np.testing.assert_array_equal(chances.argmax(axis=0), np.arange(12))
     assert chances.max(axis=0).min() > 4.0 / 12.0
 
@@ -64,7 +64,7 @@ def test_the_last_cell_goes_by_power_alone():
     grid = grid_of([*ROW, SUN])
     power = np.array([light_sampler(light, 60.0).power for light in (*ROW, SUN)])
     np.testing.assert_allclose(
-        grid.probability(np.arange(13), np.full(13, grid.everywhere)), chances_by_power(power), rtol=1e-12
+        grid.probability(np.arange(13), np.full(13, grid.cells.everywhere)), chances_by_power(power), rtol=1e-12
     )
 
 
@@ -80,7 +80,7 @@ def test_the_last_cell_goes_by_power_alone():
 )
 def test_odd_lights_have_finite_chances(lights, rng):
     grid = grid_of(lights)
-    cell = grid.cell(rng.uniform(-1e6, 1e6, (3, 100)))
+    cell = grid.cells.number(rng.uniform(-1e6, 1e6, (3, 100)))
     chances = np.array([grid.probability(k, cell) for k in range(9)])
     np.testing.assert_allclose(chances.sum(axis=0), 1.0, rtol=1e-9)
 

@@ -45,7 +45,7 @@ def test_a_chosen_light_gives_its_own_sample(rng, kinds):
     samplers = [light_sampler(makers[kind](float(k + 1)), 1.0) for k, kind in enumerate(kinds)]
     index, point = rng.integers(0, len(kinds), 500), rng.uniform(-1.0, 3.0, (3, 500))
     u1, u2 = rng.random((2, 500))
-    together = LightSelection(samplers).sample(index, point, u1, u2)
+    together = LightSelection(samplers).sample(index, None, point, u1, u2)
     for k, sampler in enumerate(samplers):
         at = np.flatnonzero(index == k)
         alone = sampler.sample(point[:, at], u1[at], u2[at])
