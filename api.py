@@ -20,6 +20,8 @@ from typing import Any
 from .addon.command.exported import read_scene
 from .addon.command.observed import observe_file
 from .lib.batch.plan import BatchPlan, read_plan, read_words
+from .lib.cluster.client import connect
+from .lib.cluster.replicates import render_where_asked
 from .lib.comparison.compare import Comparison
 from .lib.cost.result import Cost
 from .lib.effects.plan import Plan, make_plan
@@ -30,8 +32,7 @@ from .lib.film.film import Film
 from .lib.fit.identify import Identification, identify
 from .lib.probe.result import ProbeResult
 from .lib.progress import NO_PROGRESS, Progress
-from .lib.rendering.replicates import render_film
-from .lib.settings.common import REFERENCE_SCENES, Target
+from .lib.settings.common import LOCAL, REFERENCE_SCENES, Target
 from .lib.settings.comparison import Settings
 from .lib.settings.cost import CostOptions
 from .lib.settings.fit import FitSettings
@@ -49,7 +50,8 @@ def compare(
     """Render a scene with the reference and with Cycles, and compare the images.
 
     `progress` receives the share that is done, 0 to 1, and says whether to stop. If `settings.out` is a folder, the
-    report is written there; otherwise no file is written. The settings of the scene are restored.
+    report is written there; otherwise no file is written. The settings of the scene are restored. With
+    `settings.scheduler`, the workers of a Dask scheduler render the replicates, as in `etalon compare --scheduler`.
 
     Returns the Comparison: `verdict.outcome` is EQUIVALENT, DIFFERENT, UNDECIDED or EXPLAINED, `verdict` has intervals for every
     region, `reference.film` and `candidate.film` have both images. Raises EtalonError or Refused.
@@ -64,12 +66,10 @@ def compare(
     """
     chosen = settings or Settings()
     target = _target(scene)
-    _, opened = _open(target)
-    from .addon import job
-    from .addon.command.opening import as_opened
+    _open(target)
+    from .addon.command.comparing import compare_opened
 
-    repeat = repeating_command("compare", as_opened(target), chosen)
-    return job.compare_here(opened, chosen, chosen.out, repeat, progress)
+    return compare_opened(target, chosen, chosen.out, progress)
 
 
 def render(
@@ -79,7 +79,8 @@ def render(
 ) -> Film:
     """Render a scene with the reference alone.
 
-    A path that ends in .npz is a scene saved by `etalon plan --save`; it needs no Blender.
+    A path that ends in .npz is a scene saved by `etalon plan --save`; it needs no Blender. With `options.scheduler`, the
+    workers of a Dask scheduler render the replicates, as in `etalon render --scheduler`.
 
     Returns the Film: `moments.mean` is the radiance (height, width, 3) in W m^-2 sr^-1, linear Rec. 709, and `moments.n` the number of
     replicates, fewer than requested if it was cancelled. Raises EtalonError or Refused.
@@ -92,7 +93,7 @@ def render(
     >>> film.moments.mean.shape == (*film.shape, 3)
     True
     """
-    return render_film(read_scene(_target(scene)), options or RenderOptions(), progress)
+    return render_where_asked(read_scene(_target(scene)), options or RenderOptions(), progress)
 
 
 def plan(scene: str | Path | Target | None = None) -> Plan:
@@ -202,13 +203,16 @@ class BatchResult:
     error: EtalonError | None
 
 
-def batch(plan: str | Path, progress: Progress = NO_PROGRESS) -> Iterator[BatchResult]:
+def batch(plan: str | Path, progress: Progress = NO_PROGRESS, scheduler: str = LOCAL) -> Iterator[BatchResult]:
     """Compare every scene of a PLAN.toml at every combination of values.
 
     The comparisons run one after the other in this process. The whole plan is read before the first one, and no file is
     written. `etalon batch` has a process for each comparison, limits, Blenders of other versions, and a journal.
+    With a `scheduler`, the workers of that Dask scheduler render the replicates of each comparison, as `compare` does
+    with it; `etalon batch --scheduler` gives whole comparisons to workers.
 
-    Yields a BatchResult for each, as it is done. Raises EtalonError for a plan that is wrong, or names Blenders.
+    Yields a BatchResult for each, as it is done. Raises EtalonError for a plan that is wrong, or names Blenders, and for
+    a scheduler that does not answer, has no workers, or has one with another Étalon.
 
     >>> import etalon, pathlib, tempfile
     >>> text = '''
@@ -232,10 +236,13 @@ def batch(plan: str | Path, progress: Progress = NO_PROGRESS) -> Iterator[BatchR
         raise EtalonError(
             f"{plan}: names Blenders, and this process has one; run `etalon batch`, or leave 'blenders' out"
         )
-    return _compare_units(read, progress)
+    if scheduler != LOCAL:
+        with connect(scheduler) as cluster:
+            cluster.check()
+    return _compare_units(read, progress, scheduler)
 
 
-def _compare_units(plan: BatchPlan, progress: Progress) -> Iterator[BatchResult]:
+def _compare_units(plan: BatchPlan, progress: Progress, scheduler: str) -> Iterator[BatchResult]:
     units = list(plan.units())
     for number, unit in enumerate(units):
         words = [*unit.words, *plan.options]
@@ -243,7 +250,7 @@ def _compare_units(plan: BatchPlan, progress: Progress) -> Iterator[BatchResult]
         share = progress.within(number / len(units), (number + 1) / len(units))
         found: tuple[Comparison | None, EtalonError | None]
         try:
-            found = compare(target, read_words(Settings, words), share), None
+            found = compare(target, replace(read_words(Settings, words), scheduler=scheduler), share), None
         except Cancelled:
             raise
         except EtalonError as error:

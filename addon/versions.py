@@ -17,7 +17,7 @@ from ..lib.files.ownership import temporary_folder
 from ..lib.plain_text import folder_name
 from ..lib.progress import Progress
 from ..lib.settings.common import Target
-from ..lib.settings.comparison import Settings
+from ..lib.settings.comparison import ComparisonSettings
 from ..lib.settings.words import write_changes
 from ..lib.versions.document import scene_figures, version_figures
 from ..lib.versions.measure import Opened, measure
@@ -38,7 +38,7 @@ class SceneResult:
 
 
 def compare_versions(
-    name: str, target: Target, blenders: Sequence[Blender], settings: Settings, out: Path, progress: Progress
+    name: str, target: Target, blenders: Sequence[Blender], settings: ComparisonSettings, out: Path, progress: Progress
 ) -> SceneResult:
     """Compare a scene with the reference in each Blender, and the Blenders with each other.
 
@@ -71,7 +71,7 @@ def compare_versions(
 
 
 def _against_reference(
-    target: Target, blender: Blender, settings: Settings, folder: Path, out: Path, limits: Limits
+    target: Target, blender: Blender, settings: ComparisonSettings, folder: Path, out: Path, limits: Limits
 ) -> dict[str, Any]:
     """Run `etalon compare` in a Blender, and return its result."""
     report = folder / folder_name(blender.label)
@@ -81,7 +81,7 @@ def _against_reference(
 
 
 @contextmanager
-def _opened(target: Target, blenders: Sequence[Blender], settings: Settings) -> Iterator[list[Opened]]:
+def _opened(target: Target, blenders: Sequence[Blender], settings: ComparisonSettings) -> Iterator[list[Opened]]:
     """The scene in each of the Blenders, which start side by side and end with the block."""
     with ExitStack() as stack:
         processes = []

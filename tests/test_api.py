@@ -140,3 +140,41 @@ def test_a_package_installed_by_pip_keeps_its_name(tmp_path):
 
 def test_api_gives_every_name_that_the_root_promises():
     assert set(etalon.__all__) - {"__version__"} <= vars(api).keys()
+
+
+PLAN = """
+scenes = ["lambert_analytic"]
+[options]
+{options}
+"""
+
+
+@pytest.fixture
+def nobody(monkeypatch):
+    """The address of a scheduler that is not there."""
+    pytest.importorskip("distributed", reason="Dask is not installed; `pip install etalon[cluster]`")
+    monkeypatch.setattr("etalon.lib.cluster.client._CONNECT", "0.2s")
+    return "tcp://127.0.0.1:9"
+
+
+def test_a_scheduler_that_does_not_answer_is_no_comparison_here(nobody, tmp_path):
+    says = r"^--scheduler tcp://127.0.0.1:9: no scheduler answers there; start one with `dask scheduler`"
+    (tmp_path / "plan.toml").write_text(PLAN.format(options="time = 5"))
+    target = etalon.Target("lambert_analytic", assignments=("scene.render.resolution_percentage=5",))
+    with pytest.raises(etalon.EtalonError, match=says):
+        etalon.compare(target, etalon.Settings(scheduler=nobody))
+    with pytest.raises(etalon.EtalonError, match=says):
+        etalon.render(target, etalon.RenderOptions(scheduler=nobody))
+    with pytest.raises(etalon.EtalonError, match=says):
+        etalon.batch(tmp_path / "plan.toml", scheduler=nobody)
+
+
+def test_a_scheduler_that_is_no_text_is_one_line():
+    with pytest.raises(etalon.EtalonError, match=r"^scheduler: 8786 is not a text$"):
+        etalon.Settings(scheduler=8786)
+
+
+def test_a_plan_names_no_scheduler(tmp_path):
+    (tmp_path / "plan.toml").write_text(PLAN.format(options='scheduler = "tcp://h:1"'))
+    with pytest.raises(etalon.EtalonError, match=r"\[options\]: unknown option 'scheduler'"):
+        etalon.batch(tmp_path / "plan.toml")

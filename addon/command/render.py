@@ -3,18 +3,14 @@
 
 from __future__ import annotations
 
-from ...lib.cluster.client import connect
-from ...lib.cluster.replicates import render_film_on_cluster
+from ...lib.cluster.replicates import render_where_asked
 from ...lib.errors import EtalonError
 from ...lib.files.atomic import replace_file
 from ...lib.film.exr import write_film
-from ...lib.film.film import Film
 from ...lib.plain_text import one_line
 from ...lib.plural import plural
 from ...lib.progress import Progress
-from ...lib.rendering.replicates import render_film
-from ...lib.scene.scene import Scene
-from ...lib.settings.common import LOCAL, Target, Terminal
+from ...lib.settings.common import Target, Terminal
 from ...lib.settings.reference import RenderOptions, RenderOutput
 from .console import bar, interruptible, print_json
 from .exported import read_scene
@@ -25,7 +21,8 @@ def run(target: Target, settings: RenderOutput, terminal: Terminal) -> int:
     scene = read_scene(target)
     with replace_file(settings.out) as path, interruptible() as interrupted, bar(scene.name, terminal) as shown:
         shown.begin("rendering")
-        film = _render(scene, settings, Progress(shown.report, interrupted))
+        progress = Progress(shown.report, interrupted)
+        film = render_where_asked(scene, settings.part(RenderOptions), progress)
         if not film.moments.n:
             raise EtalonError(f"{scene.name}: interrupted before the first replicate was done; nothing was written")
         write_film(path, film)
@@ -42,13 +39,3 @@ def run(target: Target, settings: RenderOutput, terminal: Terminal) -> int:
         for remark in film.remarks:
             print(f"  {remark}")
     return 0
-
-
-def _render(scene: Scene, settings: RenderOutput, progress: Progress) -> Film:
-    """The film, made here or by the workers of a scheduler."""
-    options = settings.part(RenderOptions)
-    if settings.scheduler == LOCAL:
-        return render_film(scene, options, progress)
-    with connect(settings.scheduler) as cluster:
-        cluster.check()
-        return render_film_on_cluster(cluster, scene, options, progress)

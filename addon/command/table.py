@@ -20,7 +20,7 @@ from ...lib.settings.commands import (
     StabilityOptions,
 )
 from ...lib.settings.common import PageTerminal, Target, Terminal
-from ...lib.settings.comparison import CompareSettings
+from ...lib.settings.comparison import Settings
 from ...lib.settings.cost import CostOptions
 from ...lib.settings.declaration import Declared
 from ...lib.settings.fit import FitOptions
@@ -90,7 +90,7 @@ class Command:
 COMMANDS = (
     Command(
         "compare",
-        (Target, CompareSettings, PageTerminal),
+        (Target, Settings, PageTerminal),
         "render with the reference and with Cycles, and compare the images",
         epilog=VERDICTS,
         blender=True,

@@ -9,13 +9,14 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from copy import copy as shallow_copy
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
-from ...lib.batch.process import end, find_blender, send, start
+from ...lib.batch.process import end, find_blender, last_lines, send, start
 from ...lib.errors import EtalonError, Refusal, Refused
 from ...lib.film.parts import Part, encode_part
 from ...lib.film.rendering import Rendering
@@ -27,6 +28,12 @@ from ...lib.settings.comparison import Settings
 from .worker import MARK
 
 WORKER = Path(__file__).with_name("worker.py")
+# Seconds that a process may take to end once it has closed its output.
+_PATIENCE = 5.0
+
+
+class BlenderEnded(EtalonError):
+    """The process ended before it had answered."""
 
 
 class AnotherBlender:
@@ -34,10 +41,12 @@ class AnotherBlender:
 
     Only its construction needs the main thread. `command` starts a Blender, or a Python that has Blender as a module,
     with `worker.py`; the `request` says which scene. Files that the two pass each other lie in `folder`. Errors call
-    the process `title`.
+    the process `title`. Unless it `exports`, it renders alone.
     """
 
-    def __init__(self, command: Sequence[str], request: dict[str, Any], folder: Path, title: str) -> None:
+    def __init__(
+        self, command: Sequence[str], request: dict[str, Any], folder: Path, title: str, exports: bool = True
+    ) -> None:
         self.name = "Cycles"
         self.title = title
         self.settings: dict[str, Any] = {}
@@ -48,7 +57,7 @@ class AnotherBlender:
         self._log = folder / "second_blender.log"
         with self._log.open("w", encoding="utf-8") as log:
             self._process = start(
-                [*command, json.dumps(request | {"folder": str(folder)})],
+                [*command, json.dumps(request | {"folder": str(folder), "exports": exports})],
                 temporary=folder,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -57,6 +66,10 @@ class AnotherBlender:
 
     def export(self) -> Scene:
         """The scene, exported there; raises Refused or EtalonError."""
+        return archive.load(Path(self.open()["scene"]))
+
+    def open(self) -> dict[str, Any]:
+        """Wait until the scene is open there; what the process says of it. Raises as `export`."""
         reply = next(self._replies())
         if "refusals" in reply:
             raise Refused([Refusal(**refusal) for refusal in reply["refusals"]], reply["allows_partial"])
@@ -64,7 +77,7 @@ class AnotherBlender:
             raise EtalonError(reply["error"])
         self.name, self.settings = reply["name"], reply["settings"]
         self.scene, self.may_shrink = reply["title"], reply["may_shrink"]
-        return archive.load(Path(reply["scene"]))
+        return reply
 
     def at_size(self, width: int, height: int) -> Self:
         """The same view with fewer pixels, from the same process."""
@@ -139,14 +152,19 @@ class AnotherBlender:
                 yield json.loads(line[len(MARK) :])
         raise self._gone()
 
-    def _gone(self) -> EtalonError:
+    def _gone(self) -> BlenderEnded:
         """The error that says how the process ended, in its own last words."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(_PATIENCE)
+        code = self._process.poll()
         try:
-            lines = self._log.read_text(encoding="utf-8", errors="replace").split("\n")
+            words = last_lines(self._log.read_text(encoding="utf-8", errors="replace"))
         except OSError:
-            lines = []
-        words = next((line.strip() for line in reversed(lines) if line.strip()), "without a word")
-        return EtalonError(f"{self.title} ended early ({words}); compare from the command line to see more")
+            words = ""
+        if code is not None and code < 0:
+            words = f"signal {-code}; {words}" if words else f"signal {-code}"
+        words = words or "without a word"
+        return BlenderEnded(f"{self.title} ended early ({words}); compare from the command line to see more")
 
 
 class SecondBlender(AnotherBlender):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The script that runs inside another Blender, or a Python that has Blender as a module.
 
-The one argument after `--` is JSON. `scene` or `target`: export that scene, then render one replicate for each line on
-standard input. `words`: run that command line of `etalon`. `display`: apply that view transform to an image in
-`folder`. `probe`: say which Blender this is, and which of these modules it lacks. `packages` is a folder with modules
-that it lacks.
+The one argument after `--` is JSON. `scene` or `target`: open that scene, export it where `exports` says so, then
+render one replicate for each line on standard input. `words`: run that command line of `etalon`. `display`: apply
+that view transform to an image in `folder`. `probe`: say which Blender this is, and which of these modules it lacks.
+`packages` is a folder with modules that it lacks.
 
 It is run as a script, so it makes the package around it importable first, under the name it has outside Blender.
 """
@@ -77,17 +77,13 @@ def _serve(request: dict[str, Any], package: str) -> None:
     with quiet.quiet(), contextlib.ExitStack() as stack:
         try:
             scene = bpy.data.scenes[request["scene"]] if "scene" in request else _open(request["target"], package)
-            archive.save(job.export(scene, settings.partial, settings.motion_blur), folder / "scene.npz")
+            if request["exports"]:
+                archive.save(job.export(scene, settings.partial, settings.motion_blur), folder / "scene.npz")
             state = {"threads": settings.threads, "motion_blur": settings.motion_blur}
             stack.enter_context(cycles.neutral(scene, **state))
             renderer = cycles.CyclesRenderer(scene, seed=settings.seed, **state)
-            say(
-                name=renderer.name,
-                settings=renderer.settings,
-                scene=str(folder / "scene.npz"),
-                title=job.name_of_file(scene),
-                may_shrink=not scene.render.use_border,
-            )
+            about = {"title": job.name_of_file(scene), "may_shrink": not scene.render.use_border}
+            say(name=renderer.name, settings=renderer.settings, scene=str(folder / "scene.npz"), **about)
             while True:
                 wanted = json.loads(requests.get())
                 if "show" in wanted:

@@ -17,7 +17,7 @@ from ..memory import resident_memory
 from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
-from .process import end
+from .process import end, last_lines
 
 VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
 _OURS = "etalon: "
@@ -138,5 +138,6 @@ def _reason(code: int, errors: str) -> str:
     if code == ExitCode.BAD_INPUT and ours:
         return ours[0] + (f" (and {len(ours) - 1} more)" if len(ours) > 1 else "")
     if code < 0:
-        return f"it was ended by signal {-code}"
+        said = last_lines(errors)
+        return f"it was ended by signal {-code}" + (f" ({said})" if said else "")
     return lines[-1].removeprefix(_OURS) if lines else f"the process ended with code {code}"

@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 from ..errors import EtalonError, unknown
 from ..settings.common import Target
-from ..settings.comparison import Settings
+from ..settings.comparison import ComparisonSettings
 from ..settings.declaration import Declared, Option
 from ..settings.units import Seconds
 from ..settings.words import read_table
@@ -293,18 +293,18 @@ def _options(table: dict[str, Any]) -> tuple[tuple[str, ...], list[Variation]]:
     """
     if "out" in table:
         raise EtalonError("[options] cannot set 'out'; each comparison gets a folder below the plan's own 'out'")
-    known = {declared.flag: declared for kind in (Target, Settings) for declared in kind.options()}
+    known = {declared.flag: declared for kind in (Target, ComparisonSettings) for declared in kind.options()}
     single = {flag: value for flag, value in table.items() if not _is_axis(known.get(flag), value)}
     several = {flag: value for flag, value in table.items() if flag not in single}
     axes = []
     try:
-        words = read_table((Target, Settings), single)
+        words = read_table((Target, ComparisonSettings), single)
         _check_words(words)
         for flag, values in several.items():
             if not values:
                 raise EtalonError(f"the list of '{flag}' is empty; give at least one value")
             _refuse_twice(f"value of '{flag}'", values)
-            of_values = tuple(read_table((Target, Settings), {flag: value}) for value in values)
+            of_values = tuple(read_table((Target, ComparisonSettings), {flag: value}) for value in values)
             for one in of_values:
                 _check_words((*words, *one))
             shown = tuple(tuple(v) if isinstance(v, list) else v for v in values)
@@ -322,7 +322,7 @@ def _is_axis(declared: Option | None, value: Any) -> bool:
 
 
 def _check_words(words: tuple[str, ...]) -> None:
-    for kind in (Target, Settings):
+    for kind in (Target, ComparisonSettings):
         read_words(kind, words)
 
 

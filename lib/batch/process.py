@@ -59,10 +59,10 @@ def start(
     return subprocess.Popen(command, text=True, env=environment, start_new_session=True, **pipes)
 
 
-def start_comparison(command: list[str], ahead: bool = False) -> subprocess.Popen[str]:
+def start_comparison(command: list[str], ahead: bool = False, temporary: Path | None = None) -> subprocess.Popen[str]:
     """Start an `etalon compare` whose words and errors this process reads."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
-    return start(command, leash=True, ahead=ahead, **pipes)
+    return start(command, temporary, leash=True, ahead=ahead, **pipes)
 
 
 def send(process: subprocess.Popen[str], line: str) -> None:
@@ -83,6 +83,12 @@ def send(process: subprocess.Popen[str], line: str) -> None:
         if signal.SIGPIPE in signal.sigpending():
             signal.sigwait({signal.SIGPIPE})
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def last_lines(text: str, most: int = 3) -> str:
+    """The last lines of what a process wrote, `most` of those that are not empty, as one line."""
+    lines = [line.strip() for line in text.replace("\r", "\n").split("\n")]
+    return "; ".join([line for line in lines if line][-most:])
 
 
 def end(process: subprocess.Popen[str]) -> None:

@@ -80,7 +80,7 @@ def run_on_worker(
         out = Path(made) / "out"
         command = [*etalon_command(), name, str(places.get(scene, scene)), *rest, *_threads(words), f"--out={out}"]
         status, code, message = run_comparison(
-            partial(start_comparison, command), out, Limits(seconds, memory, watch_task())
+            partial(start_comparison, command, temporary=Path(made)), out, Limits(seconds, memory, watch_task())
         )
         report = {path.name: path.read_bytes() for path in out.glob("*") if path.is_file()}
     return Done(status, code, message, report)

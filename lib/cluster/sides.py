@@ -8,54 +8,30 @@ matter which worker renders it, or when.
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, wait
-from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
 from threading import Event
 from typing import Any
 
 from ..comparison.sides import Replicates
-from ..film.parts import Part
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
-from ..scene import archive
-from ..settings.reference import Options
-from ..version import VERSION
-from ..wavefront.render import ReferenceRenderer
-from .client import Cluster
-from .replicates import RENDERING
-from .worker import Lacks, digest_of, find_content, require_version, watch_task, worker_name
+from .replicates import Ask, Request
 
 # Seconds between two questions whether the user wants the work to end.
 _LOOK = 0.5
 
 
-@dataclass(frozen=True)
-class Request:
-    """One replicate of a side: its number, its samples per pixel, and its windows (None: the whole image)."""
-
-    replicate: int
-    samples: int
-    windows: Windows | None = None
-
-
-Ask = Callable[[Request, Callable[[], bool]], Rendering]
-
-
 class SpreadSide:
     """A renderer whose replicates come from workers, `ahead` of them at once.
 
-    `local` gives the name and the settings. `ask` has one replicate rendered on some worker, and ends early once its
-    second argument says so; it is called in threads of `pool`.
+    `local` gives the name and the settings. `ask` is called in threads of `pool`. No replicate from number `count` on is
+    begun ahead.
     """
 
-    def __init__(self, local: Replicates, ask: Ask, pool: Executor, ahead: int) -> None:
-        self._local, self._ask, self._pool, self._ahead = local, ask, pool, ahead
+    def __init__(self, local: Replicates, ask: Ask, pool: Executor, ahead: int, count: int = COUNTED.count) -> None:
+        self._local, self._ask, self._pool, self._ahead, self._count = local, ask, pool, ahead, count
         self._waiting: dict[Request, tuple[Future[Rendering], Event]] = {}
         self._usual = 1
 
@@ -113,42 +89,5 @@ class SpreadSide:
         if first.windows is None:
             self._usual = first.samples
         step = max(first.samples // self._usual, 1)
-        numbers = range(first.replicate, COUNTED.count, step)[: self._ahead]
-        return [Request(number, first.samples, first.windows) for number in numbers]
-
-
-def ask_reference(cluster: Cluster, reference: ReferenceRenderer) -> Ask:
-    """A function that has a replicate of `reference` rendered on some worker."""
-    with tempfile.TemporaryDirectory() as made:
-        path = Path(made) / "scene.npz"
-        archive.save(reference.scene, path)
-        content = path.read_bytes()
-    digest = digest_of(content)
-
-    def ask(request: Request, is_ending: Callable[[], bool]) -> Rendering:
-        arguments = (VERSION, digest, reference.options, reference.passes, request)
-        return cluster.call(render_reference, arguments, {digest: content}, is_ending)
-
-    return ask
-
-
-def render_reference(
-    version: str, digest: str, options: Options, passes: Sequence[Part], request: Request
-) -> Rendering | Lacks:
-    """Render one replicate of the reference on the worker that this call came to.
-
-    It is of the saved scene with that digest.
-    """
-    require_version(version)
-    path = find_content(digest)
-    if path is None:
-        return Lacks(worker_name(), (digest,))
-    with RENDERING:
-        renderer = _reference(path, options, tuple(passes))
-        progress = Progress(is_cancelled=watch_task())
-        return renderer.render(request.replicate, request.samples, progress, request.windows)
-
-
-@lru_cache(maxsize=1)
-def _reference(path: Path, options: Options, passes: tuple[Part, ...]) -> ReferenceRenderer:
-    return ReferenceRenderer(archive.load(path), options, passes=passes)
+        later = range(first.replicate + step, self._count, step)[: self._ahead - 1]
+        return [Request(number, first.samples, first.windows) for number in (first.replicate, *later)]

@@ -18,7 +18,7 @@ from ..film.light_passes import is_asked
 from ..film.parts import WORLD, BounceLimit, Part
 from ..film.windows import Windows
 from ..sampling.streams import FIRST_CALLS
-from ..settings.comparison import AUTO, Settings
+from ..settings.comparison import AUTO, ComparisonSettings
 from ..wavefront.render import ReferenceRenderer
 from .memory import lacking_memory
 
@@ -58,7 +58,7 @@ class PassChoice:
 NO_CHOICE = PassChoice()
 
 
-def choose_passes(reference: ReferenceRenderer, settings: Settings) -> PassChoice:
+def choose_passes(reference: ReferenceRenderer, settings: ComparisonSettings) -> PassChoice:
     """Choose the passes that `--passes auto` stands for; other values stay.
 
     The scene is that which `reference` renders. 'auto' stands for all passes where they are cheap and no unsupported
@@ -100,7 +100,7 @@ def fit_memory(choice: PassChoice, parts: Sequence[Part], width: int, height: in
     return replace(choice, passes="none", why_not=WhyNot.MEMORY)
 
 
-def asked_parts(reference: ReferenceRenderer, settings: Settings) -> tuple[Part, ...]:
+def asked_parts(reference: ReferenceRenderer, settings: ComparisonSettings) -> tuple[Part, ...]:
     """The parts that `settings` ask for, of the scene that `reference` renders.
 
     They are light passes, limits of bounces and emitters. 'auto' stands for no light passes here; `choose_passes`

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ..errors import Cancelled
 from ..film.film import Film
+from ..film.parts import Part
 from ..light_tracing.render import LightTracingRenderer
 from ..metropolis.render import MetropolisRenderer
 from ..photon_mapping.render import PhotonMappingRenderer
@@ -24,7 +26,7 @@ def render_film(
     options: RenderOptions,
     progress: Progress = NO_PROGRESS,
 ) -> Film:
-    """Render `options.replicates` independent replicates.
+    """Render `options.replicates` independent replicates on this machine.
 
     Cancelling keeps those that are done, which may be none.
     """
@@ -41,8 +43,8 @@ def render_film(
     return film
 
 
-def make_renderer(scene: Scene, options: RenderOptions) -> Estimator:
-    """The estimator that the strategy names."""
+def make_renderer(scene: Scene, options: Options, passes: Sequence[Part] = ()) -> Estimator:
+    """The estimator that the strategy names; only path tracing renders the `passes`."""
     others = {
         LIGHT_TRACING: LightTracingRenderer,
         PHOTON_MAPPING: PhotonMappingRenderer,
@@ -50,4 +52,4 @@ def make_renderer(scene: Scene, options: RenderOptions) -> Estimator:
     }
     if options.strategy in others:
         return others[options.strategy](scene, replace(options, strategy=STRATEGIES[0]).part(Options))
-    return ReferenceRenderer(scene, options.part(Options))
+    return ReferenceRenderer(scene, options.part(Options), passes=passes)

@@ -71,27 +71,10 @@ class CompareOptions(Seeded):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings(CompareOptions, Options):
-    """All settings of a comparison.
+class ComparisonSettings(CompareOptions, Options):
+    """All settings of a comparison, wherever it runs: those that a batch and a comparison of versions take.
 
-    They are the verdict's options, the reference's, and where the results go.
-
-    tolerance, confidence, time, samples, replicates: as in CompareOptions.
-    strategy, direct, masking, sampler, departures, russian_roulette, seed, threads: as in Options.
-    passes: the light passes that are compared beside the image: 'auto', 'none', 'all', or those of one name.
-    bounces: limits of bounces, from the first to the last, under which images are compared too.
-    lights: compare the light of each emitter.
-    size: whether a smaller image may be compared, 'auto', or not, 'full'.
-    partial: compare what can be compared where materials are not supported. motion_blur: compare with the scene's motion blur.
-    out: folder for the results.
-    Raises EtalonError for a value out of range.
-
-    >>> Settings(tolerance=0.02, time=60).tolerance
-    0.02
-    >>> Settings(strategy="visable")
-    Traceback (most recent call last):
-    ...
-    etalon.lib.errors.EtalonError: unknown strategy 'visable'; did you mean 'visible'?
+    They are described in Settings.
     """
 
     size: str = option(
@@ -148,8 +131,29 @@ class Settings(CompareOptions, Options):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareSettings(Settings):
-    """Options of the command `etalon compare`, which can use several machines."""
+class Settings(ComparisonSettings):
+    """All settings of a comparison.
+
+    They are the verdict's options, the reference's, where the results go, and where replicates are rendered.
+
+    tolerance, confidence, time, samples, replicates: as in CompareOptions.
+    strategy, direct, masking, sampler, departures, russian_roulette, seed, threads: as in Options.
+    passes: the light passes that are compared beside the image: 'auto', 'none', 'all', or those of one name.
+    bounces: limits of bounces, from the first to the last, under which images are compared too.
+    lights: compare the light of each emitter.
+    size: whether a smaller image may be compared, 'auto', or not, 'full'.
+    partial: compare what can be compared where materials are not supported. motion_blur: compare with the scene's motion blur.
+    out: folder for the results.
+    scheduler: 'local', or the address of a Dask scheduler whose workers render the replicates, such as 'tcp://host:8786'.
+    Raises EtalonError for a value out of range.
+
+    >>> Settings(tolerance=0.02, time=60).tolerance
+    0.02
+    >>> Settings(strategy="visable")
+    Traceback (most recent call last):
+    ...
+    etalon.lib.errors.EtalonError: unknown strategy 'visable'; did you mean 'visible'?
+    """
 
     scheduler: str = option(
         LOCAL, Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"

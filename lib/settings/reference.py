@@ -130,6 +130,7 @@ class RenderOptions(Options):
     strategy: as in Options, or another estimator of the image: 'light-tracing' starts paths at the lights, `samples`
         for every pixel; 'photon-mapping' makes a map of photons for each sample, and the film's `remarks` state its
         bias; 'metropolis' mutates the random numbers of paths and refuses a `sampler` that is not the default.
+    scheduler: 'local', or the address of a Dask scheduler whose workers render the replicates, such as 'tcp://host:8786'.
     """
 
     strategy: str = again(
@@ -142,6 +143,9 @@ class RenderOptions(Options):
 
     samples: int = option(64, Whole("N", 1), "samples per pixel in each replicate")
     replicates: int = option(8, Whole("R", 1), "number of independent replicates")
+    scheduler: str = option(
+        LOCAL, Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,6 +153,3 @@ class RenderOutput(RenderOptions):
     """Options of the command `etalon render`, which writes a file."""
 
     out: Path = required(FilePath("FILE.exr"), "image to write")
-    scheduler: str = option(
-        LOCAL, Unit("ADDRESS"), "render replicates on the workers of a Dask scheduler, such as tcp://host:8786"
-    )

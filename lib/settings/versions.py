@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import EtalonError
 from .common import Target
-from .comparison import Settings
+from .comparison import ComparisonSettings
 from .declaration import Declared, again, option, required
 from .units import FilePath, Texts
 
@@ -34,24 +34,24 @@ class VersionsTarget(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class VersionsSettings(Settings):
+class VersionsSettings(ComparisonSettings):
     """The options of a comparison, for all scenes.
 
     out: folder for versions.html, versions.json and the reports.
     """
 
-    tolerance: float = again(Settings, "tolerance", help="largest relative change that counts as none")
+    tolerance: float = again(ComparisonSettings, "tolerance", help="largest relative change that counts as none")
     confidence: float = again(
-        Settings, "confidence", help="confidence of all claims on the changes of a scene together"
+        ComparisonSettings, "confidence", help="confidence of all claims on the changes of a scene together"
     )
     time: float | None = again(
-        Settings,
+        ComparisonSettings,
         "time",
         help="time budget of a scene; one half goes to comparisons with the reference, one to comparing the versions",
         nullable=False,
     )
     passes: str = again(
-        Settings,
+        ComparisonSettings,
         "passes",
         help="light passes to compare beside the image; auto: those of comparisons with the reference, none between versions",
     )

@@ -15,7 +15,7 @@ from ..departures.catalogue import Departure, changed, relevant
 from ..progress import Progress
 from ..scene.archive import fingerprint
 from ..scene.scene import Scene
-from ..settings.comparison import CompareOptions, Settings
+from ..settings.comparison import CompareOptions, ComparisonSettings
 from ..settings.reference import Options
 from ..wavefront.coverage import coverage
 from ..wavefront.render import ReferenceRenderer
@@ -52,7 +52,7 @@ class Measured:
     divisor: int
 
 
-def measure(name: str, versions: Sequence[Opened], settings: Settings, progress: Progress) -> Measured:
+def measure(name: str, versions: Sequence[Opened], settings: ComparisonSettings, progress: Progress) -> Measured:
     """Render the scene called `name` in all `versions`, and judge each change.
 
     Raises EtalonError where nothing was rendered.
@@ -101,7 +101,7 @@ def _changed(versions: Sequence[Opened], masking: str) -> list[tuple[Departure, 
 
 
 def _models(
-    versions: Sequence[Opened], prints: Sequence[str], references: dict[str, Any], settings: Settings
+    versions: Sequence[Opened], prints: Sequence[str], references: dict[str, Any], settings: ComparisonSettings
 ) -> list[ReferenceRenderer]:
     """For each version the reference with all departures that it has.
 

@@ -19,7 +19,7 @@ ELSEWHERE = (
     *("lib/versions", "lib/probe", "lib/photon_mapping", "lib/metropolis", "lib/light_tracing", "lib/rendering"),
     *("lib/report/read.py", "lib/report/browser.py", "lib/settings/commands.py", "lib/settings/versions.py"),
 )
-ERRORS = {"EtalonError", "SceneError", "Cancelled"}
+ERRORS = {"EtalonError", "SceneError", "Cancelled", "BlenderEnded"}
 
 
 def sources() -> Iterator[Path]:

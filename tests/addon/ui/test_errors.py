@@ -31,6 +31,7 @@ NOT_SHOWN = {
     "{}: there are {} replicates, and number {} is asked for; give fewer replicates of more samples",
     "{} is a folder; name a file",
     "worker {} has Blender {}; install Blender {} there, as here",
+    "the comparison has ended",
     # The first words of `unknown`, which is recognised as a whole.
     *("option", "strategy", "--{}"),
     # Commands that the panel ends at once when they are cancelled.

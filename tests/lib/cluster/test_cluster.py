@@ -57,6 +57,18 @@ found = [scene.read_text(), (scene.parent.parent / "textures" / "wood.png").read
 (out / "verdict.json").write_text(json.dumps(VERDICT | {"found": found, "at": str(scene)}))
 """
 
+# Before it stands in, it dies with the first scene as often as the file beside it says.
+MORTAL = """
+import os, signal, sys
+from pathlib import Path
+deaths = Path(__file__).with_name("deaths")
+if sys.argv[1] == "compare" and sys.argv[2].endswith("a.blend") and int(deaths.read_text()):
+    deaths.write_text(str(int(deaths.read_text()) - 1))
+    print("loading", file=sys.stderr)
+    print("out of luck", file=sys.stderr, flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
 
 @pytest.fixture(scope="module")
 def address():
@@ -121,6 +133,19 @@ def test_a_batch_reaches_workers_by_path_or_by_content(address, plan, monkeypatc
         assert run_plan(plan, How("5.3.0", cluster=cluster, force=True), [].append) == 0
     assert [one["found"] for one in reports(plan)] == [["a", "wood"], ["b", "wood"]]
     assert not {one["at"] for one in reports(plan)} & {plan.target(name) for name in plan.scenes}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+@pytest.mark.parametrize(("deaths", "code"), [(1, 0), (2, 2)])
+def test_a_comparison_that_dies_in_a_living_worker_begins_again_once(address, plan, deaths, code):
+    program, told = plan.folder / "stand_in.py", []
+    program.write_text(MORTAL + program.read_text())
+    (plan.folder / "deaths").write_text(str(deaths))
+    with connect(address) as cluster:
+        assert run_plan(plan, How("5.3.0", cluster=cluster), told.append) == code
+    assert (plan.folder / "deaths").read_text() == "0"
+    assert len(reports(plan)) == 3 - deaths
+    assert any("failed: it was ended by signal 9 (loading; out of luck)" in line for line in told) == (code != 0)
 
 
 def test_files_at_absolute_paths_that_a_worker_has_not_are_refused(address, plan, monkeypatch):

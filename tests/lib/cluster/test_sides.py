@@ -10,7 +10,8 @@ from threading import Event
 import numpy as np
 import pytest
 from etalon.lib.cluster.client import connect
-from etalon.lib.cluster.sides import Request, SpreadSide, ask_reference, render_reference
+from etalon.lib.cluster.replicates import Request, ask_reference, render_replicate
+from etalon.lib.cluster.sides import SpreadSide
 from etalon.lib.comparison.compare import compare
 from etalon.lib.errors import Cancelled, EtalonError
 from etalon.lib.film.rendering import Rendering
@@ -54,7 +55,8 @@ def assert_same(found, expected):
 
 def compare_spread(cluster, sides, options, progress):
     with ThreadPoolExecutor() as pool:
-        spread = [SpreadSide(side, ask_reference(cluster, side), pool, 3) for side in sides]
+        asks = [ask_reference(cluster, side.scene, side.options, side.passes) for side in sides]
+        spread = [SpreadSide(side, ask, pool, 3) for side, ask in zip(sides, asks, strict=True)]
         try:
             return compare(SCENE, *spread, {}, options, progress)
         finally:
@@ -92,7 +94,7 @@ def test_a_worker_with_another_version_is_refused_in_one_line():
         cluster_of_two(processes=False) as cluster,
         pytest.raises(EtalonError, match=r"^worker tcp://.* install Étalon 0\.0 there, as here$"),
     ):
-        cluster.call(render_reference, ("0.0", "", Options(), (), Request(0, 1)), {}, bool)
+        cluster.call(render_replicate, ("0.0", "", Options(), (), Request(0, 1)), {}, bool)
 
 
 class Recorder:
@@ -120,6 +122,15 @@ def test_what_will_be_asked_for_next_is_begun_once():
     whole = [Request(number, 8) for number in (0, 1, 2, 3)]
     part = [Request(number, 16, windows) for number in (2, 4, 6)]
     assert recorder.asked == [Request(FIRST_CALLS.number(0), 4), *whole, *part, Request(COUNTED.count - 1, 8)]
+
+
+def test_nothing_is_begun_that_the_number_of_replicates_rules_out():
+    recorder = Recorder()
+    with ThreadPoolExecutor(1) as pool:
+        side = SpreadSide(recorder, recorder.ask, pool, 3, count=4)
+        for number in range(5):
+            side.render(number, 8)
+    assert [one.replicate for one in recorder.asked] == [0, 1, 2, 3, 4]
 
 
 def test_a_call_ends_when_the_user_cancels_and_its_worker_is_told():

@@ -12,7 +12,7 @@ from etalon.addon.command.arguments import read_arguments
 from etalon.addon.command.table import COMMANDS
 from etalon.lib.errors import EtalonError
 from etalon.lib.settings.common import PageTerminal, Target
-from etalon.lib.settings.comparison import CompareOptions, CompareSettings, Settings
+from etalon.lib.settings.comparison import CompareOptions, Settings
 from etalon.lib.settings.declaration import Declared, option
 from etalon.lib.settings.reference import Options
 from etalon.lib.settings.units import Share
@@ -40,6 +40,7 @@ FULL = Settings(
     lights=True,
     partial=True,
     out="a folder/out",
+    scheduler="tcp://host:8786",
 )
 TARGET = Target(
     "my room.blend", 3, "Cam 2", assignments=('objects["A b"].x=1', "scene.render.resolution_percentage=50")
@@ -67,8 +68,7 @@ def test_texts_and_numbers_give_the_same_settings():
 
 
 def test_the_repeating_command_gives_the_same_settings_again():
-    full = CompareSettings(**vars(FULL), scheduler="tcp://host:8786")
-    assert read(repeating_command("compare", TARGET, full)) == (TARGET, full, PageTerminal())
+    assert read(repeating_command("compare", TARGET, FULL)) == (TARGET, FULL, PageTerminal())
     assert repeating_command("compare", Target("a.blend"), Settings()) == "etalon compare a.blend"
 
 
