@@ -66,6 +66,11 @@ class ChainUniforms(RandomTile):
             new = self._generator.random((2, chain.size)) if proposed is None else np.take(proposed, chosen, axis=1)
             state[:, chain] = new
 
+    @property
+    def large(self) -> np.ndarray:
+        """Which chains propose an independent sample, (n,) bool."""
+        return self._large
+
     def place(self) -> tuple[np.ndarray, np.ndarray]:
         """Raster points (n,) of the proposals, in pixels, x to the right and y up."""
         x, y = self._proposed[PIXEL] * self._raster

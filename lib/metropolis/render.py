@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -18,13 +19,13 @@ from ..film.rendering import Rendering
 from ..lights.light import luminance
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.sobol import stream_key
-from ..sampling.streams import METROPOLIS
+from ..sampling.streams import METROPOLIS, METROPOLIS_PILOT
 from ..scene.scene import Scene
 from ..settings.reference import SAMPLERS, Options
 from ..wavefront.render import ReferenceRenderer
 from ..wavefront.sums import PixelSums, StageClock
 from ..wavefront.trace import Tracer
-from .chains import ChainUniforms
+from .chains import LARGE, ChainUniforms
 
 # Paths of a group of chains, which is an estimator by itself; they share one thread. Chains of fewer are too short to get
 # away from the few bright samples that they start at.
@@ -35,6 +36,26 @@ CHAINS = 1024
 SHARE = 4
 # Independent samples that are traced at once.
 BLOCK = 1 << 15
+# Samples whose mean brightness balances independent samples and chains.
+PILOT = 1 << 13
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """Weights of independent samples and of the steps of chains, by the balance heuristic (Kelemen et al. 2002).
+
+    A path of brightness I is expected `independent` times among independent samples, and `steps` I / b times in chains, per
+    unit of its density, where b is the mean brightness. `level` stands for b. Any level that does not depend on the
+    samples leaves the image unbiased; with 0 the chains give the image alone.
+    """
+
+    independent: float
+    steps: int
+    level: float
+
+    def over(self, brightness: np.ndarray) -> np.ndarray:
+        """One over the sum of both, over `level`, (n,)."""
+        return 1.0 / np.maximum(self.independent * self.level + self.steps * brightness, 1e-300)
 
 
 @dataclass(frozen=True)
@@ -72,8 +93,9 @@ class MetropolisRenderer:
 
     Each group of chains first traces independent samples. Their mean brightness is the normalisation b, and the
     chains start at some of them, picked by brightness. So the image is unbiased, however short the chains are (Veach
-    1997, section 11.3.1). Replicates share nothing. Raises Refused for unsupported materials and motion, EtalonError
-    for a sampler: the chains have random numbers of their own.
+    1997, section 11.3.1). Independent samples, large steps among them, count beside the chains (`_Balance`). Replicates
+    share nothing but the level of that balance, which changes their noise alone. Raises Refused for unsupported
+    materials and motion, EtalonError for a sampler: the chains have random numbers of their own.
     """
 
     name = "Metropolis"
@@ -102,12 +124,12 @@ class MetropolisRenderer:
         paths = camera.width * camera.height * samples
         groups = -(-paths // GROUP_PATHS)
         image = PixelSums(camera.width * camera.height)
-        rays = 0
+        rays, level = 0, self._level
 
         def run(group: int) -> tuple[PixelSums, int]:
             key = int(stream_key(self.options.seed, replicate, METROPOLIS, group))
             with np.errstate(invalid="ignore"):  # what is not finite is counted
-                return self._run_group(np.random.default_rng(key), -(-paths // groups), progress)
+                return self._run_group(np.random.default_rng(key), -(-paths // groups), level, progress)
 
         with ThreadPoolExecutor(self.options.threads) as pool:
             for done, (sums, traced) in enumerate(pool.map(run, range(groups))):
@@ -119,36 +141,55 @@ class MetropolisRenderer:
         nonfinite = image.nonfinite.reshape(shape).astype(np.int32)
         return Rendering(radiance, nonfinite, perf_counter() - begin, {}, paths, rays)
 
-    def _run_group(self, generator: np.random.Generator, paths: int, progress: Progress) -> tuple[PixelSums, int]:
+    @cached_property
+    def _level(self) -> float:
+        """The mean brightness of a few samples of their own."""
+        generator = np.random.default_rng(int(stream_key(self.options.seed, 0, METROPOLIS_PILOT)))
+        camera = self.scene.camera
+        with np.errstate(invalid="ignore"):
+            found, _ = self._trace(ChainUniforms(generator, PILOT, camera.width, camera.height), PILOT)
+        return float(found.brightness.mean())
+
+    def _run_group(
+        self, generator: np.random.Generator, paths: int, level: float, progress: Progress
+    ) -> tuple[PixelSums, int]:
         """The image by one group of chains, and its rays."""
         camera = self.scene.camera
         sums = PixelSums(camera.width * camera.height)
         first = max(paths // SHARE, 1)
         count = min(CHAINS, max(paths - first, 1))
         length = max((paths - first) // count, 1)
-        chains, now, total, rays = self._start(generator, first, count, sums, progress)
+        balance = _Balance(first + LARGE * count * length, count * length, level)
+        chains, now, total, rays = self._start(generator, first, count, balance, sums, progress)
         if total == 0.0:
             return sums, rays
-        scale = total / first * sums.nonfinite.size / (count * length)
+        mean = total / first
         for _ in range(length):
             chains.propose()
             new, traced = self._trace(chains, count)
             rays += traced
             chance = np.minimum(new.brightness / np.maximum(now.brightness, 1e-300), 1.0)
-            for values, share in ((new, chance), (now, 1.0 - chance)):
-                share = share * scale / np.where(values.brightness > 0.0, values.brightness, 1.0)
-                sums.add(values.pixel, values.radiance * share)
+            independent = np.where(chains.large, level, 0.0)
+            for values, share in ((new, independent + chance * mean), (now, (1.0 - chance) * mean)):
+                sums.add(values.pixel, values.radiance * (share * balance.over(values.brightness)))
             sums.nonfinite += np.bincount(new.pixel[new.bad], minlength=sums.nonfinite.size)
             accepted = generator.random(count) < chance
             chains.accept(accepted)
             now = now.replaced(new, accepted)
             progress.check()
+        sums.radiance *= sums.nonfinite.size
         return sums, rays
 
     def _start(
-        self, generator: np.random.Generator, first: int, count: int, sums: PixelSums, progress: Progress
+        self,
+        generator: np.random.Generator,
+        first: int,
+        count: int,
+        balance: _Balance,
+        sums: PixelSums,
+        progress: Progress,
     ) -> tuple[ChainUniforms, _Values, float, int]:
-        """Trace `first` independent samples and start `count` chains at some of them.
+        """Trace `first` independent samples into `sums`, and start `count` chains at some of them.
 
         Each chain starts at a sample that is picked in proportion to its brightness among all of them, block by block.
         Returned are the chains, what they contribute, the sum of the brightness of all samples, and the rays.
@@ -163,6 +204,7 @@ class MetropolisRenderer:
             found, traced = self._trace(uniforms, size)
             rays += traced
             sums.nonfinite += np.bincount(found.pixel[found.bad], minlength=sums.nonfinite.size)
+            sums.add(found.pixel, found.radiance * (balance.level * balance.over(found.brightness)))
             more = float(found.brightness.sum())
             if more > 0.0:
                 total += more

@@ -83,8 +83,9 @@ VOLUME_PLACE, VOLUME_LIGHT, VOLUME_CHOICES, VOLUME_FLIGHT, VOLUME_PHASE, VOLUME_
 # Rays of ambient occlusion, a pair for each step of a camera path.
 OCCLUSION = 1 << 26
 
-# Keys beside the dimensions: how pixels pick and shift point sets, the generator of plain random numbers, and those of Markov chains.
-PIXEL_KEYS, RANDOM_NUMBERS, METROPOLIS = -2, -1, -3
+# Keys beside the dimensions: how pixels pick and shift point sets, the generator of plain random numbers, those of Markov chains, and of the
+# samples from which all replicates of chains take one level of brightness.
+PIXEL_KEYS, RANDOM_NUMBERS, METROPOLIS, METROPOLIS_PILOT = -2, -1, -3, -4
 
 
 def step_dimension(step: int, decision: int) -> int:

@@ -27,11 +27,21 @@ def box():
     return the_scene, 2.0 * sum(0.6**k for k in range(4))
 
 
-def test_a_lamp_over_a_floor(seed):
-    """I cos / D^2, pixel by pixel."""
+def assert_lamp(seed):
+    """I cos / D^2 of a lamp over a floor, pixel by pixel."""
     light = PointLight("point", (0.3, 0.2, 0.8), (1.0, 1.0, 1.0))
     exact = over_pixels(lambda x, y: 0.8 / ((x - 0.3) ** 2 + (y - 0.2) ** 2 + 0.64) ** 1.5)
     assert_mean(replicates(lit([light]), 8, 2048, MetropolisRenderer, seed=seed), exact, 0.05)
+
+
+def test_a_lamp_over_a_floor(seed):
+    assert_lamp(seed)
+
+
+def test_large_steps_that_are_not_counted_among_independent_samples_are_seen(monkeypatch, seed):
+    monkeypatch.setattr(metropolis_render, "LARGE", 0.0)
+    with pytest.raises(AssertionError, match="difference"):
+        assert_lamp(seed)
 
 
 @pytest.mark.slow
@@ -76,7 +86,14 @@ def test_it_gives_the_image_of_path_tracing(seed):
 
 
 @pytest.mark.slow
+def test_chains_alone_give_the_image_of_path_tracing(monkeypatch, seed):
+    monkeypatch.setattr(MetropolisRenderer, "_level", 0.0)
+    assert_agree(seed)
+
+
+@pytest.mark.slow
 def test_chains_that_accept_every_proposal_are_seen(monkeypatch, seed):
+    monkeypatch.setattr(MetropolisRenderer, "_level", 0.0)  # chains alone: independent samples hide a part of the error
     accept = ChainUniforms.accept
     monkeypatch.setattr(ChainUniforms, "accept", lambda self, accepted: accept(self, np.ones_like(accepted)))
     with pytest.raises(AssertionError, match="difference"):
