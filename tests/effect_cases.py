@@ -10,6 +10,7 @@ from etalon.lib.scene.expressions import (
     ZERO,
     AmbientOcclusion,
     Attribute,
+    Bevel,
     Bump,
     Constant,
     Coordinates,
@@ -251,6 +252,10 @@ CASES = {
     "bumps": (
         [with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
         [with_uvs(PLAIN)],
+    ),
+    "bevels": (
+        [of(Diffuse(color(0.5), normal=Bevel(HALF))), of(Glossy("GGX", roughness=HALF, normal=Bevel(Constant(0.1))))],
+        [PLAIN, with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
     ),
     "ambient occlusion": (
         [

@@ -17,7 +17,7 @@ from ...lib.scene.sky import Sky
 from ...lib.scene.volumes import Volume
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, inputs, is_constant, walk
-from ...lib.wavefront.refuse import misused_occlusion
+from ...lib.wavefront.refuse import misused_rays
 from .nodes.displacement import read_bump, refuse_beside_bump
 from .nodes.images import ImageTable
 from .nodes.shaders import make_shader_reader, make_volume_reader
@@ -64,7 +64,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     _refuse_flags(owner, flags, "its emission", refusals)
     clear = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Transparent)))
     _refuse_flags(owner, clear & {*COUNTS}, "what lets light straight through", refusals)
-    misused = misused_occlusion(lobe for lobe in lobes if not adds_nothing(lobe))
+    misused = misused_rays(lobe for lobe in lobes if not adds_nothing(lobe))
     refusals.extend(Refusal(owner, *one) for one in dict.fromkeys(misused))
     return Material(
         material.name,

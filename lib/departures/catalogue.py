@@ -12,6 +12,7 @@ from ..blender_versions import Release, Versions, format_release, parse_release
 from ..effects.surface import has_film
 from ..errors import EtalonError
 from ..film.light_passes import Family, LightPass, direct, indirect
+from ..scattering.subsurface import BY_DISK
 from ..scene.converters import Curves
 from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
 from ..scene.findings import OVERLAPPING_FACES
@@ -317,7 +318,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "A walk below a surface ends after 256 free paths, and the light that has not left by then is lost: about 10 % of what a thick white "
         "body reflects, 5 % of a colour of 0.95, 0.2 % of 0.8. From the eleventh free path on scattering is isotropic, and as much weaker.",
         "kernel/integrator/subsurface_random_walk.h",
-        relevant=lambda scene: any(isinstance(c, Subsurface) for c in _closures(scene)),
+        relevant=lambda scene: any(isinstance(c, Subsurface) and c.mapping != BY_DISK for c in _closures(scene)),
         passes=DIFFUSE,
     ),
     Departure(

@@ -8,7 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..scene.expressions import AmbientOcclusion, Attribute, Bump, Checker, EnvironmentTexture, ImageTexture, NormalMap
+from ..scene.expressions import (
+    AmbientOcclusion,
+    Attribute,
+    Bevel,
+    Bump,
+    Checker,
+    EnvironmentTexture,
+    ImageTexture,
+    NormalMap,
+)
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import (
     Anisotropic,
@@ -87,6 +96,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.PROCEDURAL_TEXTURES, Stage.SHADE, socket((Checker, *PATTERNS), "no socket reads a pattern")),
     Entry(Effect.NORMAL_MAPS, Stage.SHADE, socket((NormalMap,), "no normal is mapped")),
     Entry(Effect.BUMPS, Stage.SHADE, socket((Bump,), "no bump is linked")),
+    Entry(Effect.BEVELS, Stage.SHADE, socket((Bevel,), "no bevel is linked")),
     Entry(Effect.MESH_ATTRIBUTES, Stage.SHADE, socket((Attribute,), "no socket reads an attribute")),
     Entry(Effect.AMBIENT_OCCLUSION, Stage.SHADE, socket((AmbientOcclusion,), "no socket reads ambient occlusion")),
     # What shines.

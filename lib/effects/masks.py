@@ -6,7 +6,7 @@ They concern masks of rays, linked lights, and lights without shadows or with fe
 
 from __future__ import annotations
 
-from ..scene.expressions import Expression, RayCount, RayFlag
+from ..scene.expressions import AfterDiffuse, Expression, RayCount, RayFlag
 from ..scene.links import EVERY_SET
 from ..scene.materials import Material, Transparent, WeightedClosure
 from ..scene.rays import COUNTS, EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
@@ -15,6 +15,8 @@ from ..textures.fold import walk
 from .facts import Facts
 from .geometry import Answer
 from .surface import named
+
+AFTER_DIFFUSE = "AFTER_DIFFUSE"
 
 
 def hidden_objects(facts: Facts) -> Answer:
@@ -39,7 +41,7 @@ def ray_flags(facts: Facts) -> Answer:
 
 def ray_counts(facts: Facts) -> Answer:
     """Whether shaders ask how often a path has scattered, or how long its last ray is."""
-    asking = [m.name for m in facts.materials if flags_in(m) & {*COUNTS}]
+    asking = [m.name for m in facts.materials if flags_in(m) & {*COUNTS, AFTER_DIFFUSE}]
     return named(
         asking, "the depth or length of rays is asked for by", "no shader asks for the depth or length of a ray"
     )
@@ -56,12 +58,16 @@ def reads_flags(owner: Material | World, *others: str) -> bool:
 
 
 def flags_in(owner: Material | World | WeightedClosure) -> set[str]:
-    """Return the ray flags and counts that a material, a part of it or a world reads, by name."""
+    """Return the ray flags and counts that a material, a part of it or a world reads, by name.
+
+    AFTER_DIFFUSE stands for the question whether a diffuse lobe came before, which only subsurface scattering asks.
+    """
     if isinstance(owner, Material):
         return set().union(*map(flags_in, owner.lobes))
     sockets = [owner.radiance] if isinstance(owner, World) else [owner.weight, *vars(owner.closure).values()]
     nodes = [n for v in sockets if isinstance(v, Expression) for n in walk(v)]
-    return {n.flag for n in nodes if isinstance(n, RayFlag)} | {n.count for n in nodes if isinstance(n, RayCount)}
+    found = {n.flag for n in nodes if isinstance(n, RayFlag)} | {n.count for n in nodes if isinstance(n, RayCount)}
+    return found | {AFTER_DIFFUSE for n in nodes if isinstance(n, AfterDiffuse)}
 
 
 def shadows_apart(facts: Facts) -> Answer:

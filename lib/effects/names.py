@@ -50,6 +50,7 @@ class Effect(StrEnum):
     PROCEDURAL_TEXTURES = "procedural textures"
     NORMAL_MAPS = "normal maps"
     BUMPS = "bumps"
+    BEVELS = "bevels"
     MESH_ATTRIBUTES = "mesh attributes"
     AMBIENT_OCCLUSION = "ambient occlusion"
 

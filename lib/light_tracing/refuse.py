@@ -46,7 +46,7 @@ def refuse_unsupported(kernel: Kernel) -> None:
 def masks_not_traced(kernel: Kernel) -> list[str]:
     """Return the masks of rays in the scene that paths from the lights do not support.
 
-    Also names volumes and ambient occlusion, if the scene has any.
+    Also names volumes, ambient occlusion and bevels, if the scene has any.
     """
     names = {
         Effect.RAY_KINDS: "ray visibility by light tracing",
@@ -57,6 +57,7 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
         Effect.LIGHT_BOUNCES: "limits of a light's bounces by light tracing",
         Effect.VOLUMES: "volumes by light tracing",
         Effect.AMBIENT_OCCLUSION: "ambient occlusion by light tracing",
+        Effect.BEVELS: "bevels by light tracing",
     }
     return [what for effect, what in names.items() if kernel.plan.needs(effect)]
 

@@ -83,6 +83,9 @@ VOLUME_PLACE, VOLUME_LIGHT, VOLUME_CHOICES, VOLUME_FLIGHT, VOLUME_PHASE, VOLUME_
 # Rays of ambient occlusion, a pair for each step of a camera path.
 OCCLUSION = 1 << 26
 
+# Keys of the probes of Bevel nodes, a pair for each step of a camera path.
+BEVEL = 1 << 25
+
 # Keys beside the dimensions: how pixels pick and shift point sets, the generator of plain random numbers, those of Markov chains, and of the
 # samples from which all replicates of chains take one level of brightness.
 PIXEL_KEYS, RANDOM_NUMBERS, METROPOLIS, METROPOLIS_PILOT = -2, -1, -3, -4
@@ -99,6 +102,11 @@ def step_dimension(step: int, decision: int) -> int:
 def occlusion_dimension(step: int) -> int:
     """Return the dimension of the ray of ambient occlusion at a step of the path, from 0."""
     return OCCLUSION + step
+
+
+def bevel_dimension(step: int) -> int:
+    """Return the dimension of the key of a Bevel node's probes at a step of the path, from 0."""
+    return BEVEL + step
 
 
 def light_step_dimension(step: int, decision: int) -> int:

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 MAPPINGS = ("VAN_DE_HULST", "FITTED", "SKIN")
+BY_DISK = "BURLEY"
+"""The mapping of closures whose light takes no walk: it leaves about the point where it entered (profiles.py)."""
 LEAST_RADIUS = 1e-8
 """Channels of a smaller radius, in metres, reflect where the light arrives (Cycles' BSSRDF_MIN_RADIUS)."""
 _LARGEST_ALBEDO, _MOST_ANISOTROPY = 0.999999, 0.99

@@ -336,6 +336,19 @@ class AmbientOcclusion(Expression):
 
 
 @dataclass(frozen=True)
+class Bevel(Expression):
+    """Blender's Bevel node: the mean normal of the object's faces within `radius` metres, a unit vector of the world.
+
+    It is estimated by so many `samples` at each point where a path meets it, as in Cycles, since the mean of what is made
+    of it depends on their number. What it differs from the shading normal by is added to `normal`, if there is one.
+    """
+
+    radius: Expression
+    samples: int = 4
+    normal: Expression | None = None
+
+
+@dataclass(frozen=True)
 class Backfacing(Expression):
     """1 where the ray meets the back of the face, else 0 (a value)."""
 
@@ -360,6 +373,11 @@ class RayCount(Expression):
     """
 
     count: str
+
+
+@dataclass(frozen=True)
+class AfterDiffuse(Expression):
+    """1 where a diffuse lobe has reflected the path that meets the point, else 0 (a value)."""
 
 
 @dataclass(frozen=True)

@@ -175,7 +175,8 @@ class Subsurface(Closure):
     Blender's Subsurface Scattering.
     `color` is about the albedo of a thick body, `radius` the mean free path of each channel in metres, as `mapping`
     reads it (lib/scattering/subsurface.py); `anisotropy` is that of the scattering. Light enters by refraction at GGX
-    facets of `alpha` and the index `ior`, and half of it by the cosine where it enters `softly`.
+    facets of `alpha` and the index `ior`, and half of it by the cosine where it enters `softly`. With the mapping 'BURLEY' it
+    takes no walk: it leaves about the point by Burley's profile, and of all this only `color`, `radius` and `normal` count.
     """
 
     families: ClassVar[tuple[Family, ...]] = (Family.DIFFUSE,)

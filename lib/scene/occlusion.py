@@ -63,17 +63,22 @@ def find_misuse(lobe: WeightedClosure) -> str | None:
     weight, color = forms(lobe.weight), forms(getattr(closure, "color", ex.ONE))
     if not any(used.values()) and not weight.degree:
         return None
-    for kind, what in _NEVER.items():
-        if isinstance(closure, kind):
-            return what
+    where = name_unasked(closure)
+    if where is not None:
+        return where
     if any(degree for name, degree in used.items() if name != "color" or not _multiplies(closure)):
         return _MORE
     product = _multiply(weight, color)
     return None if product.degree <= 1.0 and product.definite else _MORE
 
 
+def name_unasked(closure: Closure) -> str | None:
+    """Return what a closure does that Cycles evaluates without rays of its shader, or None."""
+    return next((what for kind, what in _UNASKED.items() if isinstance(closure, kind)), None)
+
+
 _MORE = "a value that does more than scale a lobe"
-_NEVER: dict[type[Closure], str] = {
+_UNASKED: dict[type[Closure], str] = {
     Emission: "its emission",
     Transparent: "what lets light straight through",
     Subsurface: "its subsurface scattering",

@@ -29,7 +29,7 @@ from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
 from ..textures.images import ImageSet
 from .lobes import Site, build
-from .subsurface import Entry, make_entry, may_be_shallow
+from .subsurface import DiskEntry, WalkEntry, make_entry, may_be_shallow
 from .surface import SurfacePoints
 
 # However little a lobe may reflect by its estimate, it is chosen this often.
@@ -106,7 +106,7 @@ class PreparedMaterial:
 
     def entries(
         self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray
-    ) -> tuple[list[Entry], np.ndarray, Site]:
+    ) -> tuple[list[WalkEntry | DiskEntry], np.ndarray, Site]:
         """Return what enters by each subsurface closure, what is reflected beside, and the site.
 
         What is reflected is an estimate, (n,). The site is that of both.

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..microfacets.ggx import GGX
 from ..sampling.warps import cosine_hemisphere
-from ..scattering.subsurface import LEAST_RADIUS, Medium, make_medium
+from ..scattering.subsurface import BY_DISK, LEAST_RADIUS, Medium, make_medium
 from ..scene.expressions import Expression
 from ..scene.materials import Subsurface
 from ..textures.fold import is_constant
@@ -29,35 +29,55 @@ class Entry:
     """What enters by one closure at n points.
 
     weight (3, n): the share of the light that reaches the closure, in the channels that have a colour and a radius; guess (n,): how large it is
-    beside what is reflected. Walks bring all of a path's light or none, so that it goes by the root of what comes out again.
+    beside what is reflected.
+    """
+
+    weight: np.ndarray
+    guess: np.ndarray
+
+
+@dataclass(frozen=True)
+class WalkEntry(Entry):
+    """What enters to walk in a medium.
+
+    Walks bring all of a path's light or none, so that the guess goes by the root of what comes out again.
     """
 
     closure: Subsurface
-    weight: np.ndarray
-    guess: np.ndarray
     medium: Medium
     alpha: np.ndarray
     ior: np.ndarray
     normal: np.ndarray
 
 
-def make_entry(weight: Expression, closure: Subsurface, site: Site) -> Entry:
+@dataclass(frozen=True)
+class DiskEntry(Entry):
+    """What leaves again about the points by Burley's profile of the `spread` (3, n), in metres; 0 in channels that do not enter."""
+
+    spread: np.ndarray
+
+
+def make_entry(weight: Expression, closure: Subsurface, site: Site) -> WalkEntry | DiskEntry:
     """What enters by `closure` at the points of `site`."""
     size = site.points.size
     share, color, radius = (
         np.broadcast_to(np.maximum(np.atleast_1d(site.read(x)), 0.0), (3, size))
         for x in (weight, closure.color, closure.radius)
     )
+    deep = radius >= LEAST_RADIUS
+    if closure.mapping == BY_DISK:
+        leaves = share * color * deep
+        return DiskEntry(leaves, leaves.mean(axis=0), np.where(deep, radius / (4.0 * np.pi), 0.0))
     g, ior, alpha = (np.broadcast_to(site.read(x), (size,)) for x in (closure.anisotropy, closure.ior, closure.alpha))
     ior = np.clip(ior, _LEAST_IOR, _LARGEST_IOR)
-    enters = share * ((color > 0.0) & (radius >= LEAST_RADIUS))
+    enters = share * ((color > 0.0) & deep)
     medium = make_medium(closure.mapping, color, radius, g, ior)
     normal = site.n if closure.normal is None else np.broadcast_to(site.read(closure.normal), site.n.shape)
     guess = (enters * np.sqrt(np.minimum(color, 1.0))).mean(axis=0)
-    return Entry(closure, enters, guess, medium, np.clip(alpha, 0.0, 1.0), ior, normal)
+    return WalkEntry(enters, guess, closure, medium, np.clip(alpha, 0.0, 1.0), ior, normal)
 
 
-def sample_entry(entry: Entry, index: np.ndarray, site: Site, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
+def sample_entry(entry: WalkEntry, index: np.ndarray, site: Site, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     """Return directions (3, k) into the body at the points `index` (k,), in world space.
 
     They are zero where none leads below the face.

@@ -85,6 +85,19 @@ class OcclusionRays(Protocol):
         ...
 
 
+class BevelProbes(Protocol):
+    """Averages the normals about points."""
+
+    def averaged_normal(
+        self, points: SurfacePoints, chance: np.ndarray, radius: np.ndarray, samples: int
+    ) -> np.ndarray:
+        """Return the mean normals (3, n) within `radius` (n,) metres, by so many samples.
+
+        `chance` (2, n): a uniform that chooses the probes, and the least density of the path's directions so far.
+        """
+        ...
+
+
 class SurfacePoints(Context):
     """Points on triangles, seen from `wo`; the context in which expressions are evaluated.
 
@@ -92,7 +105,7 @@ class SurfacePoints(Context):
     turned to the viewer's side, as is the shading normal with it; `backfacing` (n,) remembers where. `wavelength` (n,), in nanometres, is
     that of the light, where something depends on it. `flags`, () or (n,) int, are those of the rays that meet the points (scene/rays.py),
     where shaders ask, and `tally` (counts, n) the counts of the paths that meet them. `occluders` cast the rays of ambient occlusion, by
-    `chance` (3, n), where shaders ask for it and a path meets the points.
+    `chance` (3, n), where shaders ask for it and a path meets the points; `bevels` and `bevel_chance` likewise average normals.
     """
 
     wavelength: np.ndarray | None = None
@@ -100,6 +113,8 @@ class SurfacePoints(Context):
     tally: np.ndarray | None = None
     occluders: OcclusionRays | None = None
     chance: np.ndarray | None = None
+    bevels: BevelProbes | None = None
+    bevel_chance: np.ndarray | None = None
 
     def __init__(
         self,
@@ -143,6 +158,8 @@ class SurfacePoints(Context):
         points.tally = None if self.tally is None else self.tally[:, start:stop]
         points.occluders = self.occluders
         points.chance = None if self.chance is None else self.chance[:, start:stop]
+        points.bevels = self.bevels
+        points.bevel_chance = None if self.bevel_chance is None else self.bevel_chance[:, start:stop]
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:
@@ -155,6 +172,8 @@ class SurfacePoints(Context):
         points.tally = None if self.tally is None else np.take(self.tally, index, axis=1)
         points.occluders = self.occluders
         points.chance = None if self.chance is None else np.take(self.chance, index, axis=1)
+        points.bevels = self.bevels
+        points.bevel_chance = None if self.bevel_chance is None else np.take(self.bevel_chance, index, axis=1)
         return points
 
     @cached_property
@@ -286,6 +305,15 @@ class SurfacePoints(Context):
         if self.occluders is None or self.chance is None:
             return np.ones(self.size)
         return self.occluders.open_share(self, self.chance, normal, distance, only_local)
+
+    def averaged_normal(self, radius: np.ndarray, samples: int) -> np.ndarray:
+        """Return the estimate of the mean normal, (3, n).
+
+        It is the shading normal where no path meets the points, as for Cycles' shadow rays.
+        """
+        if self.bevels is None or self.bevel_chance is None:
+            return self.n
+        return self.bevels.averaged_normal(self, self.bevel_chance, np.broadcast_to(radius, (self.size,)), samples)
 
     def object_info(self) -> np.ndarray:
         """Location, colour, alpha, index and random number of the object, (9, n)."""

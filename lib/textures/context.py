@@ -54,6 +54,10 @@ class Context(Protocol):
         """
         ...
 
+    def averaged_normal(self, radius: np.ndarray, samples: int) -> np.ndarray:
+        """Return an estimate (3, n) of the mean normal within `radius` metres, () or (n,), by so many samples."""
+        ...
+
     def tangent_frame(self, uv_map: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the tangent (3, n), the bitangent's sign (n,) and the normal (3, n).
 
@@ -116,6 +120,10 @@ class WithoutSurface(Context):
     def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> NoReturn:
         """No point that faces could be near."""
         _refuse("occlusion")
+
+    def averaged_normal(self, radius: np.ndarray, samples: int) -> NoReturn:
+        """No faces to take the mean of."""
+        _refuse("mean normal")
 
     def tangent_frame(self, uv_map: str) -> NoReturn:
         """No UV map."""

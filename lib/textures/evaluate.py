@@ -25,7 +25,7 @@ from .images import ImageSet, equirectangular
 from .mapping import mapping
 from .math_node import math
 from .mix import mix
-from .normals import bump, normal_map
+from .normals import bevel, bump, normal_map
 from .patterns import PATTERNS
 from .projections import Place, box_faces, box_weights, mirror_ball, sphere, tube
 from .ramp import color_ramp
@@ -179,6 +179,11 @@ def _ray_count(node: ex.RayCount, read: Evaluator) -> np.ndarray:
     return np.zeros(()) if tally is None else tally[COUNTS.index(node.count)]
 
 
+def _after_diffuse(_: ex.AfterDiffuse, read: Evaluator) -> np.ndarray:
+    tally = read.context.tally
+    return np.zeros(()) if tally is None else np.asarray(tally[COUNTS.index("DIFFUSE_DEPTH")] > 0.0, np.float64)
+
+
 def _ambient_occlusion(node: ex.AmbientOcclusion, read: Evaluator) -> np.ndarray:
     n = read.context.n if node.normal is None else np.broadcast_to(normalize(read(node.normal)), read.context.n.shape)
     return read.context.open_share(-n if node.inside else n, read(node.distance), node.only_local)
@@ -192,6 +197,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.ObjectInfo: lambda node, read: read.context.object_info()[_OBJECT[node.output]],
     ex.NormalMap: normal_map,
     ex.Bump: bump,
+    ex.Bevel: bevel,
     ex.NormalScale: lambda _, read: read.context.normal_scale,
     ex.Mapping: lambda node, read: mapping(
         node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)
@@ -223,6 +229,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.RayFlag: lambda node, read: np.asarray(np.bitwise_and(read.context.flags, FLAGS[node.flag]) != 0, np.float64),
     ex.RayCount: _ray_count,
+    ex.AfterDiffuse: _after_diffuse,
     ex.ColorToValue: lambda node, read: as_value(luminance(read(node.color))),
     ex.VectorToValue: _vector_to_value,
     ex.ValueToColor: _value_to_color,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Normals that textures turn: Blender's Normal Map and Bump nodes.
+"""Normals that nodes turn: Blender's Normal Map, Bump and Bevel.
 
 Results are unit vectors of the world on the viewer's side.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene.expressions import Bump, NormalMap
+from ..scene.expressions import Bevel, Bump, NormalMap
 from ..vectors import cross, dot, normalize, orthonormal_basis
 from .context import InputEvaluator
 
@@ -53,3 +53,10 @@ def bump(node: Bump, read: InputEvaluator) -> np.ndarray:
     strength = np.maximum(read(node.strength), 0.0)
     bent = normalize(np.abs(det) * n - scale * np.sign(det) * gradient)
     return np.where(dot(bent, bent) > 0.0, normalize(strength * bent + (1.0 - strength) * n), n)
+
+
+def bevel(node: Bevel, read: InputEvaluator) -> np.ndarray:
+    """The Bevel node, (3, n)."""
+    context = read.context
+    mean = context.averaged_normal(read(node.radius), node.samples)
+    return mean if node.normal is None else normalize(read(node.normal) + (mean - context.n))

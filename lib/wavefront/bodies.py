@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import Refusal, Refused
+from ..scattering.subsurface import BY_DISK
 from ..scene.expressions import Expression
 from ..scene.materials import Diffuse, Material, Subsurface, WeightedClosure
 from ..scene.mesh import Mesh
@@ -75,9 +76,8 @@ class Bodies:
     """
 
     def __init__(self, mesh: Mesh, materials: Sequence[Material]) -> None:
-        enters = np.array([any(isinstance(x.closure, Subsurface) for x in m.lobes) for m in materials], bool)
         self._owner = mesh.object_index
-        self._bodies = {int(k): Body(mesh, int(k)) for k in np.unique(mesh.object_index[enters[mesh.material_index]])}
+        self._bodies = {k: Body(mesh, k) for k in objects_entered(mesh, materials, by_disk=False)}
 
     def groups(self, triangle: np.ndarray) -> list[tuple[Body, np.ndarray]]:
         """Each body that has some of the triangles (n,), and the places of these."""
@@ -112,6 +112,17 @@ class Bodies:
         for body, here in self.groups(start):
             far[here] = body.is_far(np.take(position, here, axis=1))
         return far
+
+
+def objects_entered(mesh: Mesh, materials: Sequence[Material], by_disk: bool) -> list[int]:
+    """The objects with a face that light enters, to leave by a disk or to walk."""
+
+    def enters(material: Material) -> bool:
+        closures = [lobe.closure for lobe in material.lobes if isinstance(lobe.closure, Subsurface)]
+        return any((closure.mapping == BY_DISK) == by_disk for closure in closures)
+
+    entered = np.array([enters(material) for material in materials], bool)
+    return np.unique(mesh.object_index[np.take(entered, mesh.material_index)]).tolist()
 
 
 def exit_materials(materials: Sequence[Material]) -> tuple[list[Material], np.ndarray]:

@@ -12,6 +12,8 @@ import numpy as np
 
 from ..scene.mesh import Mesh
 from ..vectors import cross, dot
+from .paths import Paths
+from .raycaster import Hits
 
 FACES_IN_ONE_PLANE = "faces in one plane"
 """The departure that has rays skip only the face that they leave."""
@@ -70,3 +72,26 @@ class CoplanarFaces:
         v = dot(cross(along, place), normal) / doubled
         inside = np.flatnonzero((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0))
         return Met(ray[inside], other[inside], u[inside], v[inside])
+
+
+def with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
+    """The hits, where rays meet the other one of two faces in one plane.
+
+    The two have different materials.
+    """
+    index = np.flatnonzero(hits.triangle >= 0)
+    distance = hits.distance[index]
+    point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
+    met = faces.met_by(hits.triangle[index], point).first()
+    there = Hits(met.triangle, distance[met.ray], met.u.astype(np.float32), met.v.astype(np.float32))
+    return hits.replaced(index[met.ray], there)
+
+
+def with_coplanar_hits(faces: CoplanarFaces, left: np.ndarray, origin: np.ndarray, hits: Hits) -> Hits:
+    """The hits, with those at distance 0 for rays that leave the triangles `left` (n,).
+
+    Such rays meet other triangles in the plane of the one that they leave.
+    """
+    met = faces.met_by(left, origin).first()
+    there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
+    return hits.replaced(met.ray, there)

@@ -19,7 +19,8 @@ class Flow:
     emission: faces shine. samples_lobes: paths go on from a hit; last_rays: so they do after the last scattering.
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
     the first one. disperses: an index depends on the wavelength. counts: shaders ask how often paths have scattered.
-    occludes: shaders ask for ambient occlusion. subsurface: light scatters inside objects. roulette: weak paths end at random.
+    occludes: shaders ask for ambient occlusion. bevels: they average normals.
+    subsurface: light scatters inside objects. roulette: weak paths end at random.
     volumes_scatter: paths scatter between faces, too.
     """
 
@@ -38,6 +39,7 @@ class Flow:
     disperses: bool
     counts: bool
     occludes: bool
+    bevels: bool
     subsurface: bool
     roulette: bool
     volumes_scatter: bool
@@ -64,6 +66,7 @@ class Flow:
             disperses=needs(Effect.DISPERSION),
             counts=needs(Effect.RAY_COUNTS),
             occludes=needs(Effect.AMBIENT_OCCLUSION),
+            bevels=needs(Effect.BEVELS),
             subsurface=needs(Effect.SUBSURFACE),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
             volumes_scatter=needs(Effect.VOLUME_SCATTERING),

@@ -31,7 +31,8 @@ from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold_scene, is_constant
 from ..textures.images import ImageSet
-from .bodies import Bodies, exit_materials
+from .bevels import Bevels
+from .bodies import Bodies, exit_materials, objects_entered
 from .casters import Casters
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
@@ -39,7 +40,8 @@ from .emissive import EmissiveMesh, places_on
 from .emitter_names import EmitterNames, name_emitters
 from .media import Media
 from .occlusion import Occluders
-from .refuse import refuse_combinations
+from .probes import Probes
+from .refuse import refuse_combinations, refuse_strategy
 from .sight import Sight
 
 LIGHT_BELOW = "light below the face"
@@ -57,9 +59,10 @@ class Kernel:
     world's radiance (3, 1), or None. `emissive` are the emissive faces, one sampler for those of the same switches.
     `one_sided`: all light leaves a face on the side from which it is seen. `caster` meets all faces; `sight` says which rays meet which.
     `coplanar` has the faces that overlap others, where rays meet these at distance 0, `other_faces` those that rays meet in place of
-    others; both belong to departures. `media` are the volumes, where there are any. `bodies` are the objects that light scatters inside of;
+    others; both belong to departures. `media` are the volumes, where there are any. `bodies` are the objects
+    that light scatters inside of, `disks` probe those that it leaves by a disk;
     `exit_of` (materials,) numbers the entry of `materials` that says what faces do where it leaves.
-    `occluders` cast the rays of ambient occlusion, where shaders ask for it.
+    `occluders` cast the rays of ambient occlusion, and `bevels` the probes of Bevel nodes, where shaders ask for them.
     With `apart`, emissive faces have a sampler for each object, so that each sampler is of one emitter.
     A kernel `like` this one of the same mesh shares what depends on the mesh alone.
     Which stages run is said by flow.py and light_choice.py.
@@ -70,6 +73,7 @@ class Kernel:
     ) -> None:
         refuse_absent(scene, options.departures)
         refuse_combinations(scene)
+        refuse_strategy(scene, options.strategy)
         scene = departed(scene, options.departures)
         folded = fold_scene(scene)
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
@@ -112,6 +116,7 @@ class Kernel:
         delta = np.array([light.delta for light in self.lights], bool)
         self.sight = Sight(scene, plan, self._casters, switches, delta)
         self.occluders = Occluders(self.scene, self._casters) if plan.needs(Effect.AMBIENT_OCCLUSION) else None
+        self.bevels = Bevels(self.scene, self.tables, self._casters) if plan.needs(Effect.BEVELS) else None
         lit_from_below = LIGHT_BELOW in options.departures
         self.coplanar = CoplanarFaces(scene.mesh) if FACES_IN_ONE_PLANE in options.departures else None
         self.other_faces = (
@@ -122,6 +127,8 @@ class Kernel:
     def _add_bodies(self, mesh: Mesh) -> None:
         """Prepare the objects that light scatters inside of, and the faces where it leaves."""
         self.bodies = Bodies(mesh, self.scene.materials)
+        entered = objects_entered(mesh, self.scene.materials, by_disk=True)
+        self.disks = Probes(mesh.object_index, self._casters, entered)
         made, numbers = exit_materials(self.scene.materials)
         self.exit_of = numbers + len(self.materials)
         self.materials += [PreparedMaterial(m, self.images, self.options, self.plan.prunes) for m in made]

@@ -6,14 +6,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..sampling.warps import cosine_hemisphere
-from ..scene.expressions import AmbientOcclusion, Expression
-from ..scene.materials import Material
+from ..scene.expressions import AmbientOcclusion
 from ..scene.rays import SHADOW
 from ..scene.scene import Scene
 from ..surfaces.surface import SurfacePoints
-from ..textures.fold import walk
 from ..vectors import dot, orthonormal_basis, to_world
 from .casters import Casters
+from .probes import objects_asking
 
 
 class Occluders:
@@ -25,8 +24,7 @@ class Occluders:
     def __init__(self, scene: Scene, casters: Casters) -> None:
         self._all = casters.for_bits(SHADOW)
         self._object_index = scene.mesh.object_index
-        local = np.array([_asks_locally(material) for material in scene.materials], bool)
-        objects = np.unique(self._object_index[np.take(local, scene.mesh.material_index)]).tolist()
+        objects = objects_asking(scene, lambda node: isinstance(node, AmbientOcclusion) and node.only_local)
         self._own = {number: casters.for_object(number) for number in objects}
 
     def open_share(
@@ -50,9 +48,3 @@ class Occluders:
                 rays = np.take(origin, index, axis=1), np.take(direction, index, axis=1), reach[index]
                 hidden[index] = self._own[number].occluded(*rays)
         return np.where(hidden & (reach > 0.0), 0.0, 1.0)
-
-
-def _asks_locally(material: Material) -> bool:
-    sockets = [v for lobe in material.lobes for v in (lobe.weight, *vars(lobe.closure).values())]
-    nodes = (node for socket in sockets if isinstance(socket, Expression) for node in walk(socket))
-    return any(isinstance(node, AmbientOcclusion) and node.only_local for node in nodes)

@@ -23,7 +23,8 @@ class Paths:
     the set of linked objects that scattered the ray, -1 for camera rays, is kept only where lights are linked. `medium`
     (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes` (n,), how
     often each scattered in them, where they scatter. `cell` (n,), the cell of the grid of lights where each scattered last,
-    is kept only where lights or their parts are chosen by place. `at_camera` says that these are the camera rays themselves.
+    is kept only where lights or their parts are chosen by place. `least_pdf` (n,), the least of all densities so far, is kept only
+    where shaders average normals. `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray
@@ -45,6 +46,7 @@ class Paths:
     medium: np.ndarray | None = None
     in_volumes: np.ndarray | None = None
     cell: np.ndarray | None = None
+    least_pdf: np.ndarray | None = None
     at_camera: bool = False
 
     @property

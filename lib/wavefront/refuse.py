@@ -10,11 +10,13 @@ import numpy as np
 from ..effects.facts import Facts
 from ..effects.masks import flags_in, linked_lights, ray_kinds
 from ..errors import Refusal, Refused
+from ..scene.expressions import Bevel, Bump, Expression
 from ..scene.links import EVERY_SET
 from ..scene.materials import Subsurface, WeightedClosure
-from ..scene.occlusion import find_misuse
+from ..scene.occlusion import find_misuse, name_unasked
 from ..scene.rays import COUNTS, EVERY
 from ..scene.scene import Scene
+from ..textures.fold import walk
 
 
 def refuse_combinations(scene: Scene) -> None:
@@ -22,7 +24,7 @@ def refuse_combinations(scene: Scene) -> None:
     refuse_linked_faces(scene)
     refuse_volumes(scene)
     refuse_counts(scene)
-    refuse_occlusion(scene)
+    refuse_shader_rays(scene)
 
 
 def refuse_linked_faces(scene: Scene) -> None:
@@ -54,25 +56,55 @@ def refuse_counts(scene: Scene) -> None:
         raise Refused([Refusal(f"material '{name}'", what, "unlink the Light Path node") for name in asking])
 
 
-def refuse_occlusion(scene: Scene) -> None:
+def refuse_shader_rays(scene: Scene) -> None:
     """Raise Refused where the mean of what shaders make of ambient occlusion depends on the number of rays.
 
-    Also where Cycles does not trace these rays for all the light that it samples.
+    Also where Cycles does not trace the rays of shaders for all the light that it samples.
     """
     refusals = [
         Refusal(f"material '{material.name}'", what, remedy)
         for material in Facts(scene).materials
-        for what, remedy in dict.fromkeys(misused_occlusion(material.lobes))
+        for what, remedy in dict.fromkeys(misused_rays(material.lobes))
     ]
     if refusals:
         raise Refused(refusals)
 
 
-def misused_occlusion(lobes: Iterable[WeightedClosure]) -> Iterator[tuple[str, str]]:
-    """Yield what folded lobes make of ambient occlusion that is not simulated, each with the remedy."""
-    for where in map(find_misuse, lobes):
+def misused_rays(lobes: Iterable[WeightedClosure]) -> Iterator[tuple[str, str]]:
+    """Yield what folded lobes make of ambient occlusion and bevels that is not simulated, each with the remedy."""
+    for lobe in lobes:
+        where = find_misuse(lobe)
         if where is not None:
             yield f"ambient occlusion in {where}", "link it to a factor of a diffuse colour, or unlink it"
+        for part in _misused_bevels(lobe):
+            yield f"a Bevel node in {part}", "link it to the Normal of a BSDF, or unlink it"
+
+
+def refuse_strategy(scene: Scene, strategy: str) -> None:
+    """Raise Refused where what a Bevel node does after a reflection depends on the reference's strategy.
+
+    Cycles samples visible normals, and bevels where their density is high (wavefront/bevels.py).
+    """
+    asking = [m.name for m in Facts(scene).materials if any(isinstance(n, Bevel) for x in m.lobes for n in _nodes(x))]
+    if asking and strategy != "visible":
+        what, remedy = f"a Bevel node with the strategy {strategy}", "choose the strategy visible"
+        raise Refused([Refusal(f"material '{name}'", what, remedy) for name in asking])
+
+
+def _nodes(lobe: WeightedClosure) -> list[Expression]:
+    sockets = [v for v in (lobe.weight, *vars(lobe.closure).values()) if isinstance(v, Expression)]
+    return [node for socket in sockets for node in walk(socket)]
+
+
+def _misused_bevels(lobe: WeightedClosure) -> Iterator[str]:
+    """What of a lobe reads a Bevel node where Cycles evaluates it without its rays, or beside the point."""
+    nodes = _nodes(lobe)
+    where = name_unasked(lobe.closure)
+    if where is not None and any(isinstance(node, Bevel) for node in nodes):
+        yield where
+    heights = [node.height for node in nodes if isinstance(node, Bump)]
+    if any(isinstance(node, Bevel) for height in heights for node in walk(height)):
+        yield "the height of a bump"
 
 
 def refuse_volumes(scene: Scene) -> None:

@@ -2,7 +2,8 @@
 """Stage: subsurface scattering.
 
 At each hit a path scatters on the surface, or walks below it to where it leaves the object.
-Where a walk leaves, light is sampled and scattered as by a white diffuse surface, whatever material the face has:
+With Christensen and Burley's method it leaves by a disk, without a walk (disks.py).
+Where it leaves, light is sampled and scattered as by a white diffuse surface, whatever material the face has:
 Cycles' model. Walk and exit together are one scattering of the path.
 """
 
@@ -16,9 +17,10 @@ from ..sampling.sobol import RandomTile, SobolTile
 from ..sampling.streams import ENTER, ENTRY, WALK_KEY, walk_dimension
 from ..scattering.subsurface import Medium
 from ..scattering.walk import Exits, Walks, walk
-from ..surfaces.subsurface import Entry, sample_entry
+from ..surfaces.subsurface import DiskEntry, WalkEntry, sample_entry
 from ..surfaces.surface import SurfacePoints
 from ..vectors import orthonormal_basis, to_local
+from .disks import Disks, leave_by_disk
 from .kernel import Kernel
 from .pass_through import Groups
 from .paths import Paths
@@ -65,19 +67,24 @@ def walk_below(
         return uniforms.pair(walk_dimension(step, decision), paths.pixel, paths.sample)
 
     entered = np.zeros(paths.size, bool)
-    share, parts = np.ones(paths.size), []
+    share, parts, disks = np.ones(paths.size), [], []
     pick, _ = pair(ENTER)
     turn = pair(ENTRY)
     for material, a, b in groups:
         if kernel.materials[material].enters:
             here = points.part(a, b)
             uses = tuple(u[a:b] for u in (pick, *turn))
-            entered[a:b], share[a:b], started = _enter(kernel, material, here, paths.throughput[:, a:b], *uses)
+            entered[a:b], share[a:b], started, near = _enter(kernel, material, here, paths.throughput[:, a:b], *uses)
             parts += [_from(one, a) for one in started]
-    walks = _joined(parts, points)
+            disks += [replace(one, index=one.index + a) for one in near]
     first, second = pair(WALK_KEY)
-    keys = (first * 2.0**32).astype(np.uint64) | (second * 2.0**32).astype(np.uint64) << np.uint64(32)
-    exits, rays = _follow(kernel, points, walks, keys)
+    found, rays = [leave_by_disk(kernel.disks, points, one, first, *turn) for one in disks], 0
+    if parts:
+        keys = (first * 2.0**32).astype(np.uint64) | (second * 2.0**32).astype(np.uint64) << np.uint64(32)
+        walked, rays = _follow(kernel, points, _joined(parts, points), keys)
+        found.append(walked)
+    exits = Exits(*(np.concatenate([vars(one)[name] for one in found], axis=-1) for name in vars(found[0])))
+    rays += sum(one.index.size for one in disks)
     index = np.flatnonzero(~entered)
     counts = [(material, int(np.count_nonzero(~entered[a:b]))) for material, a, b in groups]
     stops = np.cumsum([n for _, n in counts])
@@ -97,10 +104,10 @@ def _enter(
     pick: np.ndarray,
     u1: np.ndarray,
     u2: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, list[_Started]]:
+) -> tuple[np.ndarray, np.ndarray, list[_Started], list[Disks]]:
     """Which points of one material light enters, (n,) bool.
 
-    Also the chance that it does not, (n,), and the walks that begin.
+    Also the chance that it does not, (n,), the walks that begin, and what leaves by disks.
     """
     prepared = kernel.materials[material]
     t, s = orthonormal_basis(points.n)
@@ -109,17 +116,23 @@ def _enter(
     total = np.sum(guesses, axis=0) + reflected
     total = np.where(total > 0.0, total, 1.0)
     chances = [guess / total for guess in guesses]
-    begin, entered, started = np.zeros(points.size), np.zeros(points.size, bool), []
+    begin, entered = np.zeros(points.size), np.zeros(points.size, bool)
+    started, disks = [], []
     for entry, chance in zip(entries, chances, strict=True):
         index = np.flatnonzero((pick >= begin) & (pick < begin + chance))
         begin = begin + chance
         entered[index] = True
-        direction = sample_entry(entry, index, site, u1[index], u2[index])
-        started.append(_start(entry, index, direction, np.take(throughput, index, axis=1) / chance[index]))
-    return entered, np.where(reflected > 0.0, reflected / total, 1.0), started
+        carried = np.take(throughput, index, axis=1) / chance[index]
+        if isinstance(entry, DiskEntry):
+            weight, spread = (np.take(one, index, axis=1) for one in (entry.weight, entry.spread))
+            disks.append(Disks(index, spread, carried * weight))
+        else:
+            direction = sample_entry(entry, index, site, u1[index], u2[index])
+            started.append(_start(entry, index, direction, carried))
+    return entered, np.where(reflected > 0.0, reflected / total, 1.0), started, disks
 
 
-def _start(entry: Entry, index: np.ndarray, direction: np.ndarray, throughput: np.ndarray) -> _Started:
+def _start(entry: WalkEntry, index: np.ndarray, direction: np.ndarray, throughput: np.ndarray) -> _Started:
     """The walks of one closure that lead below the face and carry anything."""
     medium = entry.medium.at(index)
     throughput = throughput * np.take(entry.weight, index, axis=1) * medium.scale

@@ -13,12 +13,23 @@ import numpy as np
 from ..effects.names import Stage
 from ..effects.transport import ROULETTE_AFTER
 from ..sampling.sobol import RandomTile, SobolTile
-from ..sampling.streams import BSDF, CHOICES, FATE, LENS, LIGHT, PIXEL, WAVELENGTH, occlusion_dimension, step_dimension
+from ..sampling.streams import (
+    BSDF,
+    CHOICES,
+    FATE,
+    LENS,
+    LIGHT,
+    PIXEL,
+    WAVELENGTH,
+    bevel_dimension,
+    occlusion_dimension,
+    step_dimension,
+)
 from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..scene.rays import DEPTH_OF_KIND
 from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
-from .coplanar import CoplanarFaces
+from .coplanar import with_coplanar_hits, with_other_faces
 from .direct_light import DirectLight
 from .emitters import Emitters
 from .flow import Flow
@@ -97,9 +108,9 @@ class Tracer:
             if self._flow.hides and self._flow.transparent:
                 hits = self._with_camera_hits(paths, hits)
         if step and kernel.coplanar is not None and paths.left is not None:
-            hits = _with_coplanar_hits(kernel.coplanar, paths.left, paths.origin, hits)
+            hits = with_coplanar_hits(kernel.coplanar, paths.left, paths.origin, hits)
         if kernel.other_faces is not None:
-            hits = _with_other_faces(kernel.other_faces, paths, hits)
+            hits = with_other_faces(kernel.other_faces, paths, hits)
         self._rays += paths.size
         self._clock.lap(Stage.INTERSECT)
         return hits
@@ -144,6 +155,8 @@ class Tracer:
             paths.ray_class = np.zeros(count, np.intp)
         if self._flow.counts:
             paths.depths = np.zeros((3, count))
+        if self._flow.bevels:
+            paths.least_pdf = np.full(count, np.inf)
         if self._kernel.coplanar is not None:
             paths.left = np.full(count, -1, np.int32)
         if self._kernel.sight.receiver_of is not None:
@@ -177,6 +190,9 @@ class Tracer:
         if self._flow.occludes:
             points.occluders = self._kernel.occluders
             points.chance = np.stack([*self._pair(occlusion_dimension(step), paths), offset])
+        if paths.least_pdf is not None:
+            points.bevels = self._kernel.bevels.at_step(step) if self._kernel.bevels is not None else None
+            points.bevel_chance = np.stack([self._pair(bevel_dimension(step), paths)[0], paths.least_pdf])
         self._clock.lap(Stage.SURFACE)
         for material, start, stop in groups:
             if self._kernel.materials[material].unknown:
@@ -350,6 +366,8 @@ class Tracer:
         if following.depths is not None and following.ray_class is not None:
             # Where shaders ask, classes are kinds.
             following.depths[np.take(DEPTH_OF_KIND, following.ray_class), np.arange(index.size)] += 1
+        if paths.least_pdf is not None:
+            following.least_pdf = np.minimum(paths.least_pdf, pdf)[index]
         if self._kernel.coplanar is not None:
             following.left = np.take(origins.points.triangle, index)
         following.medium = origins.medium(index, following.direction)
@@ -366,29 +384,6 @@ class Tracer:
         following.scatterings = (counts[index] if isinstance(counts, np.ndarray) else counts) + 1
         self._clock.lap(Stage.ADVANCE)
         return following
-
-
-def _with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
-    """The hits, where rays meet the other one of two faces in one plane.
-
-    The two have different materials.
-    """
-    index = np.flatnonzero(hits.triangle >= 0)
-    distance = hits.distance[index]
-    point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
-    met = faces.met_by(hits.triangle[index], point).first()
-    there = Hits(met.triangle, distance[met.ray], met.u.astype(np.float32), met.v.astype(np.float32))
-    return hits.replaced(index[met.ray], there)
-
-
-def _with_coplanar_hits(faces: CoplanarFaces, left: np.ndarray, origin: np.ndarray, hits: Hits) -> Hits:
-    """The hits, with those at distance 0 for rays that leave the triangles `left` (n,).
-
-    Such rays meet other triangles in the plane of the one that they leave.
-    """
-    met = faces.met_by(left, origin).first()
-    there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
-    return hits.replaced(met.ray, there)
 
 
 def _no_hits(hidden: np.ndarray) -> Hits:

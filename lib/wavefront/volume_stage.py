@@ -120,6 +120,8 @@ class VolumeStage:
         following.origin = following.scatter_origin = np.take(segment.after(flight.distance), index, axis=1)
         following.direction, following.pdf, following.medium = wi, density, medium
         following.travelled = np.zeros(index.size)
+        if following.least_pdf is not None:
+            following.least_pdf = np.minimum(following.least_pdf, density)
         if following.cell is not None:
             following.cell = self._kernel.selection.everywhere(index.size)
         if following.in_volumes is not None:

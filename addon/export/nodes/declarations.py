@@ -51,6 +51,7 @@ DECLARATIONS: Mapping[str, Declaration] = {
             "attribute_name": None,
         },
     ),
+    "ShaderNodeBevel": Declaration(reads=("Radius", "Normal"), properties={"samples": None}),
     "ShaderNodeBlackbody": Declaration(reads=("Temperature",)),
     "ShaderNodeBrightContrast": Declaration(reads=("Color", "Bright", "Contrast")),
     "ShaderNodeBump": Declaration(

@@ -48,4 +48,6 @@ def _reads_normal(node: ex.Expression) -> str:
         return "a normal as coordinates"
     if isinstance(node, ex.NormalMap) and node.space != "TANGENT":
         return "a Normal Map that is not in tangent space"
+    if isinstance(node, ex.Bevel):
+        return "a Bevel node"
     return ""

@@ -18,7 +18,7 @@ from ....lib.scene import materials as mt
 from ....lib.scene.converters import VectorMath
 from ....lib.textures.fold import is_constant
 from .shader_reader import ShaderReader
-from .subsurface import make_subsurface, read_method
+from .subsurface import make_subsurface, parts_of, read_method
 from .tree import Scope
 
 _STRETCHES_GLASS = Versions("5.3")  # where Anisotropic stretches transmission too
@@ -238,20 +238,20 @@ class _Principled:
         share = self._share("Subsurface Weight")
         if self._reader.folder(rest.times(share).value) == ex.ZERO:
             return rest
-        method = read_method(self._reader, self._node, self._scope, "subsurface_method")
-        if method is not None:
-            roughness = self._socket("Roughness")
-            closure = make_subsurface(
-                method,
-                self._base_in_range(),
-                self._socket("Subsurface Radius"),
-                self._socket("Subsurface Scale"),
-                self._socket("Subsurface Anisotropy"),
-                self._socket("Subsurface IOR") if method.is_skin else ior,
-                _product(_clamped(roughness), _clamped(roughness)),
-                self._normal,
-            )
-            add(closure, rest.times(share))
+        method = read_method(self._node, "subsurface_method")
+        roughness = self._socket("Roughness")
+        closure = make_subsurface(
+            method,
+            self._base_in_range(),
+            self._socket("Subsurface Radius"),
+            self._socket("Subsurface Scale"),
+            self._socket("Subsurface Anisotropy"),
+            self._socket("Subsurface IOR") if method.is_skin else ior,
+            _product(_clamped(roughness), _clamped(roughness)),
+            self._normal,
+        )
+        for part, weight in parts_of(closure):
+            add(part, rest.times(share).times(weight))
         return rest.without(share)
 
     def _specular(self, rest: _Weight, add: _Add) -> tuple[_Weight, ex.Constant]:

@@ -16,7 +16,7 @@ from ....lib.scene import materials as mt
 from ....lib.textures.fold import Folder, is_constant
 from .principled import read_principled
 from .shader_reader import ReadParts, ReadShader, ShaderReader
-from .subsurface import make_subsurface, read_method
+from .subsurface import make_subsurface, parts_of, read_method
 from .tree import Scope, TreeReader
 from .volumes import VOLUME_SHADERS
 
@@ -96,12 +96,14 @@ def _toon(reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.E
 def _subsurface(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
-    method = read_method(reader, node, scope, "falloff")
-    if method is None:
-        return []
+    method = read_method(node, "falloff")
     sockets = (reader.read(node, name, scope) for name in ("Color", "Radius", "Scale", "Anisotropy", "IOR"))
     alpha = ex.ONE if method.is_skin else reader.read(node, "Roughness", scope)  # it is not squared
-    return [reader.lobe(make_subsurface(method, *sockets, alpha, reader.normal(node, scope)), weight)]
+    closure = make_subsurface(method, *sockets, alpha, reader.normal(node, scope))
+    return [
+        reader.lobe(part, reader.folder(ex.Math("MULTIPLY", weight, share, ex.ZERO)))
+        for part, share in parts_of(closure)
+    ]
 
 
 def _emission(

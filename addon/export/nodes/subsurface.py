@@ -11,11 +11,10 @@ from dataclasses import dataclass
 import bpy
 
 from ....lib.blender_versions import Versions
+from ....lib.scattering.subsurface import BY_DISK
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.scene.converters import VectorMath
-from .shader_reader import ShaderReader
-from .tree import Scope
 
 # Before, Random Walk was what is called Random Walk (Legacy) since, and no method scattered backwards.
 _NEW_WALK = Versions("5.2")
@@ -42,20 +41,28 @@ class Method:
         return self.mapping == "SKIN"
 
 
-def read_method(reader: ShaderReader, node: bpy.types.Node, scope: Scope, name: str) -> Method | None:
-    """The method in the node's property `name`, as Cycles of this Blender takes it.
-
-    None for Christensen-Burley, which is refused.
-    """
+def read_method(node: bpy.types.Node, name: str) -> Method:
+    """The method in the node's property `name`, as Cycles of this Blender takes it."""
     identifier = getattr(node, name)
-    if identifier == "BURLEY":
-        reader.values.refuse(node, scope, ", method Christensen-Burley,", "choose Random Walk")
-        return None
     new = bpy.app.version[:2] in _NEW_WALK
     least, most = (-0.99, 0.9) if new else (0.0, 0.9)
+    if identifier == BY_DISK:
+        return Method(BY_DISK, least, most)
     if identifier == _SKIN:
         return Method("SKIN", least, most)
     return Method("VAN_DE_HULST", -0.99, 0.99) if new and identifier == "RANDOM_WALK" else Method("FITTED", least, most)
+
+
+def parts_of(closure: mt.Subsurface) -> list[tuple[mt.Closure, ex.Expression]]:
+    """The closures that a method is made of, each with the share of its weight.
+
+    Christensen and Burley's scatters on the surface where a diffuse lobe has scattered the path before, as in Cycles.
+    """
+    if closure.mapping != BY_DISK:
+        return [(closure, ex.ONE)]
+    late = ex.AfterDiffuse()
+    diffuse = mt.Diffuse(closure.color, normal=closure.normal)
+    return [(closure, ex.Math("SUBTRACT", ex.ONE, late, ex.ZERO)), (diffuse, late)]
 
 
 def make_subsurface(

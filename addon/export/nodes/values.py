@@ -108,6 +108,13 @@ def _ambient_occlusion(reader: TreeReader, node: bpy.types.Node, output: str, sc
     return share if color is None else ex.Mix(ex.ONE, ex.ValueToColor(share), color, blend="MULTIPLY")
 
 
+def _bevel(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
+    if reader.is_world:
+        reader.refuse(node, scope, " in a world", "unlink it")
+    radius = reader.read(node.inputs["Radius"], scope)
+    return ex.Bevel(radius, node.samples, _normal(reader, node, scope))
+
+
 def _normal(reader: TreeReader, node: bpy.types.Node, scope: Scope) -> ex.Expression | None:
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
@@ -119,6 +126,7 @@ VALUES = {
     **PROCEDURAL,
     **CONVERTERS,
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
+    "ShaderNodeBevel": _bevel,
     "ShaderNodeRGB": _rgb,
     "ShaderNodeValue": _value,
     "ShaderNodeMath": _math,

@@ -91,16 +91,16 @@ REFUSED = {
     "node 'Bump' (Bump), socket 'Filter Width' (linked), is not simulated; unlink Filter Width": lambda t: bumped(
         t, node(t, "Value")
     ),
-    "Subsurface Scattering), method Christensen-Burley": lambda t: node(t, "SubsurfaceScattering", falloff="BURLEY"),
     "group 'Group', node 'Ray Portal BSDF'": inside_group,
-    "Principled BSDF), method Christensen-Burley": lambda t: node(
-        t, "BsdfPrincipled", {"Subsurface Weight": 0.5}, subsurface_method="BURLEY"
-    ),
     **FILMS,
     "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
     "Wireframe), option 'Pixel Size'": colored(lambda t: node(t, "Wireframe", use_pixel_size=True)),
-    "node 'Bevel'": lambda t: node(t, "BsdfDiffuse", {"Normal": node(t, "Bevel")}),
+    "a Bevel node in its emission": lambda t: node(t, "Emission", {"Color": node(t, "Bevel")}),
+    "a Bevel node in its subsurface scattering": lambda t: node(t, "SubsurfaceScattering", {"Normal": node(t, "Bevel")}),
+    "a Bevel node in the height of a bump": lambda t: node(
+        t, "BsdfDiffuse", {"Normal": node(t, "Bump", {"Height": node(t, "Bevel")})}
+    ),
     "Ambient Occlusion), a Distance of 0, which stands for the world's,": colored(
         lambda t: node(t, "AmbientOcclusion", {"Distance": 0.0})
     ),
