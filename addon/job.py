@@ -27,6 +27,7 @@ from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.sides import Replicates
 from ..lib.comparison.size import choose_divisor
 from ..lib.comparison.unsupported import find_unsupported_light
+from ..lib.effects.light_sources import has_one_light
 from ..lib.errors import EtalonError, Refusal, Refused
 from ..lib.files.atomic import replace_files
 from ..lib.files.ownership import temporary_folder
@@ -213,8 +214,9 @@ def compare_here(
     progress.begin("reading the scene")
     exported = export(scene, settings.partial, settings.motion_blur)
     name, transform, blur = name_of_file(scene), export_view_transform(scene), settings.motion_blur
-    with neutral(scene, threads=settings.threads, motion_blur=blur):
-        candidate = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads, motion_blur=blur)
+    state = {"threads": settings.threads, "motion_blur": blur, "one_light": has_one_light(exported)}
+    with neutral(scene, **state):
+        candidate = CyclesRenderer(scene, seed=settings.seed, **state)
         may_shrink = not scene.render.use_border
         about = {"may_shrink": may_shrink, "name": name, "transform": transform, "spread": spread}
         comparison = judge(exported, candidate, settings, folder, repeat, progress, **about)

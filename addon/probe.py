@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ..lib.comparison.parts import asked_parts
+from ..lib.effects.light_sources import has_one_light
 from ..lib.errors import EtalonError
 from ..lib.lights.units import light_units
 from ..lib.probe.measure import probe
@@ -40,8 +41,9 @@ def probe_here(name: str, scene: bpy.types.Scene, options: ProbeOptions, progres
     bounces = options.bounces or (0, min(BOUNCES, exported.transport.max_bounces))
     reference = ReferenceRenderer(exported, options.part(Options))
     parts = asked_parts(reference, Settings(passes="all", bounces=bounces, lights=options.lights))
-    with neutral(scene, threads=options.threads):
-        cycles = CyclesRenderer(scene, seed=options.seed, threads=options.threads)
+    state = {"threads": options.threads, "one_light": has_one_light(exported)}
+    with neutral(scene, **state):
+        cycles = CyclesRenderer(scene, seed=options.seed, **state)
         progress.begin("rendering")
         found = probe((reference, cycles), (camera.height, camera.width), box, parts, options.time, progress)
     return ProbeResult(name, found, tuple(light_units(light) for light in exported.lights))

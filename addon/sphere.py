@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..lib.effects.light_sources import has_one_light
 from ..lib.film.moments import Moments
 from ..lib.fit.observations import Observations
 from ..lib.fit.sphere import observe_image, require_sphere
@@ -27,8 +28,9 @@ def observe_sphere(scene: bpy.types.Scene, settings: FitSettings, progress: Prog
     sun, _ = require_sphere(exported, settings.object)
     camera = exported.camera
     moments = Moments.empty((camera.height, camera.width))
-    with neutral(scene, threads=settings.threads), quiet():
-        cycles = CyclesRenderer(scene, seed=settings.seed, threads=settings.threads)
+    state = {"threads": settings.threads, "one_light": has_one_light(exported)}
+    with neutral(scene, **state), quiet():
+        cycles = CyclesRenderer(scene, seed=settings.seed, **state)
         progress.begin("rendering")
         for number in range(settings.replicates):
             progress.check()

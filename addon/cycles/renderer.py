@@ -43,8 +43,8 @@ CALL = 1 << 23
 class CyclesRenderer:
     """Cycles on the CPU in its least biased state, one side of a comparison.
 
-    `max_bounces`, `threads` and `motion_blur` as for `neutral`; `seed` of the whole. Hold one `neutral` around many replicates: alone each
-    of them sets and puts back everything. Raises EtalonError where the scene has no camera or no view layer to render.
+    `max_bounces`, `threads`, `motion_blur` and `one_light` as for `neutral`; `seed` of the whole. Hold one `neutral` around many replicates:
+    alone each of them sets and puts back everything. Raises EtalonError where the scene has no camera or no view layer to render.
     """
 
     name = "Cycles"
@@ -57,6 +57,7 @@ class CyclesRenderer:
         max_bounces: int | None = None,
         threads: int | None = None,
         motion_blur: bool = False,
+        one_light: bool = False,
     ) -> None:
         layers = [layer.name for layer in scene.view_layers if layer.use]
         if scene.camera is None:
@@ -66,7 +67,8 @@ class CyclesRenderer:
         self.scene = scene
         self.seed = seed
         self._layer = layers[0]
-        self._neutral = {"max_bounces": max_bounces, "threads": threads, "motion_blur": motion_blur}
+        self._neutral = {"max_bounces": max_bounces, "threads": threads}
+        self._neutral |= {"motion_blur": motion_blur, "one_light": one_light}
         self._size: tuple[int, int] | None = None
         self.passes: tuple[Part, ...] = ()
         with neutral(scene, **self._neutral) as changes:
@@ -88,6 +90,12 @@ class CyclesRenderer:
         smaller = copy(self)
         smaller._size = width, height
         return smaller
+
+    def with_one_light(self) -> CyclesRenderer:
+        """The same renderer for a scene of which is known that one light object is all that shines."""
+        other = copy(self)
+        other._neutral = {**self._neutral, "one_light": True}
+        return other
 
     def with_passes(self, passes: Sequence[Part]) -> CyclesRenderer:
         """The same renderer, whose images come with light passes and other parts.

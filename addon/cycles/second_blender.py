@@ -53,6 +53,7 @@ class AnotherBlender:
         self.scene = ""
         self.may_shrink = False
         self._size: tuple[int, int] | None = None
+        self._one_light = False
         self.passes: tuple[Part, ...] = ()
         self._log = folder / "second_blender.log"
         with self._log.open("w", encoding="utf-8") as log:
@@ -85,6 +86,15 @@ class AnotherBlender:
         smaller._size = width, height
         return smaller
 
+    def with_one_light(self) -> Self:
+        """The same process for a scene of which is known that one light object is all that shines.
+
+        A process that exports finds that itself.
+        """
+        other = shallow_copy(self)
+        other._one_light = True
+        return other
+
     def with_passes(self, passes: Sequence[Part]) -> Self:
         """The same process, whose images come with light passes and other parts."""
         more = shallow_copy(self)
@@ -105,7 +115,8 @@ class AnotherBlender:
         try:
             part = windows and [windows.shape, windows.boxes]
             wanted = {"replicate": replicate, "samples": samples, "windows": part, "size": self._size}
-            self._send(wanted | {"passes": [encode_part(part) for part in self.passes]})
+            passes = [encode_part(part) for part in self.passes]
+            self._send(wanted | {"passes": passes, "one_light": self._one_light})
             for reply in self._replies():
                 if "error" in reply:
                     raise EtalonError(reply["error"])

@@ -25,6 +25,7 @@ from ...lib.cluster.replicates import Ask, Request, ask_reference
 from ...lib.cluster.sides import SpreadSide
 from ...lib.cluster.worker import Lacks, find_files, folder, require_version, worker_name
 from ...lib.comparison.sides import Renderer, Replicates
+from ...lib.effects.light_sources import has_one_light
 from ...lib.errors import Cancelled, EtalonError
 from ...lib.film.parts import Part
 from ...lib.film.rendering import Rendering
@@ -83,7 +84,7 @@ def spread_over(
         camera = reference.scene.camera
         size = None if divisor == 1 else (camera.width, camera.height)
         of_reference = ask_reference(cluster, reference.scene, reference.options, reference.passes)
-        of_cycles = _ask_cycles(cluster, order, size, reference.passes)
+        of_cycles = _ask_cycles(cluster, order, size, reference.passes, has_one_light(reference.scene))
         pairs = (reference, of_reference), (candidate, of_cycles)
         sides = [SpreadSide(local, ask, pool, ahead, count) for local, ask in pairs]
         begun.extend(sides)
@@ -105,12 +106,14 @@ def _contents(order: Order) -> dict[str, Path | bytes]:
     return {digest: Path(path) for path, digest in order.files.items()}
 
 
-def _ask_cycles(cluster: Cluster, order: Order, size: tuple[int, int] | None, passes: tuple[Part, ...]) -> Ask:
+def _ask_cycles(
+    cluster: Cluster, order: Order, size: tuple[int, int] | None, passes: tuple[Part, ...], one_light: bool
+) -> Ask:
     """A function that has a replicate rendered by Cycles on some worker."""
     contents = _contents(order)
 
     def ask(request: Request, is_ending: Callable[[], bool]) -> Rendering:
-        return cluster.call(render_cycles, (order, size, passes, request), contents, is_ending)
+        return cluster.call(render_cycles, (order, size, passes, request, one_light), contents, is_ending)
 
     return ask
 
@@ -126,16 +129,20 @@ def prepare(order: Order) -> Lacks | None:
 
 
 def render_cycles(
-    order: Order, size: tuple[int, int] | None, passes: tuple[Part, ...], request: Request
+    order: Order, size: tuple[int, int] | None, passes: tuple[Part, ...], request: Request, one_light: bool = False
 ) -> Rendering | Lacks:
-    """Render one replicate by Cycles on the worker that this call came to."""
+    """Render one replicate by Cycles on the worker that this call came to.
+
+    `one_light`: one light object is all that shines in the scene.
+    """
     require_version(order.version)
     places = find_files(order.files)
     if isinstance(places, Lacks):
         return places
 
     def render(blender: AnotherBlender) -> Rendering:
-        sized = blender if size is None else blender.at_size(*size)
+        sized = blender.with_one_light() if one_light else blender
+        sized = sized if size is None else sized.at_size(*size)
         return sized.with_passes(passes).render(request.replicate, request.samples, windows=request.windows)
 
     return _use(order, places, render)

@@ -61,8 +61,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
 
     load = importlib.import_module
     cycles, job = (load(f"{package}.addon.{name}") for name in ("cycles.renderer", "job"))
-    names = ("errors", "progress", "scene.archive", "film.windows", "film.parts", "settings.comparison")
-    errors, progress, archive, windows, parts, options = (load(f"{package}.lib.{name}") for name in names)
+    names = ("errors", "progress", "film.windows", "film.parts", "settings.comparison")
+    errors, progress, windows, parts, options = (load(f"{package}.lib.{name}") for name in names)
     quiet = load(f"{package}.addon.host.quiet")
     load(f"{package}.lib.wavefront.tuning").tune_process()
     folder = Path(request["folder"])
@@ -77,9 +77,10 @@ def _serve(request: dict[str, Any], package: str) -> None:
     with quiet.quiet(), contextlib.ExitStack() as stack:
         try:
             scene = bpy.data.scenes[request["scene"]] if "scene" in request else _open(request["target"], package)
-            if request["exports"]:
-                archive.save(job.export(scene, settings.partial, settings.motion_blur), folder / "scene.npz")
             state = {"threads": settings.threads, "motion_blur": settings.motion_blur}
+            if request["exports"]:
+                exported = job.export(scene, settings.partial, settings.motion_blur)
+                state["one_light"] = _save(exported, folder, package)
             stack.enter_context(cycles.neutral(scene, **state))
             renderer = cycles.CyclesRenderer(scene, seed=settings.seed, **state)
             about = {"title": job.name_of_file(scene), "may_shrink": not scene.render.use_border}
@@ -92,7 +93,8 @@ def _serve(request: dict[str, Any], package: str) -> None:
                     say(shown=True)
                     continue
                 part = wanted["windows"] and windows.Windows(*wanted["windows"])
-                sized = renderer.at_size(*wanted["size"]) if wanted["size"] else renderer
+                sized = renderer.with_one_light() if wanted["one_light"] else renderer
+                sized = sized.at_size(*wanted["size"]) if wanted["size"] else sized
                 sized = sized.with_passes([parts.decode_part(name) for name in wanted["passes"]])
                 done = sized.render(
                     wanted["replicate"], wanted["samples"], progress.Progress(lambda f: say(progress=f)), part
@@ -110,6 +112,14 @@ def _serve(request: dict[str, Any], package: str) -> None:
             say(refusals=[vars(one) for one in refused.refusals], allows_partial=refused.allows_partial)
         except errors.EtalonError as error:
             say(error=str(error))
+
+
+def _save(exported: Any, folder: Path, package: str) -> bool:
+    """Save an exported scene in `folder`, and return whether one lamp is all that shines in it."""
+    names = "scene.archive", "effects.light_sources"
+    archive, sources = (importlib.import_module(f"{package}.lib.{name}") for name in names)
+    archive.save(exported, folder / "scene.npz")
+    return sources.has_one_light(exported)
 
 
 def _open(target: dict[str, Any], package: str) -> Any:

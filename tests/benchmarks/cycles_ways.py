@@ -22,11 +22,12 @@ from etalon.addon.command.opening import open_target
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.lib.wavefront.tuning import tune_process
 
-SCENES = ("glossy_spheres", "veach_plates", "cornell_glossy")
+SCENES = ("glossy_spheres", "veach_plates", "cornell_glossy", "lambert_analytic")
 HALLS = {f"hall of {count} lamps": count for count in (4, 16, 64)}
 WAYS: dict[str, dict[str, Any]] = {
     "neutral": {},
     "light tree off": {"use_light_tree": False},
+    "threshold off too": {"use_light_tree": False, "light_sampling_threshold": 0.0},
 }
 BLOCK = 16
 
