@@ -26,14 +26,20 @@ def pairs(rng, count):
     return wi[:, wi[2] > 0.17], wo[:, wi[2] > 0.17]
 
 
-def planted(rng, candidate, alpha, *, anisotropy=1.0, inverse=0.5, noise=0.01, count=500, colors=3):
-    """Observations of `colors` colours, three at most, of `candidate` with these parameters."""
-    wi, wo = pairs(rng, count)
-    empty = plain_observations(wi, wo, np.zeros((colors, wi.shape[1])), noise, candidate.anisotropic, "planted")
+def planted_vector(candidate, alpha, *, anisotropy=1.0, inverse=0.5, colors=3):
+    """The searched vector of `candidate` with these parameters."""
     values = {"alpha": np.log(alpha), "anisotropy": np.log(anisotropy), "1/g": inverse}
     vector = [values[name] for name in candidate.names]
     vector += [float(np.log(x)) for pair in METAL[:colors] for x in pair] if candidate.fresnel == "exact" else []
-    columns, fixed = design(candidate, empty, np.array(vector), candidate.lobe(empty, np.array(vector)))
+    return np.array(vector)
+
+
+def planted(rng, candidate, alpha, *, noise=0.01, count=500, colors=3, **shape):
+    """Observations of `colors` colours, three at most, of `candidate` with these parameters."""
+    wi, wo = pairs(rng, count)
+    empty = plain_observations(wi, wo, np.zeros((colors, wi.shape[1])), noise, candidate.anisotropic, "planted")
+    vector = planted_vector(candidate, alpha, colors=colors, **shape)
+    columns, fixed = design(candidate, empty, vector, candidate.lobe(empty, vector))
     # The third column is Multiscatter GGX's: some of what a colour reflects comes back.
     linear = np.array([[DIFFUSE, color, color * color][: columns.shape[1]] for color in COLORS[:colors]])
     exact = np.einsum("ck,ckn->cn", linear, columns) + fixed
