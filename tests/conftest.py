@@ -8,6 +8,10 @@ from collections import defaultdict
 # Workers share the cores: threads of BLAS would wait for each other. The plan of a sphere of 20,480 faces took 10 s of CPU time, not 0.8.
 # NumPy reads it when it is first imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# As the command line sets up its process (lib/wavefront/tuning.py), for the workers that start after this: glibc keeps what is freed.
+# Tables by quadrature spend half of their time on page faults otherwise.
+os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", str(192 << 20))
+os.environ.setdefault("MALLOC_MMAP_THRESHOLD_", str(8 << 20))
 
 import numpy as np
 import pytest

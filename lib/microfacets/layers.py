@@ -14,9 +14,9 @@ import numpy as np
 import scipy
 from scipy.special import roots_legendre
 
+from ..sampling.warps import circle
 from .albedo import integrate_albedo
 from .fresnel import dielectric
-from .ggx import GGX
 
 _NODES = (33, 65)  # coarse nodes along roughness and along the root of the cosine
 _CELLS = 256
@@ -145,42 +145,62 @@ def integrate_glass(
 
 
 def _integrate_glass(cos_o: np.ndarray, alpha: np.ndarray, eta: float, lattice: tuple[int, int]) -> np.ndarray:
-    m, weight, wo, rough = _visible_normals(cos_o, alpha, lattice)
-    mu = wo[2]
-    cos_om = np.clip(wo[0] * m[0] + mu * m[2], 0.0, 1.0)
-    lambda_o = GGX().smith_lambda(wo, rough, rough)
-    sin2 = (1.0 - cos_om * cos_om) / (eta * eta)
+    """As `integrate_glass`: rows of the arrays are pairs of cosine and alpha, columns are visible normals."""
+    mu, rough = cos_o[:, None], alpha[:, None]
+    sine = np.sqrt((1.0 - mu) * (1.0 + mu))
+    lambda_o = _smith_lambda(mu, rough)
+    m_x, m_z, weight = _visible_normals(mu, sine, rough, lambda_o, lattice)
+    cos_om = np.clip(sine * m_x + mu * m_z, 0.0, 1.0)
+    # Squared cosine of the refracted ray, negative where there is none.
+    beyond = 1.0 - (1.0 - cos_om * cos_om) / (eta * eta)
     reflectance = dielectric(cos_om, eta)
-    mirrored = 2.0 * cos_om * m[2] - mu
-    refracted = mu / eta - (cos_om / eta - np.sqrt(np.maximum(1.0 - sin2, 0.0))) * m[2]
+    mirrored = 2.0 * cos_om * m_z - mu
+    refracted = mu / eta - (cos_om / eta - np.sqrt(np.maximum(beyond, 0.0))) * m_z
     total = reflectance * _seen(mirrored, rough, lambda_o)
-    total += (1.0 - reflectance) * np.where(sin2 < 1.0, _seen(refracted, rough, lambda_o), 0.0)
-    return (total.reshape(cos_o.size, weight.size) * weight).sum(axis=1)
+    total += (1.0 - reflectance) * np.where(beyond > 0.0, _seen(refracted, rough, lambda_o), 0.0)
+    return (total * weight).sum(axis=1)
 
 
-def _visible_normals(
-    cos_o: np.ndarray, alpha: np.ndarray, lattice: tuple[int, int]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes of a quadrature over GGX's visible normals.
+@functools.lru_cache(maxsize=4)
+def _points(lattice: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes of a quadrature over the cap of visible normals, (k,) each: x and squared y of the turn, height, and weight.
 
-    They are for one pair of cosine and alpha after the other.
-    m (3, n k), their weights (k,), and wo (3, n k) and alpha (n k,) repeated to match. The integrand is periodic in the
-    first uniform; the second is bent, u = 3 v^2 - 2 v^3, so that it seems so: the lattice then errs by less than its
-    kinks at total reflection.
+    The integrand is periodic in the turn; the height is bent, u = 3 v^2 - 2 v^3, so that it seems so: the lattice then
+    errs by less than its kinks at total reflection.
     """
     many, generator = lattice
     k = np.arange(many)
-    u1, v = (k + 0.5) / many, (k * generator % many + 0.5) / many
-    u2, weight = v * v * (3.0 - 2.0 * v), 6.0 * v * (1.0 - v) / many
-    count = cos_o.size
-    mu, rough = np.repeat(cos_o, many), np.repeat(alpha, many)
-    wo = np.stack([np.sqrt((1.0 - mu) * (1.0 + mu)), np.zeros_like(mu), mu])
-    return GGX().sample_visible(wo, rough, rough, np.tile(u1, count), np.tile(u2, count)), weight, wo, rough
+    x, y = circle((k + 0.5) / many)
+    v = (k * generator % many + 0.5) / many
+    return x, y * y, v * v * (3.0 - 2.0 * v), 6.0 * v * (1.0 - v) / many
+
+
+def _visible_normals(
+    mu: np.ndarray, sine: np.ndarray, alpha: np.ndarray, lambda_o: np.ndarray, lattice: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Visible normals for wo = (sine, 0, mu), (n, 1): their x and z, (n, k), and their weights (k,).
+
+    It is `GGX.sample_visible` for one alpha, on all of a lattice: the turns are worked out once, and y, which has no part
+    in a cosine with wo, is not.
+    """
+    turn_x, turn_y2, u, weight = _points(lattice)
+    length = mu * (1.0 + 2.0 * lambda_o)
+    height = 1.0 + mu / length
+    drop = height * u
+    radius2 = np.clip(drop * (2.0 - drop), 0.0, 1.0)
+    x = alpha * (sine * alpha / length + np.sqrt(radius2) * turn_x)
+    z = height * (1.0 - u)
+    scale = 1.0 / np.sqrt(x * x + alpha * alpha * radius2 * turn_y2 + z * z)
+    return x * scale, z * scale, weight
+
+
+def _smith_lambda(cos: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """`GGX.smith_lambda` for one alpha, of directions at `cos` > 0 from the normal; shapes broadcast."""
+    sine2 = alpha * alpha * ((1.0 - cos) * (1.0 + cos))
+    return 0.5 * sine2 / (cos * (cos + np.sqrt(cos * cos + sine2)))
 
 
 def _seen(cos: np.ndarray, alpha: np.ndarray, lambda_o: np.ndarray) -> np.ndarray:
     """G2 / G1(o) for a direction at `cos` from the normal on its own side, 0 on the wrong one."""
-    above = cos > 0.0
-    cos = np.clip(cos, 1e-9, 1.0)
-    w = np.stack([np.sqrt((1.0 - cos) * (1.0 + cos)), np.zeros_like(cos), cos])
-    return np.where(above, (1.0 + lambda_o) / (1.0 + lambda_o + GGX().smith_lambda(w, alpha, alpha)), 0.0)
+    lambda_i = _smith_lambda(np.clip(cos, 1e-9, 1.0), alpha)
+    return np.where(cos > 0.0, (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i), 0.0)

@@ -62,6 +62,23 @@ def test_glass_albedo_is_what_samples_weigh(eta, rng):
         assert weight[0].mean() == pytest.approx(expected, abs=4.5 * error + 5e-4)
 
 
+def test_the_quadrature_has_the_normals_and_the_masking_of_the_lobe(rng):
+    """It leaves out y, which has no part in a cosine with a direction in the plane of x and z."""
+    many, generator = lattice = 89, 55
+    mu, alpha = 0.02 + 0.98 * rng.random((2, 6, 1))
+    sine = np.sqrt((1.0 - mu) * (1.0 + mu))
+    lambda_o = layers._smith_lambda(mu, alpha)
+    x, z, weight = layers._visible_normals(mu, sine, alpha, lambda_o, lattice)
+    k = np.arange(many)
+    u1, v = (k + 0.5) / many, (k * generator % many + 0.5) / many
+    for row in range(6):
+        wo = np.repeat([sine[row], [0.0], mu[row]], many, axis=1)
+        m = GGX().sample_visible(wo, *alpha[row].repeat(2), u1, v * v * (3.0 - 2.0 * v))
+        np.testing.assert_allclose([x[row], z[row]], m[[0, 2]], rtol=0.0, atol=1e-14)
+        assert lambda_o[row, 0] == pytest.approx(GGX().smith_lambda(wo, *alpha[row].repeat(2))[0], rel=1e-13)
+    assert weight.sum() == pytest.approx(1.0, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     "eta", [pytest.param(1.2, marks=pytest.mark.slow), 1.5, pytest.param(0.7, marks=pytest.mark.slow)]
 )
