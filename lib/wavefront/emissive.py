@@ -44,16 +44,16 @@ class EmissiveMesh:
         """`triangles` (t,) are the indices of those that emit; `planes` as in raycaster.py."""
         self._tables, self._materials = tables, materials
         mesh = tables.mesh
-        corner, *edges = _with_edges(mesh, mesh.triangles[:, triangles])
+        corner, edge1, edge2 = _with_edges(mesh, mesh.triangles[:, triangles])
         self._normal, self._plane_of = planes[:3, triangles], np.full(mesh.triangle_count, -1, np.intp)
         self._plane_of[triangles] = np.arange(triangles.size)
         self._offset = float(planes[4].max())
         self.triangles, self._offsets = triangles, planes[4, triangles]
-        normal = cross(*edges)
-        flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edges)  # both faces
-        self._sampler = EmissiveTriangles(corner, *edges, triangles, flux)
+        normal = cross(edge1, edge2)
+        flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edge1, edge2)  # both faces
+        self._sampler = EmissiveTriangles(corner, edge1, edge2, triangles, flux)
         self.power = self._sampler.power
-        corners = np.stack([corner, *(corner + edge for edge in edges)])
+        corners = np.stack([corner, corner + edge1, corner + edge2])
         self._divided: DividedFaces | None = divide_faces(corners, flux, most_parts)
         self.parts = self._divided.groups.parts
         areas = np.abs(normal).sum()
@@ -70,19 +70,19 @@ class EmissiveMesh:
         self._divided = None  # its memory is for other things
         pays = gain > LEAST_GAIN or self._is_closed
         if chances is not None and divided is not None and pays:
-            corner, *edges = _with_edges(mesh, divided.strips.turned(mesh.triangles[:, self.triangles]))
-            self._sampler = EmissiveTriangles(corner, *edges, self.triangles, divided.power, divided.strips)
+            corners = _with_edges(mesh, divided.strips.turned(mesh.triangles[:, self.triangles]))
+            self._sampler = EmissiveTriangles(*corners, self.triangles, divided.power, divided.strips)
             self._sampler.choose_by_place(divided.pieces, divided.groups, chances)
             return True
         return False
 
-    def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edges: list[np.ndarray]) -> np.ndarray:
+    def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edge1: np.ndarray, edge2: np.ndarray) -> np.ndarray:
         """Magnitude of the emission at each triangle's middle, also where it is negative.
 
         A floor keeps every face that emits.
         """
         third = np.full(triangles.size, 1.0 / 3.0)
-        middle = corner + (edges[0] + edges[1]) / 3.0
+        middle = corner + (edge1 + edge2) / 3.0
         points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
         estimate = luminance(np.abs(self._radiance(points)))
         finite = np.isfinite(estimate)
