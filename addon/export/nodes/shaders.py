@@ -97,9 +97,12 @@ def _subsurface(
     reader: ShaderReader, node: bpy.types.Node, scope: Scope, weight: ex.Expression
 ) -> list[mt.WeightedClosure]:
     method = read_method(node, "falloff")
-    sockets = (reader.read(node, name, scope) for name in ("Color", "Radius", "Scale", "Anisotropy", "IOR"))
-    alpha = ex.ONE if method.is_skin else reader.read(node, "Roughness", scope)  # it is not squared
-    closure = make_subsurface(method, *sockets, alpha, reader.normal(node, scope))
+    color, radius, scale = (reader.read(node, name, scope) for name in ("Color", "Radius", "Scale"))
+    anisotropy, ior, alpha = ex.ZERO, ex.ONE, ex.ONE
+    if not method.is_disk:  # Blender 4.5 has no such sockets then
+        anisotropy, ior = (reader.read(node, name, scope) for name in ("Anisotropy", "IOR"))
+        alpha = ex.ONE if method.is_skin else reader.read(node, "Roughness", scope)  # it is not squared
+    closure = make_subsurface(method, color, radius, scale, anisotropy, ior, alpha, reader.normal(node, scope))
     return [
         reader.lobe(part, reader.folder(ex.Math("MULTIPLY", weight, share, ex.ZERO)))
         for part, share in parts_of(closure)

@@ -40,6 +40,11 @@ class Method:
         """
         return self.mapping == "SKIN"
 
+    @property
+    def is_disk(self) -> bool:
+        """Whether light takes no walk, so that anisotropy, index and roughness do not count."""
+        return self.mapping == BY_DISK
+
 
 def read_method(node: bpy.types.Node, name: str) -> Method:
     """The method in the node's property `name`, as Cycles of this Blender takes it."""
