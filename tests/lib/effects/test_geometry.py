@@ -115,7 +115,7 @@ def test_planes_have_no_other_side_either(parts):
         ([cube()], replace(ABOVE, clip_start=4.5), "clear of"),
         ([cube()], replace(ABOVE, aperture=Aperture(4.5, 0, 0.0, 1.0, 5.0)), "clear of"),
         ([cube()], replace(BESIDE, kind="EQUIRECTANGULAR", clip_start=8.5), "clear of"),
-        ([icosphere(subdivisions=6)], ABOVE, "too many"),
+        ([lathe(320, 128)], ABOVE, "too many"),
     ],
 )
 def test_all_else_is_traced(parts, camera, fact):
