@@ -113,10 +113,11 @@ class LightGrid:
         for k, one in parts.items():
             of_parts = self.cells.expect(one)
             expected[:, k] = of_parts.sum(axis=1)
-            if one.power.size > 1 and self.cells.everywhere > 1:
+            if one.power.size > 1 and self.cells.everywhere > 1 and places is not None:
                 chances = PartChances(one.power, of_parts)
-                if chances.gain > LEAST_GAIN and places is not None:
-                    self.within[k] = chances, chances.gain_at(places.expect(one), self.cells.number(places.position))
+                gain = chances.gain_at(places.expect(one), self.cells.number(places.position))
+                if max(chances.gain, gain) > LEAST_GAIN:
+                    self.within[k] = chances, gain
         self.useful = power.size > 1 and self.cells.everywhere > 1 and len(parts) > 0
         self._rows = Rows(np.vstack([chances_by_place(power, expected), chances_by_power(power)]))
         self._probability = self._rows.probability

@@ -168,7 +168,8 @@ class Kernel:
         if vertices.size == 0 or not (chooses or any(mesh.parts.power.size > 1 for mesh in self.emissive)):
             return None
         bounds = np.stack([vertices.min(axis=1), vertices.max(axis=1)])
-        dark = np.flatnonzero(~self._emits)
+        is_lit = np.array([material.scatters and not material.emits for material in self.materials])
+        dark = np.flatnonzero(is_lit[self.scene.mesh.material_index])
         places = places_on(self.scene.mesh, dark) if self.emissive and dark.size else None
         inputs = self.lights, bounds, self.caster.radius, places
         made = None if like is None or like._selection is None else like._selection.grid
