@@ -89,6 +89,10 @@ def _most_cells(sides: np.ndarray, limit: int) -> np.ndarray:
     few, many = 1, limit + 1  # cells along the longest side: so many that fit, so many that do not
     while many - few > 1:
         along = (few + many) // 2
-        fits = np.maximum(np.ceil(sides * along), 1.0).prod() <= limit
-        few, many = (along, many) if fits else (few, along)
-    return np.maximum(np.ceil(sides * few), 1.0).astype(np.intp)
+        few, many = (along, many) if _along(sides, along).prod() <= limit else (few, along)
+    return _along(sides, few).astype(np.intp)
+
+
+def _along(sides: np.ndarray, longest: int) -> np.ndarray:
+    """The numbers of cells along sides (3,) where the longest has so many; rounding of the sides adds none."""
+    return np.maximum(np.ceil(sides * longest - 1e-6), 1.0)

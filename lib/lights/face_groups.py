@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from heapq import heappop, heappush
 from typing import NamedTuple
 
@@ -12,6 +13,8 @@ from .cells import Parts
 
 # Strips are at least this part of the extent of all faces, and there are at most so many beside whole faces.
 _LEAST_STRIP, _MOST_STRIPS = 1.0 / 48.0, 4096
+# What differs by less than this share counts as equal, so that rounding does not choose: a scene that lies elsewhere is divided alike.
+_EQUAL = 1e-6
 
 
 class Strips(NamedTuple):
@@ -83,9 +86,9 @@ def cut_faces(corners: np.ndarray) -> Strips:
     sides = np.stack([corners[(k + 1) % 3] - corners[(k + 2) % 3] for k in range(3)])  # opposite each corner
     lengths = np.sqrt(np.square(sides).sum(axis=1))
     extent = float((corners.max(axis=(0, 2)) - corners.min(axis=(0, 2))).max())
-    count = np.maximum(np.ceil(lengths.max(axis=0) / max(_LEAST_STRIP * extent, 1e-300)), 1.0)
+    count = np.maximum(np.ceil(lengths.max(axis=0) / max(_LEAST_STRIP * extent, 1e-300) - _EQUAL), 1.0)
     count = np.minimum(count, max(_MOST_STRIPS // max(int((count > 1.0).sum()), 1), 1)).astype(np.intp)
-    far = np.argmin(lengths, axis=0)
+    far = np.argmax(lengths <= lengths.min(axis=0) * (1.0 + _EQUAL), axis=0)
     return Strips(np.where(count > 1, (far - 1) % 3, 0), count)
 
 
@@ -113,14 +116,15 @@ def group_pieces(pieces: Pieces, power: np.ndarray, most: int) -> FaceGroups:
 
     def ranked(index: np.ndarray, number: int) -> tuple[float, int, np.ndarray]:
         """What a heap is sorted by: groups that cannot be halved come last."""
-        radius = _ball(low[:, index], high[:, index])[1]
-        return (-power[index].sum() * radius if index.size > 1 else 0.0, number, index)
+        size = power[index].sum() * _ball(low[:, index], high[:, index])[1]
+        steps = round(math.log2(size) / _EQUAL) if index.size > 1 and size > 0.0 else None
+        return (math.inf if steps is None else -steps, number, index)
 
     shining = np.flatnonzero(power > 0.0)
     if shining.size == 0:
         return FaceGroups(shining, np.zeros(1, np.intp), Parts(np.zeros(0), np.zeros((3, 0)), np.zeros(0)))
     heap = [ranked(shining, 0)]
-    while len(heap) < most and heap[0][0] < 0.0:
+    while len(heap) < most and heap[0][0] < math.inf:
         index = heappop(heap)[2]
         for half in _halves(middle, index):
             heappush(heap, ranked(half, int(half[0])))
@@ -144,8 +148,9 @@ def _halves(middle: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """The pieces at `index` (k,), at least two, on the two sides of the middle of the box about their middles."""
     here = middle[:, index]
     least, most = here.min(axis=1), here.max(axis=1)
-    along = int(np.argmax(most - least))
-    beyond = here[along] > 0.5 * (least + most)[along]
+    extent = most - least
+    along = int(np.argmax(extent >= extent.max() * (1.0 - _EQUAL)))
+    beyond = here[along] > 0.5 * (least + most)[along] + _EQUAL * extent[along]
     if not beyond.any():  # all in one place
         beyond = np.arange(index.size) >= index.size // 2
     return index[~beyond], index[beyond]
