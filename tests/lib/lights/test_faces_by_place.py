@@ -199,6 +199,7 @@ def test_floor_under_panels_is_lamberts_formula(x, direct):
     assert_mean(images, reflected(x), precision=0.01, rounding=1e-3)
 
 
+@pytest.mark.grid(2)
 @pytest.mark.parametrize("direct", ["mis", "lights"])
 def test_floor_under_a_tube_of_two_faces_is_lamberts_formula(direct):
     one = TUBE[0]
@@ -224,6 +225,7 @@ def test_near_panels_are_chosen_more_often():
     assert (density / by_power)[8:].max() < 0.5
 
 
+@pytest.mark.slow
 def test_strategies_agree_where_faces_are_chosen_by_place():
     quads = [quad(one[0], one[1] - one[0], one[3] - one[0], 1) for one in CORNERS]
     wall = quad((13.0, -2.0, 0.0), (0.0, 4.0, 0.0), (0.0, 0.0, 3.0), 0)

@@ -56,6 +56,7 @@ def test_the_mesh_repeats_the_field_and_has_no_gaps(rng):
     np.testing.assert_array_equal(z, heights[x.astype(int) % 5, y.astype(int) % 5])
 
 
+@pytest.mark.grid(2)
 @pytest.mark.parametrize("angle", ANGLES)
 def test_what_a_direction_sees_of_the_facets_projects_as_the_mean_plane_does(rng, angle):
     """The sum of visible facets times (o.m) is the plane's area times (o.n).

@@ -62,6 +62,7 @@ def joined(*meshes):
     return vertices, np.hstack([triangles + start for (_, triangles), start in zip(meshes, starts, strict=False)])
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("size", [0.05, 0.5, 3.0])
 def test_pairs_and_areas_equal_those_of_sections_across_all_pairs(rng, size):
     """Triangles of every shape and size in a tilted plane, and as many in another one."""

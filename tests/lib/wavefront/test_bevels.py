@@ -79,6 +79,7 @@ def integrated(d):
     return np.array([side, 0.0, top])
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("d", [0.02, 0.1, 0.3])
 def test_the_sum_has_the_mean_of_the_integral(d, seed):
     assert_near(means((1.0 - d, 0.05), seed), integrated(d))
@@ -109,6 +110,7 @@ def averaged(d, samples, count=200000):
     return (total / np.linalg.norm(total, axis=0)).mean(axis=1)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("d", [0.02, 0.1, 0.3])
 def test_one_probe_meets_the_side_as_often_as_quadrature_says(d, seed):
     """Half of the probes are level; those that start below the top meet the side where their line crosses it in the ball."""
@@ -119,6 +121,7 @@ def test_one_probe_meets_the_side_as_often_as_quadrature_says(d, seed):
     assert_near(means((1.0 - d, 0.05), seed, samples=1), np.array([chance, 0.0, 1.0 - chance]))
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("samples", [2, 3, 4])
 @pytest.mark.parametrize("d", [0.02, 0.1, 0.3])
 def test_a_few_probes_have_the_mean_of_the_same_probes_without_triangles(d, samples, seed):
@@ -132,6 +135,7 @@ def test_from_inside_the_normal_points_inwards(seed):
     assert means((0.9, 0.05), seed, 4, -UP)[0][2] < -0.8
 
 
+@pytest.mark.slow
 def test_the_mean_of_unit_vectors_depends_on_the_number_of_probes(seed):
     """It is no more than the mean of a few, so that the number must be Cycles'."""
     two, many = (means((0.9, 0.05), seed, samples)[0] for samples in (2, 32))
@@ -184,6 +188,7 @@ def shown(d, seed, bevel, samples=2):
     return replicates(made, 16, 1024, seed=seed)
 
 
+@pytest.mark.grid(2)
 @pytest.mark.parametrize("d", [0.05, 0.2])
 def test_a_matt_box_is_as_bright_as_the_mean_normal_says(d, seed):
     exact = averaged(d, 2) @ [0.6, 0.0, 0.8]

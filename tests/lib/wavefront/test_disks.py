@@ -43,6 +43,7 @@ def test_a_wide_plane_in_a_furnace_has_its_colour(seed):
     assert_mean(images, COLORS, 0.02, 1e-5)
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize("d", [0.004, 0.02, 0.1])
 def test_beyond_the_edge_of_a_sheet_light_is_lost(d, seed):
     images = replicates(scene(floor(1.0), wax(), view(1.0 - d), world=1.0), 16, 1024, seed=seed)

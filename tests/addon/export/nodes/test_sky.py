@@ -82,6 +82,7 @@ def test_a_sky_of_formulas_is_that_of_cycles(kind, tmp_path):
     assert np.quantile(error, 0.99) < 3e-4
 
 
+@pytest.mark.grid(3)
 @pytest.mark.parametrize(
     ("kind", "size", "elevation"), [(SINGLE, 0.0095, 0.3), (MULTIPLE, 0.0012, 1.45), (MULTIPLE, 1.2, 2.0)]
 )
