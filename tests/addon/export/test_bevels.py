@@ -154,6 +154,12 @@ CASES = {
 }
 if bpy.app.version < (4, 3):
     del CASES["metallic"]
+# What nearly repeats another case.
+MORE = {"3 samples", "8 samples", "a mirrored box", "upright", "metallic", "worn edges", "in a mirror"}
+PARAMETERS = [
+    pytest.param(make, id=name, marks=pytest.mark.benchmark if name in MORE else pytest.mark.slow)
+    for name, make in CASES.items()
+]
 
 
 def blind(scene):
@@ -171,9 +177,8 @@ def blind(scene):
     return replace(scene, materials=tuple(replace(m, lobes=tuple(map(lobe, m.lobes))) for m in scene.materials))
 
 
-@pytest.mark.slow
 @pytest.mark.compares_with_cycles
-@pytest.mark.parametrize("make", CASES.values(), ids=CASES)
+@pytest.mark.parametrize("make", PARAMETERS)
 def test_bevels_are_those_of_cycles(studio, make):
     """And the comparison notices where nothing is bevelled, less on a smooth box and in a rough mirror."""
     make(studio)
