@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..exit_codes import ExitCode
-from .process import end, etalon_command, start
+from .process import end, etalon_command, own_errors, start
 
 # A scene that takes longer than so many seconds to load and export is given up.
 PATIENCE = 600.0
@@ -49,9 +49,8 @@ def ask_plan(target: str, options: Sequence[str], patience: float = PATIENCE) ->
         return Answer(process.returncode, json.loads(out))
     except ValueError:
         pass
-    last = err.strip().splitlines()
     if process.returncode == ExitCode.BAD_INPUT:
-        said = last[-1].removeprefix("etalon: ") if last else "refused without a word"
+        said = (own_errors(err) or ["refused without a word"])[-1]
     else:
         said = f"Blender ended with code {process.returncode} while it read the file"
     return Answer(process.returncode, None, said)

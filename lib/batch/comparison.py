@@ -17,10 +17,9 @@ from ..memory import resident_memory
 from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
-from .process import end, last_lines
+from .process import OURS, end, last_lines, own_errors
 
 VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
-_OURS = "etalon: "
 
 
 # So often a process is looked at, in seconds.
@@ -133,11 +132,10 @@ def _is_over(process: subprocess.Popen[str], limits: Limits, seconds: float) -> 
 
 def _reason(code: int, errors: str) -> str:
     """Why a process ended: the first error that it names and how many more, or its last words."""
-    lines = [line.strip() for line in errors.replace("\r", "\n").splitlines() if line.strip()]
-    ours = [line.removeprefix(_OURS) for line in lines if line.startswith(_OURS)]
+    ours = own_errors(errors)
     if code == ExitCode.BAD_INPUT and ours:
         return ours[0] + (f" (and {len(ours) - 1} more)" if len(ours) > 1 else "")
     if code < 0:
         said = last_lines(errors)
         return f"it was ended by signal {-code}" + (f" ({said})" if said else "")
-    return lines[-1].removeprefix(_OURS) if lines else f"the process ended with code {code}"
+    return last_lines(errors, 1).removeprefix(OURS) or f"the process ended with code {code}"

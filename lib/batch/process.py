@@ -15,6 +15,8 @@ LEASH = "ETALON_LEASH"
 """The variable of the environment that tells another `etalon` to end when its standard input does."""
 AHEAD = "ahead"
 """The value of LEASH with which another `etalon` loads Blender, and then reads the rest of its words."""
+OURS = "etalon: "
+"""What Étalon says on standard error begins so."""
 
 
 def find_blender() -> str | None:
@@ -83,6 +85,12 @@ def send(process: subprocess.Popen[str], line: str) -> None:
         if signal.SIGPIPE in signal.sigpending():
             signal.sigwait({signal.SIGPIPE})
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def own_errors(errors: str) -> list[str]:
+    """What `etalon` said on standard error, a text a line; Blender may write there too, even as the process ends."""
+    lines = [line.strip() for line in errors.replace("\r", "\n").split("\n")]
+    return [line.removeprefix(OURS) for line in lines if line.startswith(OURS)]
 
 
 def last_lines(text: str, most: int = 3) -> str:

@@ -9,7 +9,7 @@ import pytest
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.materials import WeightedClosure
 from etalon.lib.textures.fold import inputs, walk
-from etalon.tests.addon.export.test_visibility import apart, shader, square
+from etalon.tests.addon.export.test_visibility import apart, below_a_sky, shader, square
 from mathutils import Euler, Matrix
 
 
@@ -33,14 +33,7 @@ def box(studio, turn=(0.3, 0.2, 0.5), scale=(1.3, 0.9, 1.1), kind="BsdfDiffuse",
     tree.links.new(bevel.outputs[0], surface.inputs["Normal"])
     sun = studio.add("sun", bpy.data.lights.new("sun", "SUN"), Euler((0.8, 0.3, 0.2)).to_matrix().to_4x4())
     sun.data.energy = 3.0
-    world = bpy.data.worlds.new("sky")
-    if bpy.app.version < (5, 0, 0):
-        world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.35, 0.4, 1.0)
-    studio.scene.world = world
-    studio.camera.location, studio.camera.rotation_euler = (0.0, -5.0, 2.6), (1.15, 0.0, 0.0)
-    studio.scene.render.resolution_x, studio.scene.render.resolution_y = 48, 32
-    studio.scene.render.engine, studio.scene.cycles.max_bounces = "CYCLES", 2
+    below_a_sky(studio, bounces=2)
     return tree, bevel, surface
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from etalon.lib.scattering.subsurface import BY_DISK
 from etalon.lib.scene.materials import Diffuse, Subsurface
-from etalon.tests.addon.export.test_visibility import apart, shader, square
+from etalon.tests.addon.export.test_visibility import apart, below_a_sky, shader, square
 from mathutils import Euler, Matrix
 
 pytestmark = pytest.mark.compares_with_cycles
@@ -31,14 +31,7 @@ def wax(studio, kind="SubsurfaceScattering", scale=1.0, **values):
     thing.matrix_world = Matrix.LocRotScale((0.0, 0.0, 0.2), Euler((0.0, 0.0, 0.5)), (1.3, 0.9, 1.1))
     lamp = studio.add("lamp", bpy.data.lights.new("lamp", "AREA"), Matrix.Translation((1.6, -1.2, 2.2)))
     lamp.data.energy, lamp.data.size = 60.0, 0.3
-    world = bpy.data.worlds.new("sky")
-    if bpy.app.version < (5, 0, 0):
-        world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.35, 0.4, 1.0)
-    studio.scene.world = world
-    studio.camera.location, studio.camera.rotation_euler = (0.0, -5.0, 2.6), (1.15, 0.0, 0.0)
-    studio.scene.render.resolution_x, studio.scene.render.resolution_y = 48, 32
-    studio.scene.render.engine, studio.scene.cycles.max_bounces = "CYCLES", 3
+    below_a_sky(studio, bounces=3)
     return thing, node
 
 

@@ -43,6 +43,18 @@ def square(studio, name, material, half, *transform):
     return thing
 
 
+def below_a_sky(studio, bounces):
+    """A grey sky, a camera that looks down on the origin, and the size that `apart` takes."""
+    world = bpy.data.worlds.new("sky")
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.35, 0.4, 1.0)
+    studio.scene.world = world
+    studio.camera.location, studio.camera.rotation_euler = (0.0, -5.0, 2.6), (1.15, 0.0, 0.0)
+    studio.scene.render.resolution_x, studio.scene.render.resolution_y = 48, 32
+    studio.scene.render.engine, studio.scene.cycles.max_bounces = "CYCLES", bounces
+
+
 def scene(studio):
     """A floor and a mirror wall, with a card and a lamp that hide above the floor.
 

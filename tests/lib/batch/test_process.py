@@ -6,7 +6,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from etalon.lib.batch.process import end, etalon_command, find_blender, send, start
+from etalon.lib.batch.process import end, etalon_command, find_blender, own_errors, send, start
 
 
 def test_ending_a_process_ends_its_children_too():
@@ -64,3 +64,10 @@ def test_a_folder_is_no_blender(monkeypatch, tmp_path):
         monkeypatch.setitem(sys.modules, "bpy", SimpleNamespace(app=SimpleNamespace(binary_path=str(path))))
         assert find_blender() == found
         assert etalon_command()[0] == (found or sys.executable)
+
+
+def test_what_blender_says_after_an_error_is_not_the_reason():
+    said = (
+        "Read blend: a.blend\netalon: the scene has no camera\netalon: add one\r\nError: Not freed memory blocks: 6\n"
+    )
+    assert own_errors(said) == ["the scene has no camera", "add one"]
