@@ -47,13 +47,13 @@ class Cluster:
         # By name, so that a worker that has no Étalon can answer.
         from pydoc import locate
 
-        for worker, version in self._client.run(locate, "etalon.lib.version.VERSION").items():
+        for worker, version in self._ask(locate, "etalon.lib.version.VERSION").items():
             if version != VERSION:
                 has = "has no Étalon" if version is None else f"has Étalon {version}"
                 raise EtalonError(f"worker {worker} {has}; install Étalon {VERSION} there, as here")
         if blender is None:
             return
-        for worker, found in self._client.run(describe_blender).items():
+        for worker, found in self._ask(describe_blender).items():
             if found != blender:
                 raise EtalonError(
                     f"worker {worker} has {'Blender ' + found if found else 'no Blender'}; install Blender {blender} there, as here"
@@ -101,7 +101,7 @@ class Cluster:
     def run_everywhere(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Run `function` once in every worker that is still there."""
         if self._client.status == "running":
-            self._client.run(function, *arguments, on_error="ignore")
+            self._run(function, *arguments)
 
     def _result(self, future: Any, is_ending: Callable[[], bool]) -> Any:
         from distributed import CancelledError, KilledWorker
@@ -122,9 +122,7 @@ class Cluster:
             ) from None
         except (CancelledError, OSError) as error:
             if isinstance(error, CancelledError) or self._client.status != "running":
-                raise EtalonError(
-                    f"the scheduler {self.address} is gone; start it, and run the same command again"
-                ) from None
+                raise self._gone() from None
             raise
         finally:
             future.release()
@@ -134,9 +132,32 @@ class Cluster:
             if (worker, digest) in self._sent:
                 return
             whole = content if isinstance(content, bytes) else content.read_bytes()
-            # A worker that has died meanwhile has no need of it.
-            self._client.run(keep, digest, whole, workers=[worker], on_error="return")
+            self._run(keep, digest, whole, workers=[worker])
             self._sent.add((worker, digest))
+
+    def _ask(self, function: Callable[..., Any], *arguments: Any) -> dict[str, Any]:
+        """What `function` returns in each worker, by their addresses, but for those that die meanwhile."""
+        found = {}
+        for worker, answer in self._run(function, *arguments).items():
+            if isinstance(answer, Exception) and not isinstance(answer, OSError):
+                raise answer
+            if not isinstance(answer, OSError):
+                found[worker] = answer
+        return found
+
+    def _run(self, function: Callable[..., Any], *arguments: Any, workers: list[str] | None = None) -> dict[str, Any]:
+        """What `function` returns or raises in `workers`, or in all; OSError stands for those that die meanwhile.
+
+        Raises EtalonError where the scheduler is gone.
+        """
+        try:
+            found = self._client.run(function, *arguments, workers=workers, on_error="return")
+        except OSError:
+            raise self._gone() from None
+        return dict(found)
+
+    def _gone(self) -> EtalonError:
+        return EtalonError(f"the scheduler {self.address} is gone; start it, and run the same command again")
 
 
 @contextmanager

@@ -175,6 +175,22 @@ def test_a_worker_that_differs_is_one_line(address, monkeypatch):
             cluster.check()
 
 
+@pytest.mark.slow
+def test_a_worker_that_dies_while_it_is_asked_is_left_out(monkeypatch):
+    distributed = pytest.importorskip("distributed", reason="Dask is not installed; `pip install etalon[cluster]`")
+    made = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
+    with distributed.LocalCluster(processes=True, **made) as own, connect(own.scheduler_address) as cluster:
+        first = min(cluster._client.run(os.getpid).values())
+
+        def describe():
+            if os.getpid() == first:
+                os._exit(1)
+            return "same"
+
+        monkeypatch.setattr(client, "describe_blender", describe)
+        cluster.check("same")
+
+
 def test_a_scheduler_that_does_not_answer_is_one_line(address, monkeypatch):
     monkeypatch.setattr(client, "_CONNECT", "0.2s")
     for nobody in ("tcp://127.0.0.1:9", "nonsense://x"):
