@@ -17,6 +17,7 @@ from pathlib import Path
 import bpy
 
 from ..lib.batch.process import find_blender
+from ..lib.comparison.catchers import find_catcher_pixels, leave_out
 from ..lib.comparison.caustics import scout
 from ..lib.comparison.compare import Comparison, Renderer, compare
 from ..lib.comparison.departures import alternatives
@@ -156,6 +157,7 @@ def judge(
         progress.begin("timing the renderers")
         asked = replace(settings, size=settings.size if may_shrink else "full")
         reference, candidate, passes, choice, divisor = _with_parts(reference, candidate, asked, run)
+        caught = find_catcher_pixels(reference.kernel)
         progress.begin("looking for caustics")
         scouted = scout(reference.kernel, run)
         unsupported, left_out = find_unsupported_light(reference, run), None
@@ -170,14 +172,14 @@ def judge(
             verdict,
             progress,
             alternatives(reference),
-            left_out,
+            leave_out(left_out, caught),
             divisor,
             scouted,
             passes,
             unsupported,
         )
         about = {"options": settings.part(CompareOptions), "findings": check_scene(scene), "scene": name or scene.name}
-        about["pass_choice"] = choice
+        about |= {"pass_choice": choice, "caught": caught}
         comparison = replace(comparison, **about)
         conclude(comparison)
         if beside is not None:
@@ -265,6 +267,7 @@ def _shows(settings: Settings, part: bpy.types.Scene) -> bool:
         candidate = CyclesRenderer(part, seed=settings.seed, threads=settings.threads, motion_blur=settings.motion_blur)
         unsupported = find_unsupported_light(reference, TimedRun(verdict.time, NO_PROGRESS))
         rest = {"among": alternatives(reference), "unsupported": unsupported}
+        rest["left_out"] = leave_out(None, find_catcher_pixels(reference.kernel))
         found = compare(reference.scene, reference, candidate, coverage(reference.kernel), verdict, **rest)
     except EtalonError:
         return False

@@ -82,6 +82,7 @@ from etalon.tests.effect_parts import (
     UNHIDDEN,
     UNKNOWN,
     UNREFLECTED,
+    catching,
     hiding,
     linked,
     of,
@@ -113,6 +114,7 @@ CASES = {
         [PLAIN, CROWDED],
     ),
     "hidden objects": ([HIDING, hiding(replace(CROWDED, lights=(POINT,)), rays.SHADOW)], [PLAIN, CROWDED]),
+    "shadow catchers": ([catching(CROWDED)], [PLAIN, CROWDED, HIDING]),
     "ray kinds": (
         [
             replace(CROWDED, world=replace(SLOPED, rays=rays.SCATTERED)),

@@ -88,6 +88,12 @@ def hiding(the_scene, without):
     )
 
 
+def catching(the_scene):
+    """The scene with its second object a shadow catcher."""
+    first, second = the_scene.mesh.objects
+    return replace(the_scene, mesh=replace(the_scene.mesh, objects=(first, replace(second, catches_shadows=True))))
+
+
 def linked(the_scene, **facts):
     """The scene with those facts of its second object, which is alone in its sets."""
     first, second = the_scene.mesh.objects

@@ -145,6 +145,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "depth of field": _lens,
     "motion blur": _as_it_is,
     "hidden objects": _as_it_is,
+    "shadow catchers": _as_it_is,
     "ray kinds": _as_it_is,
     "ray flags": _as_it_is,
     "ray counts": _as_it_is,

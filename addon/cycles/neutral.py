@@ -86,6 +86,8 @@ _IMAGE = {
     "color_management": "FOLLOW_SCENE",
 }
 VIEW_LAYER = {"use_solid": True}
+# With it, the image of a scene with shadow catchers has none of what the catchers show.
+CATCHERS_APART = {"use_pass_shadow_catcher": True}
 OBJECT = {
     # moves the origins of shadow rays on smooth meshes
     "shadow_terminator_geometry_offset": 0.0,
@@ -212,6 +214,8 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
     changes.remember(render.image_settings, reversed(_IMAGE))
     changes.set_all("image_settings", [render.image_settings], _IMAGE)
     changes.set_all("view_layer", scene.view_layers, VIEW_LAYER)
+    if any(thing.is_shadow_catcher for thing in bpy.data.objects):
+        changes.set_all("view_layer.cycles", (layer.cycles for layer in scene.view_layers), CATCHERS_APART)
     changes.set_all("render", [render], {"use_persistent_data": True})
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that are holdouts.
+"""Objects that the camera does not see as they are: holdouts and shadow catchers.
 
-The camera sees black in their place, and light goes on as if they were none.
+The camera sees black in place of a holdout, and what a shadow catcher shows is not compared. All other light goes on as
+if they were ordinary objects.
 """
 
 from __future__ import annotations
@@ -22,6 +23,15 @@ def is_holdout(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.Vie
     It is where it, or a collection of the view layer that has it or its instancer, is one.
     """
     return instance.object.is_holdout or (instance.parent or instance.object).holdout_get(view_layer=layer)
+
+
+def is_catcher(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLayer) -> bool:
+    """Whether the object is a shadow catcher.
+
+    It is where it or its instancer is one, unless it is a holdout, too.
+    """
+    both = (instance.object, instance.parent or instance.object)
+    return any(one.is_shadow_catcher for one in both) and not is_holdout(instance, layer)
 
 
 def hold_out(material: Material) -> Material:

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import bpy
 
 from ...lib.errors import Refusal, Refused
@@ -88,8 +86,8 @@ def refuse_object(
     if kind and not _is_empty(thing):
         hidden = f"{_path(thing)}.hide_render=true" if instance.parent is None else ""
         refusals.append(Refusal(owner, kind, _REMEDIES.get(thing.type, _LEAVE_OUT), hidden))
-    elif isinstance(thing.data, bpy.types.Mesh):
-        refusals.extend(Refusal(owner, *flag) for flag in _object_flags(instance, depsgraph))
+    elif isinstance(thing.data, bpy.types.Mesh) and _is_adaptive(thing, depsgraph.scene_eval):
+        refusals.append(Refusal(owner, "adaptive subdivision", "switch it off"))
 
 
 def _refuse_properties(
@@ -163,19 +161,6 @@ def refuse_light(light: bpy.types.Object, refusals: list[Refusal]) -> None:
 def is_portal(data: bpy.types.Light) -> bool:
     """Whether a light shows Cycles where light of the world comes in, and gives none itself."""
     return data.type == "AREA" and data.cycles.is_portal
-
-
-def _object_flags(
-    instance: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph
-) -> Iterator[tuple[str, str, str]]:
-    """What is special about a mesh object, the remedy, and the property to set."""
-    thing, parent = instance.object, instance.parent or instance.object
-    both = thing, parent
-    if any(one.is_shadow_catcher for one in both):
-        own = f"{_path(thing)}.is_shadow_catcher=false"
-        yield "a shadow catcher", "switch it off", own if instance.parent is None else ""
-    if _is_adaptive(thing, depsgraph.scene_eval):
-        yield "adaptive subdivision", "switch it off", ""
 
 
 def _path(thing: bpy.types.Object) -> str:

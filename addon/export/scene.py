@@ -24,7 +24,7 @@ from ...lib.textures.requirements import requirements
 from ...lib.textures.skipped_tiles import skipped_tiles
 from ...lib.wavefront.refuse import refuse_combinations
 from .camera import read_camera
-from .holdouts import hold_out, is_holdout
+from .holdouts import hold_out, is_catcher, is_holdout
 from .lights import read_light
 from .links import LinkTable
 from .materials import DEFAULT_MATERIAL, read_material, read_world
@@ -268,6 +268,7 @@ def _object(instance: bpy.types.DepsgraphObjectInstance, layer: bpy.types.ViewLa
         read_rays(instance, layer),
         *links.sets_of(instance),
         links.links_of(thing),
+        is_catcher(instance, layer),
     )
 
 

@@ -45,6 +45,7 @@ def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh, wants_blur: bool 
         _soft_falloff(things),
         _light_sampling(things),
         _portals(things),
+        _catchers(mesh),
         _bump_filter(depsgraph),
     )
     return tuple(finding for finding in found if finding is not None)
@@ -111,6 +112,20 @@ def _portals(things: list[bpy.types.Object]) -> Finding | None:
         f"{plural(len(names), 'area light is a portal', 'area lights are portals')}: {list_names(names)}.",
         "A portal gives no light. It changes the noise of Cycles' image, not its mean; the reference samples the world without it.",
         "Switch Portal off where the light should shine.",
+    )
+
+
+def _catchers(mesh: Mesh) -> Finding | None:
+    names = list(dict.fromkeys(thing.name for thing in mesh.objects if thing.catches_shadows))
+    if not names:
+        return None
+    are = "object is a shadow catcher" if len(names) == 1 else "objects are shadow catchers"
+    return Finding(
+        "shadow catchers",
+        f"{len(names)} {are}: {list_names(names)}.",
+        "Shown pixels of shadow catchers are set aside: both sides are black there. All else is compared, with the light and the shadows that"
+        " come from the catchers, and with their mirror images.",
+        "Switch Shadow Catcher off to compare the object itself.",
     )
 
 

@@ -42,7 +42,7 @@ WHATS: dict[str, str] = {
         "le flou de mouvement d'un objectif, décalage, découpage ou foyer qui change pendant que l'obturateur est ouvert"
     ),
     "motion blur over a cut to another camera": "le flou de mouvement au passage à une autre caméra",
-    "a shadow catcher": "un capteur d'ombres",
+    "an image that shows nothing but shadow catchers": "une image qui ne montre que des capteurs d'ombres",
     "adaptive subdivision": "la subdivision adaptative",
     "shadow caustics": "les caustiques d'ombre",
     "Simplify": "Simplify",
@@ -292,6 +292,7 @@ REMEDIES: dict[str, str] = {
     ),
     "unlink Displacement, or use a Bump node": "retirez le lien de Displacement, ou utilisez un nœud Bump",
     "switch the holdout off": "désactivez le cache (holdout)",
+    "switch Shadow Catcher off": "désactivez Capteur d'ombres (Shadow Catcher)",
     "unlink IOR, or choose GGX": "retirez le lien de IOR, ou choisissez GGX",
     "unlink it: only volumes that are the same everywhere are simulated": (
         "retirez ce lien : seuls les volumes partout les mêmes sont simulés"

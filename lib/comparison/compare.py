@@ -30,6 +30,7 @@ from ..verdict.outcome import Outcome
 from ..verdict.passes import PASSES_SHARE, PassTest, PassVerdict
 from ..verdict.sequential import ALL_AGREE, SequentialTest
 from ..verdict.verdict import Verdict, conclude
+from .catchers import CatcherPixels
 from .caustics import caustics_in
 from .departures import Alternatives
 from .focus import focus, weigh_round
@@ -40,7 +41,7 @@ from .pilot import Layout, first_layout, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
 from .sides import Renderer, Replicates, Side, room_left_by
-from .unsupported import UnsupportedLight, room_beside
+from .unsupported import UnsupportedLight, require_pixels, room_beside
 from .versions import versions
 
 __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versions"]
@@ -61,7 +62,8 @@ class Comparison:
     the images are than the scene asks for. `caustics` (K,) is the part of each region's light that arrives by caustics, at most, where a
     scouting pass was made. `findings` are those of the scene check, where the caller made one. `passes` is what is claimed of light passes,
     where they were compared. `passive`: the `unknown` materials only send on light, so that pixels that show them are left out and the others
-    are judged with room for it. `pass_choice`: which light passes the caller chose.
+    are judged with room for it. `pass_choice`: which light passes the caller chose. `caught`: the pixels among `left_out` that show shadow
+    catchers alone.
     """
 
     scene: str
@@ -88,6 +90,7 @@ class Comparison:
     passes: PassVerdict | None = None
     passive: bool = False
     pass_choice: PassChoice = NO_CHOICE
+    caught: CatcherPixels | None = None
 
 
 def compare(
@@ -184,7 +187,7 @@ class _Loop:
         self._coverage = {kind: list(named) for kind, named in coverage.items()}
         if self.unsupported is not None:
             left_out = self.unsupported.left_out if left_out is None else left_out | self.unsupported.left_out
-        self._compared = None if left_out is None else _compared(self._scene, left_out)
+        self._compared = None if left_out is None else require_pixels(self._scene, left_out)
         self._left_out = np.zeros(size, bool) if left_out is None else left_out
         self._excluded = np.zeros(size, bool)
         self._begin(self._layout)
@@ -235,7 +238,7 @@ class _Loop:
                 self._timings[k].add(side.film.samples, spent)
             self._excluded = self._excluded | nonfinite_pixels(rendering, self._regions.shape)
             if rendering.unknown is not None:
-                self._left_out = _compared(self._scene, self._left_out | (rendering.unknown > 0))
+                self._left_out = require_pixels(self._scene, self._left_out | (rendering.unknown > 0))
             for one in self._sides:
                 one.exclude(self._excluded | self._left_out, self._wanted)
             side.add(rendering, self._wanted, weight)
@@ -389,12 +392,3 @@ def _describe(bound: BoundAt) -> str:
         return f"no bound after {format_duration(bound.seconds)}"
     where = "on a coarse grid" if bound.first else "everywhere"
     return f"within {format_bound(bound.bound)} {where} after {format_duration(bound.seconds)}"
-
-
-def _compared(scene: Scene, left_out: np.ndarray) -> np.ndarray:
-    """`left_out`, if it leaves anything to compare; raises EtalonError otherwise."""
-    if left_out.all():
-        raise EtalonError(
-            f"{scene.name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces"
-        )
-    return left_out

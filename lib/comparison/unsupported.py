@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtrit
 
+from ..errors import EtalonError
 from ..film.regions import RegionMoments
 from ..progress import Progress
 from ..relative import difference_scale
@@ -97,6 +98,15 @@ def find_unsupported_light(reference: ReferenceRenderer, run: TimedRun) -> Unsup
         for kept, image in zip(differences, others, strict=True):
             kept.append((image - black).astype(np.float32))
     return UnsupportedLight(seen(reference), reached(reference), tuple(map(tuple, differences)))
+
+
+def require_pixels(scene: Scene, left_out: np.ndarray) -> np.ndarray:
+    """`left_out` (height, width), if it leaves anything to compare; raises EtalonError otherwise."""
+    if left_out.all():
+        raise EtalonError(
+            f"{scene.name}: light from materials that are not simulated reaches every pixel; simplify them, or lower the bounces"
+        )
+    return left_out
 
 
 def _stand_in(reference: ReferenceRenderer, closure: Closure) -> ReferenceRenderer:

@@ -58,6 +58,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.DEPTH_OF_FIELD, Stage.CAMERA, transport.lens),
     Entry(Effect.MOTION_BLUR, Stage.CAMERA, transport.motion),
     Entry(Effect.HIDDEN_OBJECTS, Stage.INTERSECT, masks.hidden_objects),
+    Entry(Effect.SHADOW_CATCHERS, Stage.INTERSECT, masks.shadow_catchers),
     Entry(Effect.RAY_KINDS, Stage.INTERSECT, masks.ray_kinds),
     Entry(Effect.RAY_FLAGS, Stage.SURFACE, masks.ray_flags),
     Entry(Effect.RAY_COUNTS, Stage.SURFACE, masks.ray_counts),

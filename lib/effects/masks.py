@@ -25,6 +25,12 @@ def hidden_objects(facts: Facts) -> Answer:
     return named(hidden, "some rays do not meet object", "every ray meets every object")
 
 
+def shadow_catchers(facts: Facts) -> Answer:
+    """Whether there are shadow catchers, whose shown pixels are not compared."""
+    catchers = [item.name for item in facts.scene.mesh.objects if item.catches_shadows]
+    return named(catchers, "shown pixels are set aside: shadow catcher", "no object is a shadow catcher")
+
+
 def ray_kinds(facts: Facts) -> Answer:
     """Whether it matters what kind of lobe scattered a ray."""
     hidden = [item.name for item in facts.scene.mesh.objects if not has_bits(item.rays, SCATTERED)]

@@ -12,6 +12,7 @@ class Effect(StrEnum):
     DEPTH_OF_FIELD = "depth of field"
     MOTION_BLUR = "motion blur"
     HIDDEN_OBJECTS = "hidden objects"
+    SHADOW_CATCHERS = "shadow catchers"
     RAY_KINDS = "ray kinds"
     RAY_FLAGS = "ray flags"
     RAY_COUNTS = "ray counts"

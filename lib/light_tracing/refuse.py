@@ -50,6 +50,7 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
     """
     names = {
         Effect.RAY_KINDS: "ray visibility by light tracing",
+        Effect.SHADOW_CATCHERS: "shadow catchers by light tracing",
         Effect.SHADOWS_APART: "shadow visibility by light tracing",
         Effect.LIGHTS_WITHOUT_SHADOWS: "lights without shadows by light tracing",
         Effect.LINKED_LIGHTS: "light linking by light tracing",

@@ -26,7 +26,7 @@ from .words import forecast_seconds, sentences
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 12
+VERSION = 13
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -52,6 +52,7 @@ CHANGES = {
     "`left_out` counts the pixels that show passive unsupported materials, and as before all that light reaches from others.",
     12: "Version 12: light passes are compared by default where they are cheap; `pass_choice` says what was asked for, what that "
     "stands for, and why none was compared where the default left them out.",
+    13: "Version 13: `left_out` counts the pixels that show shadow catchers alone, too; its `shadow_catchers` says how many these are.",
 }
 
 
@@ -95,10 +96,7 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "reference": _side(comparison.reference),
             "candidate": _side(comparison.candidate),
             "excluded_pixels": int(comparison.excluded.sum()),
-            "left_out": {
-                "pixels": int(comparison.left_out.sum()),
-                "materials": [{"name": name, "what": what} for name, what in comparison.unknown.items()],
-            },
+            "left_out": _left_out(comparison),
             "withdrawn": [asdict(one) for one in verdict.withdrawn],
             "size": {
                 "width": comparison.regions.shape[1],
@@ -115,6 +113,16 @@ def document(comparison: Comparison, plan: Plan, command: str) -> dict[str, Any]
             "command": command,
         }
     )
+
+
+def _left_out(comparison: Comparison) -> dict[str, Any]:
+    """The pixels that are not compared, with the unsupported materials and the shadow catchers that they show."""
+    caught = comparison.caught
+    return {
+        "pixels": int(comparison.left_out.sum()),
+        "materials": [{"name": name, "what": what} for name, what in comparison.unknown.items()],
+        "shadow_catchers": None if caught is None else {"pixels": caught.count, "objects": list(caught.names)},
+    }
 
 
 def _blender(comparison: Comparison) -> dict[str, Any]:

@@ -69,7 +69,7 @@ def shown_means(comparison: Comparison, part: Part | None = None) -> tuple[np.nd
     NaN where pixels are not compared or not finite.
     """
     first, second = moments_of(comparison, part)
-    if not comparison.unknown:
+    if not comparison.left_out.any():
         return first.mean, second.mean
     reference, candidate = (np.where(comparison.left_out[..., None], np.nan, one.mean) for one in (first, second))
     return reference, candidate

@@ -22,7 +22,7 @@ from ..verdict.outcome import Outcome
 from .bound import both_names
 from .causes import proof_seconds, unexplained
 from .language import listed, place
-from .words import forecast_seconds, furthest, region_total
+from .words import catcher_sentences, count_left_out, forecast_seconds, furthest, region_total
 
 _CHANNELS = ("red", "green", "blue")
 # Regions with a name of the user's that are given, and cells of the picture.
@@ -158,8 +158,8 @@ def _replaced(comparison: Comparison) -> list[str]:
 
 def _masked(comparison: Comparison) -> list[str]:
     """The pixels that were not compared, and why."""
-    left_out, broken = int(comparison.left_out.sum()), int(comparison.excluded.sum())
-    said = []
+    left_out, broken = count_left_out(comparison), int(comparison.excluded.sum())
+    said = catcher_sentences(comparison)
     if left_out:
         why = "they show unsupported materials" if comparison.passive else "unsupported materials can affect them"
         said.append(f"{plural(left_out, 'pixel')} left out: {why}.")

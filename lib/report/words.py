@@ -67,6 +67,7 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
         said.append(_excluded(int(comparison.excluded.sum())))
     if comparison.unknown:
         said.append(_left_out(comparison))
+    said += catcher_sentences(comparison)
     said += setting_sentences(comparison)
     blind = blind_sentence(comparison)
     if blind:
@@ -81,7 +82,7 @@ def _excluded(count: int) -> str:
 
 def _left_out(comparison: Comparison) -> str:
     """The part of the image that is not compared, and the materials that cause it."""
-    count, total = int(comparison.left_out.sum()), comparison.left_out.size
+    count, total = count_left_out(comparison), comparison.left_out.size
     named = [f"'{name}' ({what})" for name, what in comparison.unknown.items()]
     share = format_part(count / total)
     why = "they show materials that are" if comparison.passive else "light reaches them from materials that are"
@@ -89,6 +90,24 @@ def _left_out(comparison: Comparison) -> str:
         f"{count} of {plural(total, 'pixel')} ({share}) are not compared: {why} not simulated: {listed(tuple(named))}."
     )
     return f"{said} {_elsewhere(comparison)}" if comparison.passive else said
+
+
+def count_left_out(comparison: Comparison) -> int:
+    """How many pixels are not compared because of unsupported materials."""
+    caught = comparison.caught
+    left_out = comparison.left_out if caught is None else comparison.left_out & ~caught.pixels
+    return int(left_out.sum())
+
+
+def catcher_sentences(comparison: Comparison) -> list[str]:
+    """What is not compared of shadow catchers; nothing where there are none."""
+    caught = comparison.caught
+    if caught is None:
+        return []
+    names = listed(tuple(f"'{name}'" for name in caught.names))
+    which = f"the shadow catcher{'' if len(caught.names) == 1 else 's'} {names}"
+    share = format_part(caught.count / caught.pixels.size)
+    return [f"{share} of the image shows {which}: shown pixels of shadow catchers are set aside."]
 
 
 def _elsewhere(comparison: Comparison) -> str:

@@ -30,7 +30,8 @@ class Object:
     `color` (red, green, blue, alpha), `index` and `random`, from 0 to 1, are what materials can ask of it. `rays` is
     the mask of the rays that meet it (rays.py); others pass through it as if it were not there. `receiver` and
     `blocker` number the sets of objects to which it belongs where lights are linked to what they light and to what
-    hides them, `links` says so of the light that it emits (links.py).
+    hides them, `links` says so of the light that it emits (links.py). What the camera sees of an object that
+    `catches_shadows` is not compared; for all other rays it is an object like any other.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Object:
     receiver: int = 0
     blocker: int = 0
     links: Links = UNLINKED
+    catches_shadows: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from ..effects.names import Effect
 from ..sampling.sobol import SobolSampler
 from ..sampling.streams import COVERAGE, LENS, PIXEL
 from ..surfaces.surface import SurfacePoints
-from .camera_rays import camera_rays
+from .camera_rays import CameraRays, camera_rays
 from .kernel import Kernel
-from .render import tiles
+from .raycaster import Hits
+from .render import Tile, tiles
 
 TILE_PATHS = 16384
 # Angles between the shading normal and the viewer, in degrees, at which bands of a material end: microfacet models part at grazing.
@@ -39,7 +40,7 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
     edges = np.cos(np.radians(BANDS[:-1]))
     found: dict[str, list[np.ndarray]] = {"material": [], "facing": [], "object": []}
     for tile in tiles(camera.width * camera.height, samples, TILE_PATHS):
-        pixel, points = _first_hits(kernel, tile.first, tile.last, sampler, tile.start, tile.stop)
+        pixel, points = _first_points(kernel, tile, sampler)
         material = np.take(mesh.material_index, points.triangle)
         band = (points.cos_wo[:, None] < edges).sum(axis=1)
         found["material"].append(_counted(material, pixel))
@@ -57,27 +58,49 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
     }
 
 
-def _first_hits(
-    kernel: Kernel, first: int, last: int, sampler: SobolSampler, start: int, stop: int
-) -> tuple[np.ndarray, SurfacePoints]:
-    """Pixels (n,) of the camera rays that meet a face, and the points they meet."""
+def caught_pixels(kernel: Kernel, samples: int = 16) -> np.ndarray:
+    """The pixels (height, width) that show shadow catchers alone: all camera rays meet their faces first.
+
+    There are none where volumes scatter or emit light, which is seen in front of the catchers.
+    """
     camera = kernel.scene.camera
-    index = np.arange(first, last)
+    count = np.zeros(camera.width * camera.height, np.int64)
+    clear = kernel.media is None or not (kernel.media.emits or kernel.plan.needs(Effect.VOLUME_SCATTERING))
+    if kernel.catchers is not None and clear:
+        sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)
+        for tile in tiles(count.size, samples, TILE_PATHS):
+            pixel, _, hits = _first_hits(kernel, tile, sampler)
+            count += np.bincount(pixel[np.take(kernel.catchers, hits.triangle)], minlength=count.size)
+    return (count == samples).reshape(camera.height, camera.width)
+
+
+def _first_hits(kernel: Kernel, tile: Tile, sampler: SobolSampler) -> tuple[np.ndarray, CameraRays, Hits]:
+    """The camera rays of a tile, the pixels (n,) that they belong to, and what they meet first."""
+    camera = kernel.scene.camera
+    index, samples = np.arange(tile.first, tile.last), np.arange(tile.start, tile.stop)
     row, column = np.divmod(index, camera.width)
-    pixel, sample = np.repeat(np.arange(index.size), stop - start), np.tile(np.arange(start, stop), index.size)
+    pixel, sample = np.repeat(np.arange(index.size), samples.size), np.tile(samples, index.size)
     view = sampler.tile(index)
     dx, dy = view.pair(PIXEL, pixel, sample)
     lens = view.pair(LENS, pixel, sample) if kernel.plan.needs(Effect.DEPTH_OF_FIELD) else None
     rays = camera_rays(camera, column[pixel] + dx, camera.height - 1.0 - row[pixel] + dy, lens)
     if rays.index is not None:
         pixel = pixel[rays.index]
-    hits = kernel.sight.camera.closest(rays.origin, rays.direction, rays.reach)
-    met = np.flatnonzero(hits.triangle >= 0)
+    return index[pixel], rays, kernel.sight.camera.closest(rays.origin, rays.direction, rays.reach)
+
+
+def _first_points(kernel: Kernel, tile: Tile, sampler: SobolSampler) -> tuple[np.ndarray, SurfacePoints]:
+    """Pixels (n,) of the camera rays that meet a face, and the points they meet; shadow catchers do not count."""
+    pixel, rays, hits = _first_hits(kernel, tile, sampler)
+    is_met = hits.triangle >= 0
+    if kernel.catchers is not None:
+        is_met &= ~np.take(kernel.catchers, hits.triangle)
+    met = np.flatnonzero(is_met)
     direction = np.take(rays.direction, met, axis=1)
     place = np.take(rays.origin, met, axis=1) + direction * hits.distance[met]
     placed, ng, _ = kernel.caster.on_plane(hits.triangle[met], place)
     u, v = (x[met].astype(np.float64) for x in (hits.u, hits.v))
-    return index[pixel[met]], SurfacePoints(kernel.tables, hits.triangle[met], u, v, placed, ng, -direction)
+    return pixel[met], SurfacePoints(kernel.tables, hits.triangle[met], u, v, placed, ng, -direction)
 
 
 def _counted(owner: np.ndarray, pixel: np.ndarray) -> np.ndarray:

@@ -34,6 +34,7 @@ from ..textures.images import ImageSet
 from .bevels import Bevels
 from .bodies import Bodies, exit_materials, objects_entered
 from .casters import Casters
+from .catchers import catching_faces
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
 from .direction import Directions
 from .emissive import EmissiveMesh, places_on
@@ -86,6 +87,7 @@ class Kernel:
             if plan.needs(Effect.VOLUMES) or plan.needs(Effect.VOLUME_SCATTERING)
             else None
         )
+        self.catchers = catching_faces(scene.mesh) if plan.needs(Effect.SHADOW_CATCHERS) else None
         self.tables = SurfaceTables(scene.mesh) if same is None else same.tables
         self.images = ImageSet(
             scene.images,

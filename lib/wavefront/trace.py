@@ -29,6 +29,7 @@ from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..scene.rays import DEPTH_OF_KIND
 from ..surfaces.surface import SurfacePoints
 from .camera_rays import camera_rays
+from .catchers import end_at_catchers
 from .coplanar import with_coplanar_hits, with_other_faces
 from .direct_light import DirectLight
 from .emitters import Emitters
@@ -82,6 +83,8 @@ class Tracer:
             if self._volumes is not None and paths.medium is not None:
                 paths, hits, scattered = self._volumes.pass_through(paths, paths.medium, hits, step)
                 self._clock.lap(Stage.VOLUMES)
+            if self._kernel.catchers is not None:
+                paths, hits = end_at_catchers(self._kernel.catchers, paths, hits)
             paths = self._scatter(paths, hits, step)
             if scattered is not None:
                 paths = Paths.joined(paths, scattered)

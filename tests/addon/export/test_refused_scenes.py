@@ -101,7 +101,6 @@ OBJECTS = {
     "grease pencil": grease_pencil,
     "particle hair": particles("HAIR", "PATH"),
     "smoke": smoke,
-    "a shadow catcher": flag(is_shadow_catcher=True),
     "adaptive subdivision": adaptive,
 }
 
