@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of images that have several.
+"""The files of images that have several, and the frames of movies.
 
-This file finds which one a frame shows, and reads one of them.
+This file finds which one the scene's frame shows, and reads it.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -16,10 +17,18 @@ import bpy
 from ....lib.textures.tiles import tile_corner
 
 
-def frame_of_user(user: bpy.types.ImageUser, scene_frame: int) -> int:
-    """The number of the file that a sequence shows at `scene_frame`.
+@dataclass(frozen=True)
+class Still:
+    """One file at `path`, of several, or one frame of the movie that is there."""
 
-    The sequence's first frame shows file 1 plus the offset, its last stays; a cyclic one starts again. Without a duration it is 0,
+    path: str
+    frame: int | None = None
+
+
+def frame_of_user(user: bpy.types.ImageUser, scene_frame: int) -> int:
+    """The number of the file of a sequence, or of the frame of a movie, that `scene_frame` shows.
+
+    A sequence's first frame shows file 1 plus the offset, its last stays; a cyclic one starts again. Without a duration it is 0,
     whatever the offset.
     """
     length = user.frame_duration
@@ -57,21 +66,43 @@ def path_of_image(image: bpy.types.Image) -> str:
 
 
 @contextmanager
-def read_file(path: str, image: bpy.types.Image) -> Iterator[bpy.types.Image | None]:
-    """Yield one file with the settings of `image`; None where it cannot be read.
+def read_still(still: Still, image: bpy.types.Image) -> Iterator[bpy.types.Image | None]:
+    """Yield one file or frame with the settings of `image`; None where it cannot be read.
 
     Nothing is left in Blender's data afterwards.
     """
-    try:
-        still = bpy.data.images.load(path)
-    except RuntimeError:
+    read = _load_file(still.path, image) if still.frame is None else image.copy()
+    if read is None:
         yield None
         return
     try:
-        if image.colorspace_settings.name:
-            still.colorspace_settings.name = image.colorspace_settings.name
-        still.alpha_mode = image.alpha_mode
-        readable = still.type not in ("IMAGE", "UV_TEST") or (still.size[0] and still.size[1])
-        yield still if readable else None
+        readable = still.frame is None or _decode(read, still.frame)
+        if readable and read.type in ("IMAGE", "UV_TEST"):
+            readable = bool(read.size[0] and read.size[1])
+        yield read if readable else None
     finally:
-        bpy.data.images.remove(still)
+        bpy.data.images.remove(read)
+
+
+def _load_file(path: str, image: bpy.types.Image) -> bpy.types.Image | None:
+    try:
+        read = bpy.data.images.load(path)
+    except RuntimeError:
+        return None
+    if image.colorspace_settings.name:
+        read.colorspace_settings.name = image.colorspace_settings.name
+    read.alpha_mode = image.alpha_mode
+    return read
+
+
+def _decode(movie: bpy.types.Image, frame: int) -> bool:
+    """Whether Blender can decode `frame`, from 1, which is then in the pixels of `movie`.
+
+    A frame beyond the ends is the first or the last. Scaling to the same size is how a script asks for a frame.
+    """
+    width, height = movie.size
+    try:
+        movie.scale(max(width, 1), max(height, 1), frame=frame)
+    except RuntimeError:
+        return False
+    return True

@@ -20,7 +20,7 @@ from ....lib.srgb import srgb_encode
 from ....lib.textures.linearize import linearize
 from ...host.color_configuration import color_configuration
 from ..properties.declared import refuse_undeclared
-from .image_files import frame_of_user, numbered_path, path_of_image, read_file, tile_path
+from .image_files import Still, frame_of_user, numbered_path, path_of_image, read_still, tile_path
 
 _ENCODINGS = {"sRGB": "SRGB", "Linear Rec.709": "LINEAR", "Non-Color": "DATA"}
 # Before, Cycles divides the colours of other spaces by alpha even where the two are said to have nothing to do with each other.
@@ -31,7 +31,8 @@ _MODE_IGNORED = Versions(None, "5.0")
 # Of floats in these, Blender and Cycles make values of twice and of once the size.
 _SCALED = ("Rec.2100-PQ", "Rec.2100-HLG")
 _GREY = 1e-4
-_SOURCES = ("FILE", "GENERATED")
+_SOURCES = ("FILE", "GENERATED", "MOVIE")
+_DECODES_MOVIES = bpy.app.ffmpeg.supported
 _PREMULTIPLIED_FORMATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER")
 _TYPES = ("IMAGE", "UV_TEST")
 
@@ -56,10 +57,10 @@ class ImageTable:
     """Collects the images that materials and world use, and gives each an index."""
 
     def __init__(self, frame: int = 1) -> None:
-        """`frame`: the scene's, which chooses among the files of a sequence."""
+        """`frame`: the scene's, which chooses among the files of a sequence and the frames of a movie."""
         self._frame = frame
-        self._entries: dict[tuple[int, bool, str], Entry | None] = {}
-        self._lacking: dict[tuple[int, str], bool] = {}
+        self._entries: dict[tuple[int, bool, Still | None], Entry | None] = {}
+        self._lacking: dict[tuple[int, Still], bool] = {}
         self._images: list[Image] = []
         self.missing: dict[str, None] = {}
         """What has no image, in the order in which it was met: the files that are not there, and nodes without an image."""
@@ -80,8 +81,9 @@ class ImageTable:
             self.missing[f"{owner}: node '{node.name}' has no image"] = None
             return True
         image = image.original
-        if _is_sequence(image):
-            return self._lacks(image, self._path(image, node))
+        still = self._still(image, node)
+        if still is not None:
+            return self._lacks(image, still)
         if image.source != "FILE" or image.type not in _TYPES or (image.size[0] and image.size[1]):
             return False
         space = image.colorspace_settings.name  # empty where Blender has never read the file
@@ -97,8 +99,7 @@ class ImageTable:
         The image must not be one that `is_missing`.
         """
         image = node.image.original
-        path = self._path(image, node) if _is_sequence(image) else ""
-        return self._entry(image, path, alpha_linked, refuse)
+        return self._entry(image, self._still(image, node), alpha_linked, refuse)
 
     def add_tiles(self, node: bpy.types.Node, alpha_linked: bool, refuse: Refuse) -> dict[int, Entry]:
         """The entries of a tiled image by number of tile.
@@ -111,33 +112,38 @@ class ImageTable:
         if fault:
             refuse(f", image '{image.name}' (tiled, {fault[0]}),", fault[1])
             return {}
-        files = {tile.number: tile_path(path_of_image(image), tile.number) for tile in image.tiles}
-        there = {number: path for number, path in files.items() if not self._lacks(image, path)}
-        entries = {number: self._entry(image, path, alpha_linked, refuse) for number, path in there.items()}
+        files = {tile.number: Still(tile_path(path_of_image(image), tile.number)) for tile in image.tiles}
+        there = {number: still for number, still in files.items() if not self._lacks(image, still)}
+        entries = {number: self._entry(image, still, alpha_linked, refuse) for number, still in there.items()}
         return {number: entry for number, entry in entries.items() if entry is not None}
 
-    def _entry(self, image: bpy.types.Image, path: str, alpha_linked: bool, refuse: Refuse) -> Entry | None:
-        """The entry of `image`, or of the one file of it at `path`."""
-        key = (image.session_uid, alpha_linked, path)
+    def _entry(self, image: bpy.types.Image, still: Still | None, alpha_linked: bool, refuse: Refuse) -> Entry | None:
+        """The entry of `image`, or of the one file or frame of it that `still` says."""
+        key = (image.session_uid, alpha_linked, still)
         if key not in self._entries:
-            if path:
-                with read_file(path, image) as still:
-                    self._entries[key] = self._read(still, image, alpha_linked, refuse)
-            else:
+            if still is None:
                 self._entries[key] = self._read(image, image, alpha_linked, refuse)
+            else:
+                with read_still(still, image) as read:
+                    self._entries[key] = self._read(read, image, alpha_linked, refuse)
         return self._entries[key]
 
-    def _path(self, image: bpy.types.Image, node: bpy.types.Node) -> str:
-        return numbered_path(path_of_image(image), frame_of_user(node.image_user, self._frame))
+    def _still(self, image: bpy.types.Image, node: bpy.types.Node) -> Still | None:
+        """The file or frame that a sequence or movie shows in `node`; None for other images, and movies that are refused."""
+        is_read = image.source == "SEQUENCE" or (image.source == "MOVIE" and _DECODES_MOVIES)
+        if image.packed_file is not None or not is_read:
+            return None
+        frame, path = frame_of_user(node.image_user, self._frame), path_of_image(image)
+        return Still(path, frame) if image.source == "MOVIE" else Still(numbered_path(path, frame))
 
-    def _lacks(self, image: bpy.types.Image, path: str) -> bool:
-        """Whether one file of `image` cannot be read, which is noted."""
-        key = (image.session_uid, path)
+    def _lacks(self, image: bpy.types.Image, still: Still) -> bool:
+        """Whether one file or frame of `image` cannot be read, which is noted."""
+        key = (image.session_uid, still)
         if key not in self._lacking:
-            with read_file(path, image) as still:
-                self._lacking[key] = still is None
+            with read_still(still, image) as read:
+                self._lacking[key] = read is None
         if self._lacking[key]:
-            self._note(image, path)
+            self._note(image, still.path)
         return self._lacking[key]
 
     def _note(self, image: bpy.types.Image, path: str) -> None:
@@ -145,7 +151,7 @@ class ImageTable:
         self.missing[f"image '{image.name}': file '{path}' {fault}"] = None
 
     def _read(self, image: bpy.types.Image, owner: bpy.types.Image, alpha_linked: bool, refuse: Refuse) -> Entry | None:
-        """The entry of `image`, which is `owner` or one of its files."""
+        """The entry of `image`, which is `owner`, one of its files or one of its frames."""
         name = owner.name
         reason = _unsupported(image)
         if reason:
@@ -177,7 +183,7 @@ class ImageTable:
                 refuse(f", image '{name}' (colour space {space.name}, {fault[0]}),", fault[1])
                 return None
             pixels = linear
-        # Blender decodes floats as it loads them. Cycles takes generated and packed images from Blender, others from the file.
+        # Blender decodes floats as it loads them. Cycles takes generated and packed images and movies from Blender, others from the file.
         codes_lost = image.is_float and encoding == "SRGB"
         if codes_lost and _is_kept(image):
             encoding, codes_lost = "LINEAR", False
@@ -198,10 +204,6 @@ class ImageTable:
         return len(self._images) - 1
 
 
-def _is_sequence(image: bpy.types.Image) -> bool:
-    return image.source == "SEQUENCE" and image.packed_file is None
-
-
 def _fault_of_tiles(image: bpy.types.Image) -> tuple[str, str] | None:
     """(what, remedy) where the files of a tiled image are not what Cycles reads."""
     if image.packed_file is not None:
@@ -218,6 +220,8 @@ def _unsupported(image: bpy.types.Image) -> tuple[str, str] | None:
     if image.source not in _SOURCES or image.type not in _TYPES:
         kind = image.source if image.source not in _SOURCES else image.type
         return f"{kind.lower().replace('_', ' ')}", "use a still image or a sequence of image files"
+    if image.source == "MOVIE" and not _DECODES_MOVIES:
+        return "movie, in a Blender without FFmpeg", "use a sequence of image files"
     if not image.size[0] or not image.size[1]:  # the colour space is known only once it is loaded
         return "no texels", "restore its file, or choose another image"
     if image.is_dirty and image.source == "FILE" and image.packed_file is None:
@@ -280,7 +284,7 @@ def _fault_of_alpha(image: bpy.types.Image) -> tuple[str, str] | None:
 
 def _is_kept(image: bpy.types.Image) -> bool:
     """Whether Cycles takes the texels from Blender, and not from a file."""
-    return image.source == "GENERATED" or image.packed_file is not None
+    return image.source in ("GENERATED", "MOVIE") or image.packed_file is not None
 
 
 def _holds_multiplied_codes(image: bpy.types.Image) -> bool:

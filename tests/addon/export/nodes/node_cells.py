@@ -20,6 +20,7 @@ from etalon.lib.textures import color_spaces
 from etalon.lib.textures.evaluate import Evaluator
 from etalon.lib.textures.fold import inputs
 from etalon.lib.textures.images import ImageSet
+from etalon.lib.textures.linearize import linearize
 
 CELL = 16
 FACING, TILTED, BEHIND = (0.0, False), (1.0, False), (1.2, True)
@@ -172,8 +173,17 @@ def read_tabulated(material, images, refusals):
     )
 
 
-def predicted(material, points, read=read_material):
-    images, refusals = ImageTable(), []
+def linearize_in_half_precision(pixels, space, config):
+    """As linearize; of bytes Cycles keeps the codes and their decoded values in half precision."""
+    return half(linearize(half(pixels), space, config))
+
+
+def half(values):
+    return np.clip(values, -65504.0, 65504.0).astype(np.float16).astype(np.float32)
+
+
+def predicted(material, points, read=read_material, frame=1):
+    images, refusals = ImageTable(frame), []
     lobes = read(material, images, refusals).lobes
     assert not refusals
     evaluate = Evaluator(points, ImageSet(images.images, decode_first=False, alpha_in_codes=True))

@@ -15,7 +15,6 @@ from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.scene import expressions as ex
 from etalon.lib.textures.evaluate import Evaluator
 from etalon.lib.textures.images import ImageSet
-from etalon.lib.textures.linearize import linearize
 from etalon.lib.textures.ramp import color_ramp
 from etalon.tests.addon.export.nodes.node_cases import CASES, COORDINATES, RAMPS, image_cases, space_cases
 from etalon.tests.addon.export.nodes.node_cells import (
@@ -24,6 +23,7 @@ from etalon.tests.addon.export.nodes.node_cells import (
     Points,
     assert_same,
     glowing,
+    linearize_in_half_precision,
     predicted,
     prepare,
     quad,
@@ -133,25 +133,17 @@ def test_images_are_sampled_as_cycles_samples(cells):
         assert_same(got, shown, 2e-3 if "16.png" in name else 2e-5)
 
 
-def half(values):
-    return np.clip(values, -65504.0, 65504.0).astype(np.float16).astype(np.float32)
-
-
 @pytest.mark.parametrize("step", [3, pytest.param(1, marks=pytest.mark.slow)])
 def test_color_spaces_are_linearized_as_cycles_does(cells, monkeypatch, step):
     """Of bytes Cycles keeps the codes and their decoded values in half precision.
 
     Curves of logarithms enlarge the error of that; so does this test.
     """
-
-    def in_half_precision(pixels, space, config):
-        return half(linearize(half(pixels), space, config))
-
     names = [name for name in cells if " in " in name and name.startswith(("png", "exr"))]
     assert len(names) > 20
     names = names[::step]
     with monkeypatch.context() as patch:
-        patch.setattr(images_of_blender, "linearize", in_half_precision)
+        patch.setattr(images_of_blender, "linearize", linearize_in_half_precision)
         errors = {}
         for name in names:
             material, shown, _, points = cells[name]
