@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..lib.batch.comparer import Comparer
 from ..lib.batch.comparison import Limits, run_comparison
-from ..lib.batch.process import start_comparison
 from ..lib.errors import Cancelled, EtalonError, Refused
 from ..lib.files.ownership import temporary_folder
 from ..lib.plain_text import folder_name
@@ -76,7 +76,7 @@ def _against_reference(
     """Run `etalon compare` in a Blender, and return its result."""
     report = folder / folder_name(blender.label)
     words = ["compare", *write_changes(target, settings), f"--out={report.absolute()}", "--quiet"]
-    status, code, message = run_comparison(partial(start_comparison, blender.request({"words": words})), report, limits)
+    status, code, message = run_comparison(partial(Comparer, blender.request({"words": words})), report, limits)
     return version_figures(blender.label, report, out, status, code, message)
 
 

@@ -23,3 +23,7 @@ class ExitCode(IntEnum):
     EXPLAINED = 4
     INTERNAL_ERROR = 70
     INTERRUPTED = 130
+
+
+RESULTS = frozenset({ExitCode.DONE, ExitCode.DIFFERENT, ExitCode.UNDECIDED, ExitCode.EXPLAINED})
+"""The codes with which a command has given its result."""

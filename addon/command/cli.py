@@ -14,14 +14,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from ...lib.errors import EtalonError, Refused
-from ...lib.exit_codes import ExitCode
+from ...lib.exit_codes import RESULTS, ExitCode
 from ...lib.plain_text import one_line
 from ...lib.refusals import describe_refusals
 from ...lib.settings.common import Target
 from ...lib.version import VERSION
 from ...lib.wavefront.tuning import tune_process
 from ..host.libraries import explain_import
-from ..host.own_process import gather_temporary_files, is_ahead, receive_words, watch_leash
+from ..host.own_process import Orders, gather_temporary_files, is_ahead, watch_leash
 from .arguments import check_words, make_parser, read_arguments, read_words
 from .scene_choice import require_scene
 from .streams import dependable_streams
@@ -53,8 +53,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Every error that a user can cause is one line on standard error.
     """
     words = list(sys.argv[1:] if argv is None else argv)
-    if is_ahead():
-        words += _load_ahead(words[0])
+    return _serve(words[0]) if is_ahead() else _answer(words)
+
+
+def _answer(words: list[str]) -> int:
     with dependable_streams() as output:
         code = _main(words)
         output.flush()
@@ -63,10 +65,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
 
 
-def _load_ahead(name: str) -> list[str]:
-    """Load Blender and a command, and wait for the rest of its words.
+def _serve(name: str) -> int:
+    """Load Blender and a command, then run it for each line of words that comes.
 
-    What fails here fails again, and is reported, when the command runs.
+    What fails to load fails again, and is reported, when the command runs. Only a command that has given its result is
+    followed by another one: any other end is the end of the process, with that exit code.
     """
     from ..host.blender import load_blender
 
@@ -74,7 +77,11 @@ def _load_ahead(name: str) -> list[str]:
         gather_temporary_files()
         load_blender()
         importlib.import_module(f".{name}", __package__)
-    return receive_words()
+    orders = Orders()
+    while True:
+        code = _answer([name, *orders.receive()])
+        if code not in RESULTS or not orders.answer(code):
+            return code
 
 
 def _fail(message: str) -> int:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import atexit
 import json
 import os
+import queue
 import sys
 import tempfile
 import threading
 from contextlib import ExitStack
 
-from ...lib.batch.process import AHEAD, LEASH
+from ...lib.batch.process import AHEAD, ANSWER, LEASH
 from ...lib.exit_codes import ExitCode
 from ...lib.files.ownership import temporary_folder
 
@@ -38,23 +39,52 @@ def watch_leash() -> None:
 
 
 def is_ahead() -> bool:
-    """Whether the process that started this one tells it the rest of its words later."""
+    """Whether the process that started this one tells it its words later."""
     return os.environ.get(LEASH) == AHEAD
 
 
-def receive_words() -> list[str]:
-    """Receive words as one line of JSON on standard input.
+class Orders:
+    """Words that come as lines of JSON on standard input, one line for each command.
 
-    Ends this process where no more words can come.
+    Where no more can come, this process ends at once. Read it once Blender is loaded.
     """
-    line = b""
-    while not line.endswith(b"\n"):
-        # One byte at a time: what comes later is for `watch_leash`.
-        byte = os.read(0, 1)
-        if not byte:
+
+    def __init__(self) -> None:
+        """Receive them from now on."""
+        os.environ.pop(LEASH, None)
+        self._answer = os.environ.pop(ANSWER, "")
+        self._lines: queue.SimpleQueue[list[str]] = queue.SimpleQueue()
+        self._is_waiting = True
+        threading.Thread(target=self._read, name="leash", daemon=True).start()
+
+    def receive(self) -> list[str]:
+        """Wait for the next words."""
+        self._is_waiting = True
+        words = self._lines.get()
+        self._is_waiting = False
+        return words
+
+    def answer(self, code: int) -> bool:
+        """Tell the process that gave the words how they have ended.
+
+        Returns whether it wants to know.
+        """
+        if not self._answer:
+            return False
+        sys.stderr.flush()
+        os.write(2, f"{self._answer}{code}\n".encode())
+        return True
+
+    def _read(self) -> None:
+        rest = b""
+        while data := os.read(0, 65536):
+            *lines, rest = (rest + data).split(b"\n")
+            for line in lines:
+                self._lines.put(json.loads(line))
+        if self._is_waiting:
             leave()
-        line += byte
-    return json.loads(line)
+        # The next run removes what is left.
+        os._exit(ExitCode.INTERRUPTED)
 
 
 def gather_temporary_files() -> None:

@@ -1,85 +1,97 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Processes that are started ahead.
+"""The processes of a batch.
 
-Each loads Blender while the comparisons before its own still render, then waits for its words.
+Each loads Blender once and runs several comparisons, one after the other. One that is needed later is started while the comparisons before
+still render.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
-import subprocess
+import threading
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 
-from .process import end, send, start_comparison
+from ..memory import resident_memory
+from .comparer import Comparer
 
 Command = Callable[[list[str]], list[str]]
 """The command line that runs words of `etalon` in one of the Blenders."""
-Begin = Callable[[list[str]], subprocess.Popen[str]]
-"""Gives the words of a comparison to a process, and returns it."""
-# A process that waits ends once its standard input is closed; one that still loads does so first. In seconds.
-_PATIENCE = 10.0
+TURNS = 20
+"""So many comparisons a process runs before it is replaced: what Blender does not free stays small."""
+# A process that has more memory in use after a comparison is replaced, in bytes.
+_MOST_MEMORY = 1.5e9
 
 
 class Ahead:
-    """The processes of comparisons that begin in order, `count` of them started ahead.
+    """The processes of comparisons that begin in order, `count` of them side by side.
 
-    `commands` has one entry for each comparison. A process runs one comparison, so one that crashes takes no other with it.
+    `commands` has one entry for each comparison, and `kinds` names the Blender of each. A process runs up to `turns` comparisons of one
+    Blender. One that crashes takes no other comparison with it: those before it are done, and those after it get another process.
     """
 
-    def __init__(self, name: str, commands: Sequence[Command], count: int) -> None:
-        self._name, self._commands, self._count = name, commands, count
-        self._waiting: dict[int, subprocess.Popen[str]] = {}
+    def __init__(
+        self, name: str, commands: Sequence[Command], kinds: Sequence[str], count: int, turns: int = TURNS
+    ) -> None:
+        self._name, self._commands, self._kinds, self._count, self._turns = name, commands, kinds, count, turns
+        self._waiting: defaultdict[str, list[Comparer]] = defaultdict(list)
         self._begun: set[int] = set()
+        self._lock = threading.Lock()
 
-    def begin(self, number: int, words: list[str]) -> subprocess.Popen[str]:
+    def begin(self, number: int, words: list[str]) -> Comparer:
         """The process of comparison `number`, which has got its words after the command's name.
 
-        Another is started for the comparison that begins `count` later. Called again for the same comparison, it is a new process.
+        Where the comparison that begins `count` later will need another process, that is started now. Called again for the same comparison, it
+        is a new process. Raises OSError where none can be started.
         """
-        self._begun.add(number)
-        process = self._waiting.pop(number, None)
-        if process is None or not _tell(process, words):
+        with self._lock:
+            waiting = self._waiting[self._kinds[number]]
+            process = waiting.pop() if waiting and number not in self._begun else None
+            self._begun.add(number)
+        if process is None or not process.give(words):
             if process is not None:
-                _discard(process)
+                process.end()
             process = self._start(number)
             # A process that has ended is found by whoever waits for it.
-            _tell(process, words)
-        later = number + self._count
-        if later < len(self._commands) and later not in self._begun:
-            # Where it cannot be started now, its own turn says so.
-            with contextlib.suppress(OSError):
-                self._waiting[later] = self._start(later)
-                self._begun.add(later)
+            process.give(words)
+        self._start_later(number + self._count, self._kinds[number], process.turns)
         return process
+
+    def release(self, number: int, process: Comparer) -> None:
+        """Take back the process of a comparison that is over; one that cannot run another one is ended."""
+        if not process.is_free:
+            process.end()
+        elif process.turns < self._turns and (resident_memory(process.process.pid) or 0) < _MOST_MEMORY:
+            with self._lock:
+                self._waiting[self._kinds[number]].append(process)
+        else:
+            process.dismiss()
 
     def close(self) -> None:
         """End the processes that still wait."""
-        waiting, self._waiting = list(self._waiting.values()), {}
+        with self._lock:
+            waiting = [process for kind in self._waiting.values() for process in kind]
+            self._waiting.clear()
         for process in waiting:
-            if process.stdin is not None:
-                process.stdin.close()
+            process.close_input()
         for process in waiting:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(_PATIENCE)
-            _discard(process)
+            process.dismiss()
 
-    def _start(self, number: int) -> subprocess.Popen[str]:
-        return start_comparison(self._commands[number]([self._name]), ahead=True)
+    def _start_later(self, later: int, kind: str, turns: int) -> None:
+        """Start a process for the comparison `later`, unless one will be there.
 
+        The comparison that begins now is in a process of this `kind`, which has run `turns` with it.
+        """
+        if later >= len(self._commands) or later in self._begun:
+            return
+        wanted = self._kinds[later]
+        if self._waiting[wanted] or (wanted == kind and turns < self._turns):
+            return
+        # Where it cannot be started now, its own turn says so.
+        with contextlib.suppress(OSError):
+            process = self._start(later)
+            with self._lock:
+                self._waiting[wanted].append(process)
 
-def _tell(process: subprocess.Popen[str], words: list[str]) -> bool:
-    """Give a process the rest of its command line; whether there is somebody to read it."""
-    try:
-        send(process, json.dumps(words) + "\n")
-    except OSError:
-        return False
-    return True
-
-
-def _discard(process: subprocess.Popen[str]) -> None:
-    """End a process that nobody waits for, and close its pipes."""
-    end(process)
-    for pipe in (process.stdin, process.stdout, process.stderr):
-        if pipe is not None:
-            pipe.close()
+    def _start(self, number: int) -> Comparer:
+        return Comparer(self._commands[number]([self._name]), ahead=True)

@@ -17,7 +17,8 @@ from ..memory import resident_memory
 from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
-from .process import OURS, end, last_lines, own_errors
+from .comparer import Comparer
+from .process import OURS, last_lines, own_errors
 
 VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
 
@@ -43,15 +44,18 @@ NO_LIMITS = Limits()
 
 
 def run_comparison(
-    begin: Callable[[], subprocess.Popen[str]], folder: Path, limits: Limits = NO_LIMITS
+    begin: Callable[[], Comparer],
+    folder: Path,
+    limits: Limits = NO_LIMITS,
+    release: Callable[[Comparer], None] = Comparer.end,
 ) -> tuple[str, int, str]:
     """Run an `etalon compare` that writes to `folder`, in the process that `begin` starts.
 
-    Returns its status, FINISHED, REFUSED, FAILED or ENDED from outside, its exit code, and the reason where it is not finished. One that
-    crashed is run once more.
+    `release` gets the process when the comparison is over. Returns its status, FINISHED, REFUSED, FAILED or ENDED from
+    outside, its exit code, and the reason where it is not finished. One that crashed is run once more.
     """
     for _ in range(2):
-        code, words, is_over = _run(begin, folder, limits)
+        code, words, is_over = _run(begin, folder, limits, release)
         if is_over:
             return (ENDED if limits.is_ending() else FAILED), code, words
         status, message = _judge(code, words, folder / "verdict.json")
@@ -79,41 +83,33 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
     return FINISHED, ""
 
 
-def _run(begin: Callable[[], subprocess.Popen[str]], folder: Path, limits: Limits) -> tuple[int, str, bool]:
-    """Run a process that writes to `folder`.
+def _run(
+    begin: Callable[[], Comparer], folder: Path, limits: Limits, release: Callable[[Comparer], None]
+) -> tuple[int, str, bool]:
+    """Run a comparison that writes to `folder`.
 
     Returns its exit code, its reason, and whether a limit ended it.
     """
-    process = begin()
+    comparer = begin()
     try:
-        errors, over = _wait(process, limits)
+        code, errors, over = _wait(comparer, limits)
     except BaseException:
-        end(process)
+        comparer.end()
         raise
     finally:
         clear_unfinished(folder)
-    return process.returncode, over or _reason(process.returncode, errors), bool(over)
+    release(comparer)
+    return code, over or _reason(code, errors), bool(over)
 
 
-def _wait(process: subprocess.Popen[str], limits: Limits) -> tuple[str, str]:
-    """Wait for the process; return its errors, and which limit ended it, or ''.
-
-    Its standard input stays open, since it ends the process when it closes.
-    """
-    leash, process.stdin = process.stdin, None
+def _wait(comparer: Comparer, limits: Limits) -> tuple[int, str, str]:
+    """Wait for the comparison; return its exit code, its errors, and which limit ended it, or ''."""
     begin, over = time.monotonic(), ""
-    try:
-        while True:
-            try:
-                _, errors = process.communicate(timeout=_LOOK)
-                return errors, over
-            except subprocess.TimeoutExpired:
-                over = over or _is_over(process, limits, time.monotonic() - begin)
-                if over:
-                    end(process)
-    finally:
-        if leash is not None:
-            leash.close()
+    while (ended := comparer.wait(_LOOK)) is None:
+        over = over or _is_over(comparer.process, limits, time.monotonic() - begin)
+        if over:
+            comparer.end()
+    return *ended, over
 
 
 def _is_over(process: subprocess.Popen[str], limits: Limits, seconds: float) -> str:

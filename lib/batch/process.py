@@ -8,13 +8,16 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 LEASH = "ETALON_LEASH"
 """The variable of the environment that tells another `etalon` to end when its standard input does."""
 AHEAD = "ahead"
-"""The value of LEASH with which another `etalon` loads Blender, and then reads the rest of its words."""
+"""The value of LEASH with which another `etalon` loads Blender, and then runs its command for each line of words that it reads."""
+ANSWER = "ETALON_ANSWER"
+"""The variable with the word that begins the line in which such an `etalon` says how a command has ended."""
 OURS = "etalon: "
 """What Étalon says on standard error begins so."""
 
@@ -39,17 +42,22 @@ def etalon_command() -> list[str]:
 
 
 def start(
-    command: list[str], temporary: Path | None = None, leash: bool = False, ahead: bool = False, **pipes: Any
+    command: list[str],
+    temporary: Path | None = None,
+    leash: bool = False,
+    ahead: bool = False,
+    variables: Mapping[str, str] | None = None,
+    **pipes: Any,
 ) -> subprocess.Popen[str]:
     """Start `command` in a process group of its own.
 
     A Ctrl-C on the terminal then reaches only this process. The temporary files of the new process go to the folder
     `temporary`, so that they go with that folder even where it is ended at once. With a `leash`, which another `etalon`
-    heeds, it ends when this process does, even where this one is killed. One that is started `ahead` waits for the rest of
-    its words, as AHEAD says.
+    heeds, it ends when this process does, even where this one is killed. One that is started `ahead` waits for its words, as
+    AHEAD says. Its environment is this one's with `variables`.
     """
     # BLAS's own threads would wait for those that render: Étalon's products of matrices have three rows.
-    environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ}
+    environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, **(variables or {})}
     if temporary is not None:
         environment |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary))
     if leash:
@@ -59,12 +67,6 @@ def start(
         flags = subprocess.CREATE_NEW_PROCESS_GROUP
         return subprocess.Popen(command, text=True, env=environment, creationflags=flags, **pipes)
     return subprocess.Popen(command, text=True, env=environment, start_new_session=True, **pipes)
-
-
-def start_comparison(command: list[str], ahead: bool = False, temporary: Path | None = None) -> subprocess.Popen[str]:
-    """Start an `etalon compare` whose words and errors this process reads."""
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
-    return start(command, temporary, leash=True, ahead=ahead, **pipes)
 
 
 def send(process: subprocess.Popen[str], line: str) -> None:

@@ -20,8 +20,9 @@ from ..exit_codes import ExitCode
 from ..files.atomic import replace_files
 from ..version import VERSION
 from .asked import ask_plan
+from .comparer import Comparer
 from .comparison import ENDED, FAILED, REFUSED, Limits, run_comparison
-from .process import etalon_command, start_comparison
+from .process import etalon_command
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def run_on_worker(
         out = Path(made) / "out"
         command = [*etalon_command(), name, str(places.get(scene, scene)), *rest, *_threads(words), f"--out={out}"]
         status, code, message = run_comparison(
-            partial(start_comparison, command, temporary=Path(made)), out, Limits(seconds, memory, watch_task())
+            partial(Comparer, command, temporary=Path(made)), out, Limits(seconds, memory, watch_task())
         )
         report = {path.name: path.read_bytes() for path in out.glob("*") if path.is_file()}
     return Done(status, code, message, report)

@@ -20,7 +20,7 @@ from ..files.atomic import UNFINISHED, clear_unfinished
 from ..pages.formats import format_duration
 from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
-from .ahead import Ahead, Begin, Command
+from .ahead import TURNS, Ahead, Command
 from .comparison import FINISHED, Limits, run_comparison
 from .journal import Entry
 from .plan import BatchPlan, Unit
@@ -98,11 +98,13 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
     begin, stop = time.monotonic(), threading.Event()
     # A scheduler has a queue of its own, and workers may come later.
     jobs = batch.how.jobs if batch.how.cluster is None else _AT_ONCE
-    ahead = Ahead("compare", [_command(batch, key) for key in missing], jobs)
+    # What the comparisons before it have left in a process is no part of a comparison's memory.
+    turns = TURNS if batch.plan.memory_limit is None else 1
+    kinds = [batch.units[key].blender or "" for key in missing]
+    ahead = Ahead("compare", [_command(batch, key) for key in missing], kinds, jobs, turns)
     with closing(ahead), ThreadPoolExecutor(max_workers=jobs) as pool:
         waiting = [
-            pool.submit(_run_unit, batch, key, partial(ahead.begin, number), stop, progress)
-            for number, key in enumerate(missing)
+            pool.submit(_run_unit, batch, key, ahead, number, stop, progress) for number, key in enumerate(missing)
         ]
         try:
             for number, future in enumerate(as_completed(waiting), 1):
@@ -130,10 +132,10 @@ def _command(batch: Batch, key: str) -> Command:
     return host.command if host is not None else lambda words: [*etalon_command(), *words]
 
 
-def _run_unit(batch: Batch, key: str, begin_process: Begin, stop: threading.Event, progress: Progress) -> Entry:
-    """Run one comparison and return its result.
+def _run_unit(batch: Batch, key: str, ahead: Ahead, number: int, stop: threading.Event, progress: Progress) -> Entry:
+    """Run one comparison, the missing one of that `number`, and return its result.
 
-    It runs in the process that `begin_process` gives its words, or on a worker.
+    It runs in a process that `ahead` gives its words, or on a worker.
     """
     plan, how, unit = batch.plan, batch.how, batch.units[key]
     progress.begin(unit.label)
@@ -147,7 +149,9 @@ def _run_unit(batch: Batch, key: str, begin_process: Begin, stop: threading.Even
     else:
         words += [] if how.threads is None else [f"--threads={how.threads}"]
         words.append(f"--out={plan.out / folder}")
-        status, code, message = run_comparison(partial(begin_process, words), plan.out / folder, limits)
+        status, code, message = run_comparison(
+            partial(ahead.begin, number, words), plan.out / folder, limits, partial(ahead.release, number)
+        )
     assignments = json.dumps({v.name: value for v, value in unit.assignments})
     return Entry(key, unit.scene, assignments, status, code, time.perf_counter() - begin, message, folder)
 

@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 import pytest
-from etalon.lib.batch.process import LEASH, start
+from etalon.lib.batch.process import ANSWER, LEASH, send, start
 from etalon.lib.exit_codes import ExitCode
 
 CHILD = """
@@ -19,6 +19,19 @@ watch_leash()
 print("watching", flush=True)
 while True:
     pass
+"""
+ORDERS = """
+import sys
+from etalon.addon.host.own_process import Orders
+orders = Orders()
+for code in (0, 3):
+    print(orders.receive(), flush=True)
+    orders.answer(code)
+if "busy" in sys.argv:
+    orders.receive()
+    while True:
+        pass
+orders.receive()
 """
 PARENT = """
 import os, sys
@@ -80,3 +93,25 @@ def test_an_order_to_end_while_blender_loads_leaves_no_temporary_file(tmp_path):
     assert (done.returncode, done.stderr) == (ExitCode.INTERRUPTED, "")
     assert list(tmp_path.iterdir()) == []
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+@pytest.mark.parametrize("busy", [[], ["busy"]])
+def test_a_process_gets_its_words_line_by_line_and_ends_with_its_input(busy):
+    child = start(
+        [sys.executable, "-c", ORDERS, *busy],
+        ahead=True,
+        leash=True,
+        variables={ANSWER: "word"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    # Two lines at once, and one in two pieces.
+    send(child, '["b.blend", "--set=é"]\n["second"]\n["th')
+    assert child.stdout.readline() == "['b.blend', '--set=é']\n"
+    assert child.stdout.readline() == "['second']\n"
+    assert (child.stderr.readline(), child.stderr.readline()) == ("word0\n", "word3\n")
+    send(child, 'ird"]\n' if busy else "")
+    child.stdin.close()
+    assert child.wait(timeout=60) == ExitCode.INTERRUPTED
+    for pipe in (child.stdout, child.stderr):
+        pipe.close()
