@@ -48,7 +48,7 @@ Compare every scene at every combination of values. `etalon batch --example` pri
 name or pattern; frames, cameras, view layers and Blenders; any option of `etalon compare`, of which a list is an axis; and any
 property by its data path from bpy.data, or from the open scene if it begins with `scene.`.
 
-The whole plan is checked before the first comparison. Each comparison runs in a process of its own. If one crashes, it is run
+The whole plan is checked before the first comparison. Each comparison runs in another process. If one crashes, it is run
 once more, recorded as failed, and the rest continue. All results are kept in OUT/journal.sqlite, so the same command runs only
 what is missing after Ctrl-C or a crash, or what depends on a file that has changed. OUT has a folder for each comparison,
 batch.html, batch.csv, batch.json and junit.xml."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One comparison in a process of its own: running it, and what its end means."""
+"""One comparison in another process: running it, and what its end means."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many comparisons, each in a process of its own.
+"""Many comparisons in other processes.
 
 They run side by side where there are processors for it, and a journal keeps the finished ones.
 """

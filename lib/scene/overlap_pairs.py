@@ -12,15 +12,19 @@ def overlap_in_plane(first: np.ndarray, second: np.ndarray, depth: np.ndarray) -
     The triangles (3 corners, 2, n) are counter-clockwise.
     Two convex shapes are apart if and only if the line through an edge of one of them separates them.
     """
-    overlap = np.ones(first.shape[2], bool)
-    for one, other in ((first, second), (second, first)):
-        for k in range(3):
-            start, edge = one[k], one[(k + 1) % 3] - one[k]
-            inner = _cross(edge, other[0] - start)
-            for corner in other[1:]:
-                np.maximum(inner, _cross(edge, corner - start), out=inner)
-            overlap &= inner > depth * np.hypot(edge[0], edge[1])
-    return np.flatnonzero(overlap)
+    left = np.arange(first.shape[2])
+    for number in range(6):
+        one, other = (first, second) if number < 3 else (second, first)
+        start, edge = one[number % 3], one[(number + 1) % 3] - one[number % 3]
+        inner = _cross(edge, other[0] - start)
+        for corner in other[1:]:
+            np.maximum(inner, _cross(edge, corner - start), out=inner)
+        overlap = np.flatnonzero(inner > depth * np.hypot(edge[0], edge[1]))
+        if overlap.size < left.size:
+            # Most near pairs only touch, and one of the first edges tells.
+            left, depth = np.take(left, overlap), np.take(depth, overlap)
+            first, second = np.take(first, overlap, axis=2), np.take(second, overlap, axis=2)
+    return left
 
 
 def overlap_area(first: np.ndarray, second: np.ndarray) -> np.ndarray:

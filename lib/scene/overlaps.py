@@ -10,6 +10,7 @@ of their size. The remaining pairs are tested exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from hashlib import blake2b
 
 import numpy as np
 
@@ -28,6 +29,8 @@ _MOST_CELLS = 64
 _MULTIPLIERS = np.array(
     [0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 0xD6E8FEB86659FD93], np.uint64
 ).astype(np.int64)
+# What was found last, by the digest of the mesh.
+_latest: dict[bytes, Overlaps] = {}
 
 
 @dataclass(frozen=True)
@@ -64,10 +67,22 @@ class _Planes:
 def find_overlaps(vertices: np.ndarray, triangles: np.ndarray) -> Overlaps:
     """All pairs of triangles that share a plane and an area of it.
 
-    `triangles` (3, t) index the `vertices` (3, v).
+    `triangles` (3, t) index the `vertices` (3, v). What was found last is kept: the comparisons of a batch often have one mesh.
     Triangles less than 1/4000 of the largest coordinate high are passed over: single precision does not tell their
     planes.
     """
+    digest = blake2b(b"".join(repr((one.shape, one.dtype)).encode() for one in (vertices, triangles)))
+    for one in (vertices, triangles):
+        digest.update(np.ascontiguousarray(one))
+    found = _latest.get(digest.digest())
+    if found is None:
+        found = _search(vertices, triangles)
+        _latest.clear()
+        _latest[digest.digest()] = found
+    return found
+
+
+def _search(vertices: np.ndarray, triangles: np.ndarray) -> Overlaps:
     if triangles.shape[1] < 2:
         return Overlaps(np.empty((2, 0), np.intp), np.empty(0))
     center = 0.5 * (vertices.min(axis=1) + vertices.max(axis=1))

@@ -44,4 +44,7 @@ class Group:
 
     def knows(self, name: str, release: tuple[int, ...]) -> bool:
         """Whether a table has the property `name` of a release."""
-        return any(fnmatchcase(name, known) and release in self.releases_of(known) for known in self.names)
+        return any(
+            (known == name or ("*" in known and fnmatchcase(name, known))) and release in self.releases_of(known)
+            for known in self.names
+        )

@@ -129,3 +129,18 @@ def test_neighbours_that_share_an_edge_or_cross_at_an_angle_do_not_overlap():
     upright = grid(2)
     upright[0][[1, 2]] = upright[0][[2, 1]]
     assert find_overlaps(*joined(a, b, upright)).count == 0
+
+
+def test_what_was_found_for_one_mesh_is_not_said_of_another():
+    """What was found last is kept, but a vertex or a face that is another makes another mesh."""
+    flat = joined(grid(2), grid(2))
+    first = find_overlaps(*flat)
+    assert first.count > 0
+    assert find_overlaps(flat[0].copy(), flat[1].copy()) is first
+    apart = flat[0].copy()
+    apart[2, 9:] = 1.0
+    assert find_overlaps(apart, flat[1]).count == 0
+    assert find_overlaps(flat[0], flat[1][:, :8]).count == 0
+    again = find_overlaps(*flat)
+    assert again is not first
+    assert np.array_equal(again.pairs, first.pairs)
