@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +24,13 @@ def render_page(
     Names in a .blend are untrusted, so whatever is not marked as safe is escaped. A name that the template uses and
     `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent`, `part`, `duration` and `plural`.
     """
-    filters = tuple((filters or {}).items())
-    return _environment(template.parent, filters).get_template(template.name).render(values)
+    environment = _environment(template.parent)
+    environment.filters.update(filters or {})
+    return environment.get_template(template.name).render(values)
 
 
-@lru_cache(maxsize=8)
-def _environment(folder: Path, filters: tuple[tuple[str, Callable[..., Any]], ...]) -> Environment:
+@cache
+def _environment(folder: Path) -> Environment:
     """What reads the templates of a folder; it keeps those that it has compiled, which takes a quarter of a second."""
     environment = Environment(
         loader=FileSystemLoader([folder, HERE]),
@@ -38,6 +39,7 @@ def _environment(folder: Path, filters: tuple[tuple[str, Callable[..., Any]], ..
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    own = {"percent": format_percent, "part": format_part, "duration": format_duration, "plural": plural}
-    environment.filters.update({**own, **dict(filters)})
+    environment.filters.update(
+        {"percent": format_percent, "part": format_part, "duration": format_duration, "plural": plural}
+    )
     return environment
