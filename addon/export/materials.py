@@ -19,7 +19,7 @@ from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, inputs, is_constant, walk
 from ...lib.wavefront.refuse import misused_rays
 from .nodes.displacement import read_bump, refuse_beside_bump
-from .nodes.images import ImageTable
+from .nodes.images import OCCLUSION_DISTANCE, ImageTable
 from .nodes.shaders import make_shader_reader, make_volume_reader
 from .nodes.tree import Scope, TreeReader, valid_link
 from .nodes.values import VALUES
@@ -103,6 +103,11 @@ def read_world(world: bpy.types.World | None, images: ImageTable, refusals: list
     if not all(isinstance(leaf, ex.Constant | ex.RayFlag) for leaf in walk(radiance) if not inputs(leaf)):
         _refuse_flags(owner, flags_in(World(radiance)), "a world that depends on the direction", refusals)
     return World(radiance, _table_resolution(radiance, images), rays, read.volume)
+
+
+def read_occlusion_distance(world: bpy.types.World | None) -> float:
+    """The distance in metres that an Ambient Occlusion node's Distance of 0 stands for, whether or not the world is seen."""
+    return OCCLUSION_DISTANCE if world is None else world.light_settings.distance
 
 
 def _refuse_flags(owner: str, flags: set[str], where: str, refusals: list[Refusal]) -> None:

@@ -27,7 +27,7 @@ from .camera import read_camera
 from .holdouts import hold_out, is_catcher, is_holdout
 from .lights import read_light
 from .links import LinkTable
-from .materials import DEFAULT_MATERIAL, read_material, read_world
+from .materials import DEFAULT_MATERIAL, read_material, read_occlusion_distance, read_world
 from .mesh import faces_of, read_mesh
 from .mesh_attributes import unreadable
 from .missing_libraries import find_missing_libraries, refuse_missing
@@ -62,9 +62,10 @@ def export_scene(
     refusals: list[Refusal] = []
     refuse_settings(scene, layer, refusals)
     is_moving = set_frame is not None and check_blur(depsgraph, refusals)
-    images = ImageTable(scene.frame_current)
+    surroundings = layer.world_override or scene.world
+    images = ImageTable(scene.frame_current, read_occlusion_distance(surroundings))
     view = read_camera(camera, scene.render, refusals)
-    world = read_world((layer.world_override or scene.world) if layer.use_sky else None, images, refusals)
+    world = read_world(surroundings if layer.use_sky else None, images, refusals)
     materials = MaterialTable(layer.material_override, images, refusals, partial)
     refuse_missing(depsgraph, refusals)
     links = LinkTable(depsgraph, refusals)

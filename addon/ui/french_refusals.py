@@ -103,7 +103,6 @@ WHATS: dict[str, str] = {
     "a Bevel node in {place}": "un nœud Bevel dans {place}",
     "a Bevel node with the strategy {name}": "un nœud Bevel avec la stratégie {name}",
     "the height of a bump": "la hauteur d'un relief",
-    ", a Distance of 0, which stands for the world's,": ", une Distance de 0, qui désigne celle du monde,",
     "'{output}' of a Light Path node in {place}": "« {output} » d'un nœud Light Path dans {place}",
     "{kind} '{name}' of the library '{path}', which is not there,": (
         "{kind} « {name} » de la bibliothèque « {path} », qui n'est pas là"
@@ -149,7 +148,6 @@ WHATS: dict[str, str] = {
     ", socket 'Thin Film Thickness' in Blender before {first},": (
         ", l'entrée Thin Film Thickness dans Blender avant {first}"
     ),
-    ", socket 'Vector' (unlinked) in a world,": ", l'entrée Vector (non liée) dans un monde",
     ", socket '{name}' (a heterogeneous volume),": ", l'entrée « {name} » (un volume hétérogène)",
     ", socket '{name}' (linked),": ", l'entrée « {name} » (liée)",
     ", socket '{name}' (textured),": ", l'entrée « {name} » (texturée)",
@@ -221,7 +219,6 @@ REMEDIES: dict[str, str] = {
     ),
     "have it absorb, or emit nothing": "faites-le absorber, ou n'émettre rien",
     "include it again": "incluez-le à nouveau",
-    "link Texture Coordinate, Generated to it": "liez-y Texture Coordinate, Generated",
     "link a Tangent node to it, or nothing": "liez-y un nœud Tangent, ou rien",
     "link fewer": "liez-en moins",
     "link the same Normal to all of them": "liez la même Normal à toutes",
@@ -283,7 +280,6 @@ REMEDIES: dict[str, str] = {
         "son type manque à ce Blender ({version}) ; utilisez la version qui l'a créé, ou supprimez-le"
     ),
     "turn by an axis and an angle": "tournez par un axe et un angle",
-    "give it a distance": "donnez-lui une distance",
     "link it to a factor of a diffuse colour, or unlink it": (
         "reliez-la à un facteur d'une couleur diffuse, ou retirez son lien"
     ),

@@ -36,6 +36,9 @@ _DECODES_MOVIES = bpy.app.ffmpeg.supported
 _PREMULTIPLIED_FORMATS = ("OPEN_EXR", "OPEN_EXR_MULTILAYER")
 _TYPES = ("IMAGE", "UV_TEST")
 
+OCCLUSION_DISTANCE = 10.0
+"""The distance of ambient occlusion without a world, in metres."""
+
 MISSING = (1.0, 0.0, 1.0)
 """What Cycles shows of an image that it cannot read, whatever its colour space; its alpha is 1."""
 
@@ -54,11 +57,18 @@ class Entry:
 
 
 class ImageTable:
-    """Collects the images that materials and world use, and gives each an index."""
+    """Collects the images that materials and world use, and gives each an index.
 
-    def __init__(self, frame: int = 1) -> None:
-        """`frame`: the scene's, which chooses among the files of a sequence and the frames of a movie."""
+    It also has what else of the scene node trees depend on.
+    """
+
+    def __init__(self, frame: int = 1, occlusion_distance: float = OCCLUSION_DISTANCE) -> None:
+        """`frame`: the scene's, which chooses among the files of a sequence and the frames of a movie.
+
+        `occlusion_distance`: the world's distance of ambient occlusion, for which nodes have a 0.
+        """
         self._frame = frame
+        self.occlusion_distance = occlusion_distance
         self._entries: dict[tuple[int, bool, Still | None], Entry | None] = {}
         self._lacking: dict[tuple[int, Still], bool] = {}
         self._images: list[Image] = []

@@ -208,10 +208,6 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
     alpha_linked = any(valid_link(link.to_socket) == link for link in node.outputs["Alpha"].links)
     if output == "Alpha":
         reader.alpha_read.add(key)
-    elif reader.is_world and not valid_link(node.inputs[0]):
-        reader.refuse(
-            node, scope, ", socket 'Vector' (unlinked) in a world,", "link Texture Coordinate, Generated to it"
-        )
     missing = ex.Constant(MISSING) if output == "Color" else ex.ONE
     if reader.images.is_missing(node, reader.owner):
         return missing
@@ -231,7 +227,8 @@ def _image_texture(reader: TreeReader, node: bpy.types.Node, output: str, scope:
         tiles = {FIRST: entry}
     if any(entry.association == "WEIGHTED" for entry in tiles.values()):
         reader.alpha_expected[key] = (node, scope)
-    vector = reader.read_or(node.inputs[0], scope, ex.Coordinates("UV"))
+    # A world has no UV map: Cycles shows the image at (0, 0).
+    vector = reader.read_or(node.inputs[0], scope, ex.BLACK if reader.is_world else ex.Coordinates("UV"))
 
     def texture(entry: Entry, vector: ex.Expression) -> ex.Expression:
         return ex.ImageTexture(

@@ -103,7 +103,7 @@ def _ambient_occlusion(reader: TreeReader, node: bpy.types.Node, output: str, sc
         return ex.ONE if color is None else color  # nothing is near a world
     distance = fold(reader.read(node.inputs["Distance"], scope))
     if distance == ex.ZERO:
-        reader.refuse(node, scope, ", a Distance of 0, which stands for the world's,", "give it a distance")
+        distance = ex.Constant(reader.images.occlusion_distance)
     share = ex.AmbientOcclusion(distance, _normal(reader, node, scope), node.inside, node.only_local)
     return share if color is None else ex.Mix(ex.ONE, ex.ValueToColor(share), color, blend="MULTIPLY")
 

@@ -147,12 +147,11 @@ BLENDER_GROUPS: Mapping[str, Group] = {
         " aperture_ratio"
     ),
     "world": Group(
-        read="color node_tree use_nodes",
+        read="color light_settings node_tree use_nodes",
         neutral={
             _EEVEE: "use_eevee_finite_volume probe_resolution sun_threshold sun_angle use_sun_shadow"
             " sun_shadow_maximum_resolution sun_shadow_filter_radius use_sun_shadow_jitter sun_shadow_jitter_overblur",
             _PASS: "mist_settings lightgroup",
-            _OFF: "light_settings",
         },
     ),
     "world.cycles_visibility": Group(

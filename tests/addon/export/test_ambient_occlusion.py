@@ -8,6 +8,7 @@ import pytest
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.materials import WeightedClosure
 from etalon.lib.textures.fold import inputs, walk
+from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad, rendered, through_emission
 from etalon.tests.addon.export.test_ray_visibility import stage
 from etalon.tests.addon.export.test_visibility import apart, shader, square
 from mathutils import Matrix
@@ -152,6 +153,54 @@ def test_the_sockets_are_read(studio):
     (material,) = (one for one in studio.export().materials if one.name == "grey")
     (share,) = (n for n in walk(material.lobes[0].closure.color) if isinstance(n, ex.AmbientOcclusion))
     assert share == ex.AmbientOcclusion(ex.Constant(2.5), None, inside=True, only_local=True)
+
+
+@pytest.mark.parametrize("world", ["its own", "of the view layer", "unseen", "none"])
+def test_a_distance_of_0_stands_for_that_of_the_world(studio, world):
+    stage(studio)
+    occlude("grey", (1.0, 1.0, 1.0)).inputs["Distance"].default_value = 0.0
+    scene, layer = bpy.context.scene, bpy.context.view_layer
+    scene.world.light_settings.distance = 3.0
+    if world == "of the view layer":
+        layer.world_override = bpy.data.worlds.new("other")
+        layer.world_override.light_settings.distance = 2.0
+    elif world == "none":
+        scene.world = None
+    layer.use_sky = world != "unseen"
+    shares = [n for m in studio.export().materials for x in m.lobes for n in walk(x.closure.color)]
+    (share,) = {n for n in shares if isinstance(n, ex.AmbientOcclusion)}
+    assert share.distance == ex.Constant({"of the view layer": 2.0, "none": 10.0}.get(world, 3.0))
+
+
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize("world", ["its own", "of the view layer", "unseen", "none"])
+def test_a_distance_of_0_is_that_of_the_world_in_cycles(world, tmp_path):
+    """Between two walls, a floor glows by its occlusion: as much as with the distance itself, and not twice that."""
+    scene = prepare("ORTHO", 4, 1)
+    scene.camera.data.ortho_scale, scene.camera.location = 1.0, (0, 0, 10)
+    scene.cycles.samples = 64
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.light_settings.distance = 1.5
+    layer = bpy.context.view_layer
+    if world == "of the view layer":
+        layer.world_override = bpy.data.worlds.new("other")
+        layer.world_override.light_settings.distance = 1.2
+    elif world == "none":
+        scene.world = None
+    layer.use_sky = world != "unseen"
+    floor = glowing("floor", through_emission(lambda tree: node(tree, "AmbientOcclusion")))
+    quad("floor", (0, 0, 0), 0.0, False).materials.append(floor)
+    for place in (-1.0, 1.0):
+        wall = bpy.data.meshes.new("wall")
+        wall.from_pydata([(place, y, z) for y, z in ((-60, -1), (60, -1), (60, 60), (-60, 60))], [], [(0, 1, 2, 3)])
+        scene.collection.objects.link(bpy.data.objects.new("wall", wall))
+    distance = {"of the view layer": 1.2, "none": 10.0}.get(world, 1.5)
+    pictures = []
+    for given in (0.0, distance, 2.0 * distance):
+        floor.node_tree.nodes["Ambient Occlusion"].inputs["Distance"].default_value = given
+        pictures.append(rendered(scene, tmp_path))
+    assert (pictures[0] == pictures[1]).all()
+    assert (pictures[0] != pictures[2]).any()
 
 
 def test_nothing_is_near_a_world(studio):

@@ -101,9 +101,6 @@ REFUSED = {
     "a Bevel node in the height of a bump": lambda t: node(
         t, "BsdfDiffuse", {"Normal": node(t, "Bump", {"Height": node(t, "Bevel")})}
     ),
-    "Ambient Occlusion), a Distance of 0, which stands for the world's,": colored(
-        lambda t: node(t, "AmbientOcclusion", {"Distance": 0.0})
-    ),
     "ambient occlusion in a value that does more than scale a lobe": lambda t: node(
         t, "BsdfDiffuse", {"Roughness": node(t, "AmbientOcclusion", output="AO")}
     ),

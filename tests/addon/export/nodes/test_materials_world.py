@@ -2,6 +2,7 @@
 """Worlds: what Cycles shows in every direction, closed forms, and refusals."""
 
 import bpy
+import numpy as np
 import pytest
 from etalon.addon.export.materials import read_world
 from etalon.addon.export.nodes.images import ImageTable
@@ -12,7 +13,7 @@ from etalon.tests.addon.export.nodes.node_cases import mix_colors
 from etalon.tests.addon.export.nodes.node_cells import Points, assert_same, node, prepare, rendered, stored_image
 
 
-@pytest.mark.parametrize("kind", ["plain", "mirror ball", "mixed", "emission"])
+@pytest.mark.parametrize("kind", ["plain", "mirror ball", "mixed", "emission", "image at one point"])
 def test_world_radiance_is_cycles_radiance(tmp_path, rng, kind):
     scene = prepare("PERSP", 48, 24)
     scene.camera.data.lens = 12
@@ -35,6 +36,8 @@ def test_world_radiance_is_cycles_radiance(tmp_path, rng, kind):
         sky.node.projection = "MIRROR_BALL"
     if kind in ("plain", "mirror ball"):
         surface = node(tree, "Background", {"Color": sky, "Strength": 1.7})
+    elif kind == "image at one point":
+        surface = node(tree, "Background", {"Color": node(tree, "TexImage", image=image)})
     else:
         inputs = {"Vector": node(tree, "TexCoord", output="Object"), "Rotation": (0.3, 0.2, 0.8), "Scale": (1, 2, 1)}
         tree.links.new(node(tree, "Mapping", inputs), sky.node.inputs[0])
@@ -51,6 +54,26 @@ def test_world_radiance_is_cycles_radiance(tmp_path, rng, kind):
     assert not refusals
     got = Evaluator(Points({"GENERATED": direction}), ImageSet(images.images))(read.radiance)
     assert_same(got, shown, 5e-5)
+
+
+@pytest.mark.parametrize("extension", ["REPEAT", "EXTEND"])
+def test_an_image_texture_without_coordinates_shows_its_corner(world, extension, rng):
+    image = bpy.data.images.new("map", 3, 2, float_buffer=True)
+    texels = np.ones((2, 3, 4), np.float32)
+    texels[..., :3] = rng.random((2, 3, 3))
+    image.pixels.foreach_set(texels.ravel())
+    connect(world, node(world.node_tree, "Background", {"Color": image_node(world, image, extension)}))
+    images, refusals = ImageTable(), []
+    read = read_world(world, images, refusals)
+    assert not refusals
+    directions = Points({"GENERATED": rng.normal(size=(3, 4))})
+    got = Evaluator(directions, ImageSet(images.images))(read.radiance)
+    ends = texels[..., :3][[0, -1]][:, [0, -1]].mean((0, 1)) if extension == "REPEAT" else texels[0, 0, :3]
+    np.testing.assert_allclose(got, np.broadcast_to(ends[:, None], got.shape), rtol=1e-6)
+
+
+def image_node(world, image, extension):
+    return node(world.node_tree, "TexImage", image=image, extension=extension)
 
 
 @pytest.fixture
