@@ -42,7 +42,7 @@ WHATS: dict[str, str] = {
         "le flou de mouvement d'un objectif, décalage, découpage ou foyer qui change pendant que l'obturateur est ouvert"
     ),
     "motion blur over a cut to another camera": "le flou de mouvement au passage à une autre caméra",
-    "an image that shows nothing but shadow catchers": "une image qui ne montre que des capteurs d'ombres",
+    "an image that shows little but shadow catchers": "une image qui ne montre guère que des capteurs d'ombres",
     "adaptive subdivision": "la subdivision adaptative",
     "shadow caustics": "les caustiques d'ombre",
     "Simplify": "Simplify",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pixels of an image that show shadow catchers alone, which are not compared."""
+"""The pixels of an image that show shadow catchers, which are not compared."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..wavefront.kernel import Kernel
 
 @dataclass(frozen=True, eq=False)
 class CatcherPixels:
-    """The names of the shadow catchers, and the pixels (height, width) bool that show nothing else."""
+    """The names of the shadow catchers, and the pixels (height, width) bool that show them."""
 
     names: tuple[str, ...]
     pixels: np.ndarray
@@ -26,7 +26,7 @@ class CatcherPixels:
 
 
 def find_catcher_pixels(kernel: Kernel) -> CatcherPixels | None:
-    """The pixels that show shadow catchers alone; None where no object is one.
+    """The pixels that show shadow catchers; None where no object is one.
 
     Raises Refused where no other pixel is left.
     """
@@ -36,7 +36,7 @@ def find_catcher_pixels(kernel: Kernel) -> CatcherPixels | None:
     names = tuple(dict.fromkeys(thing.name for thing in objects if thing.catches_shadows))
     pixels = caught_pixels(kernel)
     if pixels.all():
-        what, remedy = "an image that shows nothing but shadow catchers", "switch Shadow Catcher off"
+        what, remedy = "an image that shows little but shadow catchers", "switch Shadow Catcher off"
         raise Refused([Refusal(f"object '{name}'", what, remedy) for name in names])
     return CatcherPixels(names, pixels)
 

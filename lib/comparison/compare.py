@@ -63,7 +63,7 @@ class Comparison:
     scouting pass was made. `findings` are those of the scene check, where the caller made one. `passes` is what is claimed of light passes,
     where they were compared. `passive`: the `unknown` materials only send on light, so that pixels that show them are left out and the others
     are judged with room for it. `pass_choice`: which light passes the caller chose. `caught`: the pixels among `left_out` that show shadow
-    catchers alone.
+    catchers.
     """
 
     scene: str

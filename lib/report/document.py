@@ -52,7 +52,7 @@ CHANGES = {
     "`left_out` counts the pixels that show passive unsupported materials, and as before all that light reaches from others.",
     12: "Version 12: light passes are compared by default where they are cheap; `pass_choice` says what was asked for, what that "
     "stands for, and why none was compared where the default left them out.",
-    13: "Version 13: `left_out` counts the pixels that show shadow catchers alone, too; its `shadow_catchers` says how many these are.",
+    13: "Version 13: `left_out` counts the pixels that show shadow catchers, too; its `shadow_catchers` says how many these are.",
 }
 
 

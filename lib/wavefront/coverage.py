@@ -59,9 +59,10 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
 
 
 def caught_pixels(kernel: Kernel, samples: int = 16) -> np.ndarray:
-    """The pixels (height, width) that show shadow catchers alone: all camera rays meet their faces first.
+    """The pixels (height, width) that show shadow catchers: more than half of their camera rays meet these first.
 
-    There are none where volumes scatter or emit light, which is seen in front of the catchers.
+    What little such pixels show of other things would be noisy. There are none where volumes scatter or emit light, which
+    is seen in front of the catchers.
     """
     camera = kernel.scene.camera
     count = np.zeros(camera.width * camera.height, np.int64)
@@ -71,7 +72,7 @@ def caught_pixels(kernel: Kernel, samples: int = 16) -> np.ndarray:
         for tile in tiles(count.size, samples, TILE_PATHS):
             pixel, _, hits = _first_hits(kernel, tile, sampler)
             count += np.bincount(pixel[np.take(kernel.catchers, hits.triangle)], minlength=count.size)
-    return (count == samples).reshape(camera.height, camera.width)
+    return (2 * count > samples).reshape(camera.height, camera.width)
 
 
 def _first_hits(kernel: Kernel, tile: Tile, sampler: SobolSampler) -> tuple[np.ndarray, CameraRays, Hits]:

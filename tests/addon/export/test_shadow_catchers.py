@@ -261,6 +261,6 @@ def test_an_image_of_a_catcher_alone_is_refused(studio):
     studio.quad("floor", 9.0).is_shadow_catcher = True
     studio.look_down(0.5)
     with pytest.raises(
-        Refused, match="'floor': an image that shows nothing but shadow catchers is not simulated; switch"
+        Refused, match="'floor': an image that shows little but shadow catchers is not simulated; switch"
     ):
         compare_here(studio.scene, Settings(samples=4, replicates=2, threads=1))

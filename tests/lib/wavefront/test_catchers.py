@@ -128,6 +128,8 @@ def test_catchers_belong_to_no_region_and_their_pixels_are_found():
     found = find_catcher_pixels(kernel)
     assert (found.names, found.count, found.pixels.tolist()) == (("object 1",), 1, [[False, False, True]])
     assert leave_out(np.array([[True, False, False]]), found).tolist() == [[True, False, True]]
+    moved = replace(split_floor(), camera=orthographic(3, 1, 3.0, (0.1, 0.0, 1.0)))
+    assert find_catcher_pixels(ReferenceRenderer(moved).kernel).pixels.tolist() == [[False, True, True]]
     without = ReferenceRenderer(catching(split_floor())).kernel
     assert find_catcher_pixels(without) is None
     assert not caught_pixels(without).any()
