@@ -33,6 +33,7 @@ def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
 
     Entering it proves that `folder` can be written, before any time is spent, and removes what processes that were
     ended left there. Raises EtalonError where it cannot be written or the disk is full; then `folder` is as it was.
+    A `folder` that is itself one that was yielded is not written to the disk before the one that it is for.
     """
     missing = _make_folder(folder)
     finished = False
@@ -42,10 +43,13 @@ def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
             new.mkdir()
             with _known_places(folder, new):
                 yield new
-            _flush(new)
             names = sorted(set(without) - {path.name for path in new.iterdir()})
-            _note(beside, names)
+            if not _is_unfinished(folder):
+                _flush(new)
+                _note(beside, names)
             _swap(folder, beside, names)
+            if not _is_unfinished(folder):
+                _flush_folder(folder)
             finished = True
     except OSError as error:
         place = _place(folder, str(error.filename or folder))
@@ -55,6 +59,11 @@ def replace_files(folder: Path, without: Sequence[str] = ()) -> Iterator[Path]:
             for parent in missing:
                 if parent.is_dir() and not any(parent.iterdir()):
                     parent.rmdir()
+
+
+def _is_unfinished(folder: Path) -> bool:
+    """Whether what is in `folder` goes with a folder around it if the process ends now."""
+    return any(part.startswith(UNFINISHED) for part in folder.parts)
 
 
 @contextmanager
@@ -101,6 +110,7 @@ def _finish(folder: Path) -> None:
         if (left / _COMPLETE).is_file():
             with suppress(OSError):
                 _swap(folder, left, json.loads((left / _COMPLETE).read_text(encoding="utf-8")))
+                _flush_folder(folder)
 
 
 @contextmanager
@@ -177,7 +187,6 @@ def _swap(folder: Path, beside: Path, stale: Sequence[str]) -> None:
                 _move(folder / name, old / name, moved)
         for name in names:
             _move(new / name, folder / name, moved)
-        _flush_folder(folder)
     except OSError:
         for source, target in reversed(moved):
             with suppress(OSError):

@@ -165,3 +165,21 @@ def test_errors_name_the_place_that_a_file_was_to_get(tmp_path):
     with pytest.raises(EtalonError, match="no room") as caught:
         fail()
     assert str(caught.value) == f"{tmp_path / 'out' / 'a.png'}: cannot be written (no room)"
+
+
+@pytest.mark.skipif(not hasattr(os, "O_DIRECTORY"), reason="folders are not written to the disk here")
+def test_files_are_written_to_the_disk_once_however_deep_their_folders(tmp_path, monkeypatch):
+    """Each file once where it ends, and the folders and the note around it; not again for each folder in between."""
+    flush, flushed = os.fsync, []
+    monkeypatch.setattr(os, "fsync", lambda one: (flushed.append(os.fstat(one).st_ino), flush(one)))
+    with replace_files(tmp_path / "out") as outer:
+        with replace_files(outer) as inner:
+            (inner / "a.png").write_text("a")
+            with replace_file(inner / "b.exr") as beside:
+                beside.write_text("b")
+        assert flushed == []
+    files = {path.stat().st_ino for path in (tmp_path / "out").iterdir()}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"a.png", "b.exr"}
+    assert files <= set(flushed)
+    assert (tmp_path / "out").stat().st_ino == flushed[-1]
+    assert len(flushed) == len(set(flushed)) == 6
