@@ -119,18 +119,25 @@ def apart(studio, *exported):
 
     Images have 48 x 32 pixels. Root mean squares of standard errors.
     """
+    theirs = blocks(CyclesRenderer(studio.scene, threads=1))
+    return [off(reference_of(one), theirs) for one in exported]
 
-    def blocks(side):
-        images = np.array([side.render(k, SAMPLES).radiance for k in range(REPLICATES)])
-        return images.reshape(REPLICATES, 4, 8, 6, 8, 3).mean(axis=(2, 4))
 
-    theirs, found = blocks(CyclesRenderer(studio.scene, threads=1)), []
-    for one in exported:
-        ours = blocks(ReferenceRenderer(one, Options(threads=1)))
-        error = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / REPLICATES)
-        off = (ours.mean(axis=0) - theirs.mean(axis=0)) / (error + 1e-3 * theirs.mean(axis=0))
-        found.append(np.sqrt((off**2).mean()))
-    return found
+def blocks(side):
+    """The means of blocks of 8 x 8 pixels in each replicate."""
+    images = np.array([side.render(k, SAMPLES).radiance for k in range(REPLICATES)])
+    return images.reshape(REPLICATES, 4, 8, 6, 8, 3).mean(axis=(2, 4))
+
+
+def reference_of(exported):
+    return blocks(ReferenceRenderer(exported, Options(threads=1)))
+
+
+def off(ours, theirs):
+    """The root mean square of the differences in standard errors."""
+    error = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / REPLICATES)
+    gap = (ours.mean(axis=0) - theirs.mean(axis=0)) / (error + 1e-3 * theirs.mean(axis=0))
+    return np.sqrt((gap**2).mean())
 
 
 @pytest.mark.compares_with_cycles

@@ -6,7 +6,7 @@ cells of its own, well beyond the tolerance.
 """
 
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ from etalon.lib.wavefront.subsurface import SHORT_WALKS
 from etalon.tests import scenes
 from etalon.tests.lib.departures.planted_scenes import SCENES, early, furnace, judged, masking, planted, rug, slope, wax
 
+# Of the scene with most departures, pairs of neighbours, in a circle; all at once are a test of their own.
 # Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
 PAIRS = (("multiple-scattering tables", "Oren-Nayar colour"),)
 LONG = (
@@ -47,17 +48,24 @@ LONG = (
 )
 
 
+def neighbours(names):
+    """The pairs of names that follow each other, and the first and the last."""
+    return {*pairwise(names), (names[0], names[-1])}
+
+
 def cases():
     """Each scene's departures, alone and in pairs."""
     for make in SCENES:
         if make is wax:  # walks take too long to tell this one from noise; test_short_walks.py has its proof
             continue
         names = [d.name for d in relevant(make(), masking(make))]
-        for size in (1, 2):
-            for chosen in combinations(names, size):
-                default = chosen in PAIRS or (chosen not in LONG and (size == 1 or make is not furnace))
-                marks = () if default else pytest.mark.slow
-                yield pytest.param(make, chosen, id=f"{make.__name__}: {' + '.join(chosen)}", marks=marks)
+        pairs = list(combinations(names, 2))
+        if make is furnace:
+            pairs = [pair for pair in pairs if pair in PAIRS or pair in neighbours(names)]
+        for chosen in [*((name,) for name in names), *pairs]:
+            default = chosen in PAIRS or (chosen not in LONG and (len(chosen) == 1 or make is not furnace))
+            marks = () if default else pytest.mark.slow
+            yield pytest.param(make, chosen, id=f"{make.__name__}: {' + '.join(chosen)}", marks=marks)
 
 
 @pytest.mark.grid(3)

@@ -4,6 +4,8 @@
 A fixed number of places by default, many in CI.
 """
 
+from dataclasses import replace
+
 import pytest
 from etalon.lib.stability.closed_forms import closed_forms
 from etalon.lib.stability.identities import identities
@@ -39,7 +41,8 @@ def test_last_digits(name):
 @EVERY
 @pytest.mark.slow
 def test_last_digits_at_many_places(name):
-    case = measure(FUNCTIONS[name], 300)
+    # Of the float32 forms, which take as long, nothing is claimed here.
+    case = measure(replace(FUNCTIONS[name], printed=None, cycles=None), 300)
     assert case.passed, case
 
 
