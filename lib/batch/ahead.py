@@ -58,7 +58,7 @@ class Ahead:
         return process
 
     def release(self, number: int, process: Comparer) -> None:
-        """Take back the process of a comparison that is over; one that cannot run another one is ended."""
+        """Take back the process of a comparison that has given a verdict; one that is not to run another one is ended."""
         if not process.is_free:
             process.end()
         elif process.turns < self._turns and (resident_memory(process.process.pid) or 0) < _MOST_MEMORY:

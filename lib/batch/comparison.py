@@ -51,14 +51,20 @@ def run_comparison(
 ) -> tuple[str, int, str]:
     """Run an `etalon compare` that writes to `folder`, in the process that `begin` starts.
 
-    `release` gets the process when the comparison is over. Returns its status, FINISHED, REFUSED, FAILED or ENDED from
+    `release` gets the process where it has given a verdict. Returns its status, FINISHED, REFUSED, FAILED or ENDED from
     outside, its exit code, and the reason where it is not finished. One that crashed is run once more.
     """
     for _ in range(2):
-        code, words, is_over = _run(begin, folder, limits, release)
+        comparer = begin()
+        code, words, is_over = _run(comparer, folder, limits)
         if is_over:
             return (ENDED if limits.is_ending() else FAILED), code, words
         status, message = _judge(code, words, folder / "verdict.json")
+        if status == FINISHED:
+            release(comparer)
+            break
+        # Also one that was told to end, and has written what it had.
+        comparer.dismiss()
         if status != FAILED:
             break
     return status, code, message
@@ -83,14 +89,11 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
     return FINISHED, ""
 
 
-def _run(
-    begin: Callable[[], Comparer], folder: Path, limits: Limits, release: Callable[[Comparer], None]
-) -> tuple[int, str, bool]:
-    """Run a comparison that writes to `folder`.
+def _run(comparer: Comparer, folder: Path, limits: Limits) -> tuple[int, str, bool]:
+    """Wait for a comparison that writes to `folder`.
 
     Returns its exit code, its reason, and whether a limit ended it.
     """
-    comparer = begin()
     try:
         code, errors, over = _wait(comparer, limits)
     except BaseException:
@@ -98,7 +101,6 @@ def _run(
         raise
     finally:
         clear_unfinished(folder)
-    release(comparer)
     return code, over or _reason(code, errors), bool(over)
 
 

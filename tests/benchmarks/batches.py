@@ -21,6 +21,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from etalon.lib.batch.ahead import TURNS
 from etalon.lib.batch.journal import Entry, open_journal
 from etalon.lib.batch.plan import read_plan
 from etalon.lib.batch.prepare import How
@@ -40,8 +41,10 @@ values = {values}
 
 
 FIXED = "samples = 4\nreplicates = 8"
-RENDERING = ("timing the renderers", "looking for caustics", "first look", "rendering")
-# One comparison of FIXED where it stands: processor seconds of its stages, Python's start and the imports first.
+# The stages, as a unit names them, that render what is compared.
+RENDERING = ("timing the renderers", "first look", "rendering")
+# Two comparisons of FIXED in one process: processor seconds of the stages of each, as a unit tells them. Python's start and the imports
+# are the first's first stage.
 STAGES = """
 import json, sys, time
 from pathlib import Path
@@ -52,20 +55,34 @@ from etalon.lib.progress import Progress
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.wavefront.tuning import tune_process
 
-begun = [("start and imports", 0.0)]
-def begin(stage):
-    begun.append((stage, time.process_time()))
 tune_process()
-begin("opening the scene")
-reference_scenes.build("glossy_spheres")
-render = bpy.context.scene.render
-render.resolution_x = render.resolution_y = 128
-settings = Settings(samples=4, replicates=8, threads=1)
-compare.job.compare_here(bpy.context.scene, settings, Path(sys.argv[1]), "", Progress(begin=begin))
-begin("end")
+told, begun = [], [("start and imports", 0.0)]
+for folder in sys.argv[1:]:
+    begun.append(("opening the scene", time.process_time()))
+    reference_scenes.build("glossy_spheres")
+    render = bpy.context.scene.render
+    render.resolution_x = render.resolution_y = 128
+    settings = Settings(samples=4, replicates=8, threads=1)
+    progress = Progress(begin=lambda stage: begun.append((stage, time.process_time())))
+    compare.job.compare_here(bpy.context.scene, settings, Path(folder), "", progress)
+    begun.append(("end", time.process_time()))
+    told.append({})
+    for (name, at), (_, later) in zip(begun, begun[1:]):
+        told[-1][name] = told[-1].get(name, 0.0) + later - at
+    begun = []
 print()
-print(json.dumps({name: later - at for (name, at), (_, later) in zip(begun, begun[1:])}))
+print(json.dumps(told))
 """
+
+
+class Used:
+    """What a command took: seconds by the clock, and processor seconds of its processes."""
+
+    def __init__(self, words: list[str]) -> None:
+        """Run `words` to its end."""
+        used, begin = children_seconds(), time.perf_counter()
+        subprocess.run(words, check=False, stdout=subprocess.DEVNULL)
+        self.wall, self.processor = time.perf_counter() - begin, children_seconds() - used
 
 
 def children_seconds() -> float:
@@ -77,14 +94,13 @@ def children_seconds() -> float:
 def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
     """Run a batch as a command, and print what it costs beside its comparisons.
 
-    Printed are the seconds of a unit beside its comparison, and the share of `jobs` processors that was used.
+    Printed are the seconds of a unit beside its comparison, and the share of `jobs` processors that was used: by the whole command, and
+    without its own start and validation, which are what `--dry-run` takes.
     """
     plan = folder / "plan.toml"
     plan.write_text(PLAN.format(work=f'time = "{seconds}s"', values=list(range(units))))
     words = [sys.executable, "-m", "etalon", "batch", str(plan), f"--jobs={jobs}", "--quiet"]
-    used, begin = children_seconds(), time.perf_counter()
-    subprocess.run(words, check=False, stdout=subprocess.DEVNULL)
-    wall, used = time.perf_counter() - begin, children_seconds() - used
+    start, sweep = Used([*words, "--dry-run"]), Used(words)
     rows = json.loads((folder / "sweep" / "batch.json").read_text(encoding="utf-8"))["comparisons"]
     beside, sizes = [], []
     for row in rows:
@@ -94,37 +110,39 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
     print(
         f"beside its comparison a unit takes {statistics.median(beside):.2f} s (median of {units}, worst {max(beside):.2f} s)"
     )
-    print(f"{wall:.0f} s for {units} units of {seconds:g} s; {used / wall / jobs:.0%} of {jobs} processors in use")
-    print(f"a report has {statistics.median(sizes) / 1e6:.2f} MB")
-    begin = time.perf_counter()
-    subprocess.run([*words, "--dry-run"], check=True, stdout=subprocess.DEVNULL)
+    print(f"{sweep.wall:.0f} s for {units} units of {seconds:g} s, {start.wall:.1f} s of them start and validation")
+    later = (sweep.processor - start.processor) / (sweep.wall - start.wall)
     print(
-        f"the command finds its place among {units} rows in {time.perf_counter() - begin:.2f} s, its own start included"
+        f"{sweep.processor / sweep.wall / jobs:.1%} of {jobs} processors in use, {later / jobs:.1%} without start and validation"
     )
+    print(f"a report has {statistics.median(sizes) / 1e6:.2f} MB")
+    resume = Used([*words, "--dry-run"])
+    print(f"the command finds its place among {units} rows in {resume.wall:.2f} s, its own start included")
 
 
 def measure_unit(folder: Path, units: int = 4) -> None:
-    """Print the processor seconds of a unit with fixed samples.
+    """Print the processor seconds of a unit with fixed samples beyond rendering.
 
-    Prints those of its stages in one process beside them.
-
-    They do not depend on what else the machine does.
+    A batch with `units` more comparisons in the same process takes so much more than one with two. Prints the stages of a first and
+    of a second comparison in one process beside that. They do not depend on what else the machine does.
     """
-    plan = folder / "fixed.toml"
-    plan.write_text(PLAN.format(work=FIXED, values=list(range(units))).replace("sweep", "fixed"))
-    words = [sys.executable, "-m", "etalon", "batch", str(plan), "--jobs=1", "--quiet"]
     used = []
-    for call in ([*words, "--dry-run"], words):
-        before = children_seconds()
-        subprocess.run(call, check=False, stdout=subprocess.DEVNULL)
-        used.append(children_seconds() - before)
+    for count in (2, units + 2):
+        plan = folder / f"fixed{count}.toml"
+        plan.write_text(PLAN.format(work=FIXED, values=list(range(count))).replace("sweep", f"fixed{count}"))
+        used.append(Used([sys.executable, "-m", "etalon", "batch", str(plan), "--jobs=1", "--quiet"]).processor)
     unit = (used[1] - used[0]) / units
-    told = subprocess.run([sys.executable, "-c", STAGES, str(folder / "stages")], check=True, capture_output=True)
-    stages = json.loads(told.stdout.splitlines()[-1])
-    for name, seconds in stages.items():
-        print(f"  {seconds:6.2f} {name}")
-    rendering = sum(seconds for name, seconds in stages.items() if name in RENDERING)
-    print(f"a unit takes {unit:.2f} processor seconds, {unit - rendering:.2f} of them beside rendering")
+    places = [str(folder / "first"), str(folder / "second")]
+    told = subprocess.run([sys.executable, "-c", STAGES, *places], check=True, capture_output=True)
+    first, second = json.loads(told.stdout.splitlines()[-1])
+    print("processor seconds of the first and of a later comparison in one process:")
+    for name, seconds in first.items():
+        print(f"  {seconds:6.2f} {second.get(name, 0.0):6.2f} {name}")
+    rendering = sum(second.get(name, 0.0) for name in RENDERING)
+    beyond = [sum(s for name, s in stages.items() if name not in RENDERING) for stages in (first, second)]
+    print(f"a unit takes {unit:.2f} processor seconds, {unit - rendering:.2f} of them beyond rendering")
+    more = (beyond[0] - beyond[1]) / TURNS
+    print(f"its share of the first comparison's start in each process adds {more:.2f}")
 
 
 def measure_start(runs: int = 3) -> None:

@@ -231,3 +231,40 @@ def test_a_unit_that_takes_too_long_or_too_much_memory_is_ended_and_says_so(fold
         path.write_text(f"{path.read_text()}\n[limits]\n{limit}\n")
         assert run(path, told=told) == 2
         assert says in told[0]
+
+
+# Says that a comparison was told to end, and would go on with the next; notes that it left.
+ORDERED = """
+import json, os, sys
+from pathlib import Path
+if sys.argv[1] == "plan":
+    print("{}")
+    sys.exit(0)
+for number, line in enumerate(sys.stdin):
+    out = Path(json.loads(line)[-1].partition("=")[2])
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "verdict.json").write_text(json.dumps(json.load(open("verdict.json")) | {"stopped": "cancelled"}))
+    with open("calls.txt", "a") as calls:
+        print(json.dumps([os.getpid(), number]), file=calls)
+    print(os.environ["ETALON_ANSWER"] + "3", file=sys.stderr, flush=True)
+"""
+
+
+def test_a_process_that_was_told_to_end_runs_no_other_comparison(folder):
+    (folder / "stand_in.py").write_text(ORDERED)
+    assert run(write_plan(folder, [0, 1])) == 2
+    assert [status for status, _ in statuses(folder).values()] == ["ended", "ended"]
+    assert [number for _, number in calls(folder)] == [0, 0]
+
+
+def test_the_processes_of_a_batch_serve_until_memory_is_limited(folder, verdict_json):
+    """With `memory` in the plan's limits each comparison has a process of its own; otherwise one serves all."""
+    (folder / "stand_in.py").write_text(ORDERED.replace(' | {"stopped": "cancelled"}', ""))
+    path = write_plan(folder, [0, 1, 2])
+    assert run(path) == 3
+    assert [number for _, number in calls(folder)] == [0, 1, 2]
+    (folder / "calls.txt").unlink()
+    path = write_plan(folder, [3, 4])
+    path.write_text(f'{path.read_text()}\n[limits]\nmemory = "8 GB"\n')
+    assert run(path) == 3
+    assert [number for _, number in calls(folder)] == [0, 0]
