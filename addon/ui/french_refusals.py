@@ -95,7 +95,6 @@ WHATS: dict[str, str] = {
     "the volume of '{name}', which scatters": "le volume de « {name} », qui diffuse",
     "its emission": "son émission",
     "its subsurface scattering": "sa diffusion sous la surface",
-    "a value that does more than scale a lobe": "une valeur qui fait plus que multiplier un lobe",
     "what lets light straight through": "ce qui laisse passer la lumière tout droit",
     "a world that depends on the direction": "un monde qui dépend de la direction",
     "{what} beside a displacement": "{what} à côté d'un déplacement",

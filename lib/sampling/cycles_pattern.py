@@ -10,8 +10,28 @@ from __future__ import annotations
 
 import numpy as np
 
+OCCLUSION, BEVEL = 4, 5
+"""Decisions of a step of a path: the rays of ambient occlusion, and the probes of bevels (kernel/types.h)."""
+
+# Dimensions for each step.
+_DIMENSIONS_PER_STEP = 16
 # The keys of the shuffling and of the scrambling of each coordinate.
 _SHUFFLE, _SCRAMBLE = 0xF8ADE99A, (0xE0AAAF76, 0x94964D4E)
+
+
+def dimension_at(step: int, decision: int) -> int:
+    """Return the dimension of a `decision` at a step of the path, from 0."""
+    return _DIMENSIONS_PER_STEP * (step + 1) + decision
+
+
+def branches(place: np.ndarray, samples: int) -> np.ndarray:
+    """Return so many successive places in the sequence for each of the uniforms `place` (n,), uint32 (samples, n).
+
+    Where a path branches, its branches take them. The first is a multiple of the largest power of two that divides their
+    number, as it is in Cycles.
+    """
+    first = (place * 2.0**32).astype(np.uint32) & np.uint32(2**32 - (samples & -samples))
+    return first + np.arange(samples, dtype=np.uint32)[:, None]
 
 
 def cycles_pairs(index: np.ndarray, dimension: int) -> np.ndarray:

@@ -39,6 +39,19 @@ def cosine_hemisphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     return direction
 
 
+def concentric_disk(u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return uniform points x, y of the unit disk, onto which squares about the centre of (u1, u2) become circles.
+
+    Shirley and Chiu 1997.
+    """
+    a, b = 2.0 * u1 - 1.0, 2.0 * u2 - 1.0
+    wide = a * a > b * b
+    radius, other = np.where(wide, a, b), np.where(wide, b, a)
+    turn = 0.25 * np.pi * np.divide(other, radius, out=np.zeros_like(radius), where=radius != 0.0)
+    near, far = radius * np.cos(turn), radius * np.sin(turn)
+    return np.where(wide, near, far), np.where(wide, far, near)
+
+
 def uniform_hemisphere(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     """Direction with density 1 / (2 pi), (3, n): phi = 2 pi u1, cos(theta) = 1 - u2."""
     direction = np.empty((3, u1.shape[0]))

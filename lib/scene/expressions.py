@@ -326,13 +326,15 @@ class AmbientOcclusion(Expression):
     """The share of the hemisphere about the normal where no face is within `distance` metres (a value).
 
     It is weighted by the cosine. 1 where the distance is not above 0. n is `normal`, or the shading normal, and points to
-    the other side where `inside`. `only_local`: only faces of the point's own object count.
+    the other side where `inside`. `only_local`: only faces of the point's own object count. It is estimated by so many
+    `samples` at each point where a path meets it, as in Cycles, since the mean of what is made of it may depend on their number.
     """
 
     distance: Expression
     normal: Expression | None = None
     inside: bool = False
     only_local: bool = False
+    samples: int = 1
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,14 @@
 """Where a material reads ambient occlusion, and whether one ray estimates what it makes of it.
 
 The mean of a product of the occlusion and of what does not depend on it is exact with any number of rays. The mean of any
-other function of it depends on the number of rays, and on how they are stratified.
+other function of it depends on the number of rays, and on how they are stratified: it takes as many as Cycles casts.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 from . import converters as cv
 from . import expressions as ex
@@ -19,6 +19,7 @@ from .materials import (
     Emission,
     Glass,
     Glossy,
+    Material,
     Refraction,
     Sheen,
     Subsurface,
@@ -28,6 +29,7 @@ from .materials import (
     Velvet,
     WeightedClosure,
 )
+from .scene import Scene
 
 
 @dataclass(frozen=True)
@@ -50,26 +52,58 @@ _ONE = _Form(0.0, 1.0, 1.0, True)
 _SHARE = _Form(1.0, 0.0, 1.0, True)
 
 
+def takes_one_ray(lobe: WeightedClosure) -> bool:
+    """Whether the mean light of a folded lobe is the same however few rays estimate the ambient occlusion that it reads."""
+    if lobe.weight == ex.ZERO:
+        return True
+    closure, forms = lobe.closure, _Forms()
+    sockets = {f.name: getattr(closure, f.name) for f in fields(closure)}
+    used = {name: forms(value).degree for name, value in sockets.items() if isinstance(value, ex.Expression)}
+    weight, color = forms(lobe.weight), forms(getattr(closure, "color", ex.ONE))
+    if any(degree for name, degree in used.items() if name != "color" or not _multiplies(closure)):
+        return False
+    product = _multiply(weight, color)
+    return product.degree <= 1.0 and product.definite
+
+
+def with_few_rays(scene: Scene) -> Scene:
+    """Return the folded `scene` with one ray for each Ambient Occlusion node, where the mean light stays the same."""
+    return replace(scene, materials=tuple(_with_few_rays(material) for material in scene.materials))
+
+
+def _with_few_rays(material: Material) -> Material:
+    if not all(takes_one_ray(lobe) for lobe in material.lobes):
+        return material
+    done: dict[int, tuple[ex.Expression, ex.Expression]] = {}
+
+    def spared(node: ex.Expression) -> ex.Expression:
+        if id(node) not in done:
+            new = {name: spared(part) for name, part in _parts(node).items()}
+            if isinstance(node, ex.AmbientOcclusion):
+                new["samples"] = 1
+            changed = any(new[name] is not getattr(node, name) for name in new)
+            done[id(node)] = node, replace(node, **new) if changed else node
+        return done[id(node)][1]
+
+    def lobe(one: WeightedClosure) -> WeightedClosure:
+        sockets = {f.name: getattr(one.closure, f.name) for f in fields(one.closure)}
+        new = {name: spared(value) for name, value in sockets.items() if isinstance(value, ex.Expression)}
+        return WeightedClosure(replace(one.closure, **new), spared(one.weight))
+
+    return replace(material, lobes=tuple(lobe(one) for one in material.lobes))
+
+
 def find_misuse(lobe: WeightedClosure) -> str | None:
     """Return what of a folded lobe reads ambient occlusion and cannot be simulated, or None.
 
     Cycles gives the light that leaves emissive faces, and shadow rays through transparent ones, an occlusion of 1.
     """
-    if lobe.weight == ex.ZERO:
+    where = name_unasked(lobe.closure)
+    if where is None or lobe.weight == ex.ZERO:
         return None
-    closure, forms = lobe.closure, _Forms()
-    sockets = {f.name: getattr(closure, f.name) for f in fields(closure)}
-    used = {name: forms(value).degree for name, value in sockets.items() if isinstance(value, ex.Expression)}
-    weight, color = forms(lobe.weight), forms(getattr(closure, "color", ex.ONE))
-    if not any(used.values()) and not weight.degree:
-        return None
-    where = name_unasked(closure)
-    if where is not None:
-        return where
-    if any(degree for name, degree in used.items() if name != "color" or not _multiplies(closure)):
-        return _MORE
-    product = _multiply(weight, color)
-    return None if product.degree <= 1.0 and product.definite else _MORE
+    forms, values = _Forms(), (lobe.weight, *vars(lobe.closure).values())
+    reads = any(forms(value).degree for value in values if isinstance(value, ex.Expression))
+    return where if reads else None
 
 
 def name_unasked(closure: Closure) -> str | None:
@@ -77,7 +111,6 @@ def name_unasked(closure: Closure) -> str | None:
     return next((what for kind, what in _UNASKED.items() if isinstance(closure, kind)), None)
 
 
-_MORE = "a value that does more than scale a lobe"
 _UNASKED: dict[type[Closure], str] = {
     Emission: "its emission",
     Transparent: "what lets light straight through",

@@ -76,11 +76,17 @@ class OcclusionRays(Protocol):
     """Casts the rays of ambient occlusion."""
 
     def open_share(
-        self, points: SurfacePoints, chance: np.ndarray, normal: np.ndarray, distance: np.ndarray, only_local: bool
+        self,
+        points: SurfacePoints,
+        chance: np.ndarray,
+        normal: np.ndarray,
+        distance: np.ndarray,
+        only_local: bool,
+        samples: int,
     ) -> np.ndarray:
-        """Return 1 where a ray meets nothing within `distance` metres, else 0, (n,).
+        """Return the share of rays that meet nothing within `distance` metres, (n,), of so many.
 
-        `chance` (3, n): the uniforms that choose the ray about the unit `normal`, and how far off the face it starts.
+        `chance` (3, n): the uniforms that choose the rays about the unit `normal`, and how far off the face they start.
         """
         ...
 
@@ -297,14 +303,14 @@ class SurfacePoints(Context):
             nearest = np.minimum(nearest, np.sqrt(dot(area, area) / dot(edge, edge)))
         return nearest
 
-    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> np.ndarray:
-        """Return the estimate of ambient occlusion by one ray, (n,).
+    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> np.ndarray:
+        """Return the estimate of ambient occlusion by so many rays, (n,).
 
         1 where no path meets the points, as for Cycles' light samples.
         """
         if self.occluders is None or self.chance is None:
             return np.ones(self.size)
-        return self.occluders.open_share(self, self.chance, normal, distance, only_local)
+        return self.occluders.open_share(self, self.chance, normal, distance, only_local, samples)
 
     def averaged_normal(self, radius: np.ndarray, samples: int) -> np.ndarray:
         """Return the estimate of the mean normal, (3, n).

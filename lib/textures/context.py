@@ -47,8 +47,8 @@ class Context(Protocol):
         """
         ...
 
-    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> np.ndarray:
-        """Return an unbiased estimate (n,) of ambient occlusion, 1 where nothing is near.
+    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> np.ndarray:
+        """Return an unbiased estimate (n,) of ambient occlusion by so many samples, 1 where nothing is near.
 
         It is about unit normals (3, n), by faces of the same object or of all within `distance` metres, () or (n,).
         """
@@ -117,7 +117,7 @@ class WithoutSurface(Context):
         """No triangle."""
         _refuse("edge")
 
-    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool) -> NoReturn:
+    def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> NoReturn:
         """No point that faces could be near."""
         _refuse("occlusion")
 

@@ -186,7 +186,7 @@ def _after_diffuse(_: ex.AfterDiffuse, read: Evaluator) -> np.ndarray:
 
 def _ambient_occlusion(node: ex.AmbientOcclusion, read: Evaluator) -> np.ndarray:
     n = read.context.n if node.normal is None else np.broadcast_to(normalize(read(node.normal)), read.context.n.shape)
-    return read.context.open_share(-n if node.inside else n, read(node.distance), node.only_local)
+    return read.context.open_share(-n if node.inside else n, read(node.distance), node.only_local, node.samples)
 
 
 _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {

@@ -12,7 +12,7 @@ from copy import copy
 
 import numpy as np
 
-from ..sampling.cycles_pattern import cycles_pairs
+from ..sampling.cycles_pattern import BEVEL, branches, cycles_pairs, dimension_at
 from ..scattering.profiles import cubic_profile, sample_cubic
 from ..scene.expressions import Bevel
 from ..scene.scene import Scene
@@ -23,8 +23,6 @@ from .probes import Probes, objects_asking
 
 LEAST_PDF = 8.0
 """Where a path was scattered by a lower density, per steradian, Cycles leaves the shading normal as it is (svm/bevel.h)."""
-# Dimensions of Cycles' pattern: so many for each step of a path, and of these the one of bevels (kernel/types.h).
-_PAIRS_PER_STEP, _BEVEL = 16, 5
 # Points whose probes are cast together: their arrays stay in cache.
 _BLOCK = 16384
 
@@ -36,12 +34,12 @@ class Bevels:
         self._tables = tables
         objects = objects_asking(scene, lambda node: isinstance(node, Bevel))
         self._probes = Probes(scene.mesh.object_index, casters, objects)
-        self._dimension = _PAIRS_PER_STEP + _BEVEL
+        self._dimension = dimension_at(0, BEVEL)
 
     def at_step(self, step: int) -> Bevels:
         """The same probes at another step."""
         other = copy(self)
-        other._dimension = _PAIRS_PER_STEP * (step + 1) + _BEVEL
+        other._dimension = dimension_at(step, BEVEL)
         return other
 
     def averaged_normal(
@@ -63,9 +61,7 @@ class Bevels:
         Its mean is `samples` times the integral of the faces' normals by `cubic_profile` of the distance. Normals are those of
         the faces' fronts, smooth where the faces are.
         """
-        begin = (place * 2.0**32).astype(np.uint32) & np.uint32(2**32 - (samples & -samples))
-        index = begin + np.arange(samples, dtype=np.uint32)[:, None]
-        u, v = (row.ravel() for row in cycles_pairs(index, self._dimension))
+        u, v = (row.ravel() for row in cycles_pairs(branches(place, samples), self._dimension))
         center, ng = (np.tile(row, samples) for row in (points.position, points.ng))
         reach, triangle = np.tile(radius, samples), np.tile(points.triangle, samples)
         off = sample_cubic(reach, v)

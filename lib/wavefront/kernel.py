@@ -23,6 +23,7 @@ from ..lights.sky import SunnySampler, suns_of
 from ..microfacets.cycles_tables import cycles_tables
 from ..scene.lights import Light, Switches
 from ..scene.mesh import Mesh
+from ..scene.occlusion import with_few_rays
 from ..scene.rays import FLAGS, SCATTERED
 from ..scene.scene import Scene
 from ..settings.reference import Options
@@ -76,7 +77,7 @@ class Kernel:
         refuse_combinations(scene)
         refuse_strategy(scene, options.strategy)
         scene = departed(scene, options.departures)
-        folded = fold_scene(scene)
+        folded = with_few_rays(fold_scene(scene))
         self.scene, self.plan, self.options = folded if plan.prunes else scene, plan, options
         self.apart = apart
         same = like if like is not None and like.scene.mesh is scene.mesh else None

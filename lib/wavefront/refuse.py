@@ -57,10 +57,7 @@ def refuse_counts(scene: Scene) -> None:
 
 
 def refuse_shader_rays(scene: Scene) -> None:
-    """Raise Refused where the mean of what shaders make of ambient occlusion depends on the number of rays.
-
-    Also where Cycles does not trace the rays of shaders for all the light that it samples.
-    """
+    """Raise Refused where Cycles does not trace the rays of shaders for all the light that it samples."""
     refusals = [
         Refusal(f"material '{material.name}'", what, remedy)
         for material in Facts(scene).materials

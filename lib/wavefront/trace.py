@@ -191,7 +191,7 @@ class Tracer:
         if self._flow.counts:
             points.tally = paths.tally(distance)
         if self._flow.occludes:
-            points.occluders = self._kernel.occluders
+            points.occluders = self._kernel.occluders.at_step(step) if self._kernel.occluders is not None else None
             points.chance = np.stack([*self._pair(occlusion_dimension(step), paths), offset])
         if paths.least_pdf is not None:
             points.bevels = self._kernel.bevels.at_step(step) if self._kernel.bevels is not None else None

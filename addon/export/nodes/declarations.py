@@ -41,8 +41,7 @@ DECLARATIONS: Mapping[str, Declaration] = {
     **SHADER_DECLARATIONS,
     "ShaderNodeAmbientOcclusion": Declaration(
         reads=("Color", "Distance", "Normal"),
-        properties={"inside": None, "only_local": None},
-        unused=("samples",),
+        properties={"inside": None, "only_local": None, "samples": None},
     ),
     "ShaderNodeAttribute": Declaration(
         idle=("LightIndex",),

@@ -104,7 +104,7 @@ def _ambient_occlusion(reader: TreeReader, node: bpy.types.Node, output: str, sc
     distance = fold(reader.read(node.inputs["Distance"], scope))
     if distance == ex.ZERO:
         distance = ex.Constant(reader.images.occlusion_distance)
-    share = ex.AmbientOcclusion(distance, _normal(reader, node, scope), node.inside, node.only_local)
+    share = ex.AmbientOcclusion(distance, _normal(reader, node, scope), node.inside, node.only_local, node.samples)
     return share if color is None else ex.Mix(ex.ONE, ex.ValueToColor(share), color, blend="MULTIPLY")
 
 

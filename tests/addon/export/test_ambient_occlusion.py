@@ -121,6 +121,32 @@ def round_and_principled(studio):
     ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
 
 
+def curved(_):
+    """Behind a ramp that is dark up to half of the hemisphere, by 4 rays, and squared, by 3."""
+    tree = bpy.data.materials["grey"].node_tree
+    node, ramp = occlude("grey", (1.0, 1.0, 1.0), samples=4), tree.nodes.new("ShaderNodeValToRGB")
+    node.inputs["Distance"].default_value = 4.0
+    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = 0.5, 0.9
+    tree.links.new(node.outputs["AO"], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], tree.nodes["Diffuse BSDF"].inputs["Color"])
+    tree = bpy.data.materials["red"].node_tree
+    node, times = occlude("red", (1.0, 1.0, 1.0), samples=3), tree.nodes.new("ShaderNodeMath")
+    node.inputs["Distance"].default_value, times.operation = 2.0, "MULTIPLY"
+    for socket in times.inputs[:2]:
+        tree.links.new(node.outputs["AO"], socket)
+    tree.links.new(times.outputs[0], tree.nodes["Diffuse BSDF"].inputs["Color"])
+
+
+def roughened(_):
+    """A floor that is rougher where nothing is near, by 16 rays."""
+    tree = bpy.data.materials["grey"].node_tree
+    node, whole = occlude("grey", (0.9, 0.6, 0.3)), tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node.inputs["Distance"].default_value = 3.0
+    for output, name in (("Color", "Base Color"), ("AO", "Roughness")):
+        tree.links.new(node.outputs[output], whole.inputs[name])
+    tree.links.new(whole.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
 CHANGES = {
     "beside a clear card and one without shadows": beside(as_it_comes),
     "near": near,
@@ -128,6 +154,8 @@ CHANGES = {
     "turned": turned,
     "mixed shaders": mixed,
     "own faces": own,
+    "behind curves": curved,
+    "in other sockets": roughened,
     "a smooth ball and a Principled BSDF": round_and_principled,
 }
 
@@ -152,7 +180,7 @@ def test_the_sockets_are_read(studio):
     occlude("grey", (0.9, 0.6, 0.3), inside=True, only_local=True, samples=3).inputs["Distance"].default_value = 2.5
     (material,) = (one for one in studio.export().materials if one.name == "grey")
     (share,) = (n for n in walk(material.lobes[0].closure.color) if isinstance(n, ex.AmbientOcclusion))
-    assert share == ex.AmbientOcclusion(ex.Constant(2.5), None, inside=True, only_local=True)
+    assert share == ex.AmbientOcclusion(ex.Constant(2.5), None, inside=True, only_local=True, samples=3)
 
 
 @pytest.mark.parametrize("world", ["its own", "of the view layer", "unseen", "none"])

@@ -66,7 +66,7 @@ MADE = {
     *("Simplify", "stereoscopy", "Freestyle", "shadow caustics", "property '{}' ({})", "Cycles' setting '{}' ({})"),
     *("light linking beside the volume of '{}', which scatters,", ", property '{}',", ", type {},"),
     *("ray visibility beside the volume of '{}', which scatters,", ", in a world,"),
-    *("its subsurface scattering", "a value that does more than scale a lobe", "the height of a bump"),
+    *("its subsurface scattering", "the height of a bump"),
     *("its emission", "what lets light straight through", "a world that depends on the direction"),
     *("the subsurface scattering of '{}'", "the volume of '{}', which scatters"),
     *(" in a volume", " on a surface", " on a world"),

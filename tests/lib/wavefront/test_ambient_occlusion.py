@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.stats as stats
 from etalon.lib.errors import EtalonError, Refused
 from etalon.lib.light_tracing.render import LightTracingRenderer
+from etalon.lib.sampling.cycles_pattern import cycles_pairs
 from etalon.lib.scene.converters import Combine
 from etalon.lib.scene.expressions import (
     ONE,
@@ -23,7 +25,7 @@ from etalon.lib.scene.expressions import (
 )
 from etalon.lib.scene.lights import PointLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Emission, Glossy, Subsurface, Transparent, WeightedClosure
-from etalon.lib.scene.occlusion import find_misuse
+from etalon.lib.scene.occlusion import find_misuse, takes_one_ray, with_few_rays
 from etalon.lib.scene.rays import EVERY, SHADOW
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -165,41 +167,116 @@ def test_what_is_linear_has_the_mean_of_its_mean(closures, mean, seed):
     assert_mean(below_ceiling(made, seed) / white, expected, 0.03, 1e-6)
 
 
-SCALES = "a value that does more than scale a lobe"
+def counts(hidden, samples):
+    """The chance of each number of hidden rays, (samples + 1,); `hidden` says of points of (0, 1)^2 whether their ray is.
+
+    The points are those of Cycles' sequence, which begin at multiples of the largest power of two in `samples`.
+    """
+    apart = samples & -samples
+    begin = np.arange(200000, dtype=np.uint32) * np.uint32(2**32 // 200000 // apart * apart)
+    pairs = cycles_pairs(begin + np.arange(samples, dtype=np.uint32)[:, None], 16 + 4)
+    return np.bincount(hidden(*pairs).sum(axis=0), minlength=samples + 1) / begin.size
+
+
+def independent(share, samples):
+    return stats.binom(samples, share).pmf(np.arange(samples + 1))
+
+
+def by_rays(form, samples, seed, build):
+    """Images of a white floor times `form` of the open share, over those of a white one, by so many rays."""
+    made = form(AmbientOcclusion(Constant(0.9) if build is below_ceiling else FAR, samples=samples))
+    return build(material(Diffuse(ValueToColor(made))), seed) / build(diffuse(1.0), seed).mean()
+
+
+def beside_long_wall(wall, seed):
+    return shown([floor(), quad((-5e3, 1e-3, 0.0), (1e4, 0.0, 0.0), (0.0, 0.0, 1e4), 1)], wall, seed)
+
+
+def squared(share):
+    return Math("MULTIPLY", share, share, ZERO)
+
+
+def doubled(share):
+    return Math("MULTIPLY", share, Constant(2.0), ZERO, True)
+
+
+@pytest.mark.grid(4)
+@pytest.mark.parametrize("samples", [1, 2, 3, 16])
+@pytest.mark.parametrize(("form", "curve"), [(squared, np.square), (doubled, lambda x: np.minimum(2.0 * x, 1.0))])
+def test_a_curve_has_the_mean_over_so_many_rays(samples, form, curve, seed):
+    """Below a ceiling, rays are hidden whose points of the square are near its centre."""
+    reach = 1.0 - (0.6 / 0.9) ** 2
+
+    def hidden(u, v):
+        return np.maximum(np.abs(2.0 * u - 1.0), np.abs(2.0 * v - 1.0)) ** 2 < reach
+
+    chances = independent(reach, 1) if samples == 1 else counts(hidden, samples)
+    exact = chances @ curve(1.0 - np.arange(samples + 1) / samples)
+    assert_mean(by_rays(form, samples, seed, below_ceiling), exact, 0.02, 1e-6)
+
+
+@pytest.mark.grid(3)
+@pytest.mark.parametrize("samples", [2, 3, 4])
+def test_few_rays_lie_about_the_axes_of_cycles(samples, seed):
+    """A long wall at the point hides half of the hemisphere, what is beyond the diagonal of the square."""
+    chances = counts(lambda u, v: v > u, samples)
+    exact = chances @ np.square(1.0 - np.arange(samples + 1) / samples)
+    assert abs(exact - independent(0.5, samples) @ np.square(1.0 - np.arange(samples + 1) / samples)) > 0.01
+    assert_mean(by_rays(squared, samples, seed, beside_long_wall), exact, 0.02, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("closure", "weight", "one"),
+    [
+        (Diffuse(ValueToColor(SHARE)), SHARE, False),
+        (Diffuse(ValueToColor(Math("POWER", SHARE, HALF, ZERO))), ONE, False),
+        (Diffuse(ValueToColor(Math("MULTIPLY", SHARE, Constant(2.0), ZERO, True))), ONE, False),
+        (Diffuse(ValueToColor(Math("SUBTRACT", SHARE, HALF, ZERO))), ONE, False),
+        (Diffuse(ColorRamp(SHARE, (0.2, 1.0), ((0.0,) * 4, (1.0,) * 4))), ONE, False),
+        (Diffuse(WHITE, SHARE), ONE, False),
+        (Diffuse(ValueToColor(SHARE), HALF), ONE, False),
+        (Glossy("MULTI_GGX", ValueToColor(SHARE), HALF), ONE, False),
+        (Diffuse(ValueToColor(AmbientOcclusion(SHARE))), ONE, False),
+        (Diffuse(ValueToColor(SHARE)), ONE, True),
+        (Diffuse(ValueToColor(SHARE)), ZERO, True),
+        (Diffuse(WHITE, HALF), SHARE, True),
+        (Glossy("GGX", ValueToColor(SHARE), HALF), ONE, True),
+        (Diffuse(Mix(ONE, ValueToColor(SHARE), Coordinates("OBJECT"), "MULTIPLY")), ONE, True),
+        (Diffuse(ValueToColor(ColorToValue(Mix(ONE, ValueToColor(SHARE), RED, "MULTIPLY")))), ONE, True),
+    ],
+)
+def test_one_ray_serves_what_is_linear(closure, weight, one):
+    lobe = WeightedClosure(closure, weight)
+    assert takes_one_ray(lobe) == one
+    assert find_misuse(lobe) is None
+    made = scene(floor(), replace(material(), lobes=(lobe,)), ABOVE, [AWAY])
+    ReferenceRenderer(made, Options(threads=1)).render(0, 2)
+
+
+def test_rays_are_spared_where_every_lobe_of_the_material_is_linear():
+    share = AmbientOcclusion(FAR, samples=16)
+    linear, other = WeightedClosure(Diffuse(ValueToColor(share))), WeightedClosure(Diffuse(WHITE, share))
+    made = scene(floor(), replace(material(), lobes=(linear,)), ABOVE, [AWAY])
+    made = replace(made, materials=(made.materials[0], replace(made.materials[0], lobes=(linear, other))))
+    spared, whole = with_few_rays(made).materials
+    assert spared.lobes == (WeightedClosure(Diffuse(ValueToColor(replace(share, samples=1)))),)
+    assert whole is made.materials[1]
 
 
 @pytest.mark.parametrize(
     ("closure", "weight", "where"),
     [
-        (Diffuse(ValueToColor(SHARE)), SHARE, SCALES),
-        (Diffuse(ValueToColor(Math("POWER", SHARE, HALF, ZERO))), ONE, SCALES),
-        (Diffuse(ValueToColor(Math("MULTIPLY", SHARE, Constant(2.0), ZERO, True))), ONE, SCALES),
-        (Diffuse(ValueToColor(Math("SUBTRACT", SHARE, HALF, ZERO))), ONE, SCALES),
-        (Diffuse(ColorRamp(SHARE, (0.2, 1.0), ((0.0,) * 4, (1.0,) * 4))), ONE, SCALES),
-        (Diffuse(WHITE, SHARE), ONE, SCALES),
-        (Diffuse(ValueToColor(SHARE), HALF), ONE, SCALES),
-        (Glossy("MULTI_GGX", ValueToColor(SHARE), HALF), ONE, SCALES),
-        (Diffuse(ValueToColor(AmbientOcclusion(SHARE))), ONE, SCALES),
         (Emission(ValueToColor(SHARE)), ONE, "its emission"),
         (Transparent(), SHARE, "what lets light straight through"),
         (Subsurface(ValueToColor(SHARE)), ONE, "its subsurface scattering"),
-        (Diffuse(ValueToColor(SHARE)), ONE, None),
-        (Diffuse(ValueToColor(SHARE)), ZERO, None),
-        (Diffuse(WHITE, HALF), SHARE, None),
-        (Glossy("GGX", ValueToColor(SHARE), HALF), ONE, None),
-        (Diffuse(Mix(ONE, ValueToColor(SHARE), Coordinates("OBJECT"), "MULTIPLY")), ONE, None),
-        (Diffuse(ValueToColor(ColorToValue(Mix(ONE, ValueToColor(SHARE), RED, "MULTIPLY")))), ONE, None),
     ],
 )
-def test_a_mean_that_depends_on_the_number_of_rays_is_refused(closure, weight, where):
+def test_what_cycles_evaluates_without_rays_is_refused(closure, weight, where):
     lobe = WeightedClosure(closure, weight)
     assert find_misuse(lobe) == where
     made = scene(floor(), replace(material(), lobes=(lobe,)), ABOVE, [AWAY])
-    if where is None:
-        ReferenceRenderer(made, Options(threads=1)).render(0, 2)
-    else:
-        with pytest.raises(Refused, match=f"ambient occlusion in {where} is not simulated"):
-            ReferenceRenderer(made, Options(threads=1))
+    with pytest.raises(Refused, match=f"ambient occlusion in {where} is not simulated"):
+        ReferenceRenderer(made, Options(threads=1))
 
 
 def test_light_tracing_refuses_it():
@@ -211,5 +288,5 @@ def test_a_chain_of_nodes_may_be_long():
     share = AmbientOcclusion(distance=FAR)
     for _ in range(5000):
         share = Math("MULTIPLY", share, Constant(1.0), ZERO)
-    assert find_misuse(WeightedClosure(Diffuse(color(1.0, 1.0, 1.0)), share)) is None
-    assert find_misuse(WeightedClosure(Diffuse(color(1.0, 1.0, 1.0)), Math("MULTIPLY", share, share, ZERO)))
+    assert takes_one_ray(WeightedClosure(Diffuse(color(1.0, 1.0, 1.0)), share))
+    assert not takes_one_ray(WeightedClosure(Diffuse(color(1.0, 1.0, 1.0)), Math("MULTIPLY", share, share, ZERO)))

@@ -101,9 +101,6 @@ REFUSED = {
     "a Bevel node in the height of a bump": lambda t: node(
         t, "BsdfDiffuse", {"Normal": node(t, "Bump", {"Height": node(t, "Bevel")})}
     ),
-    "ambient occlusion in a value that does more than scale a lobe": lambda t: node(
-        t, "BsdfDiffuse", {"Roughness": node(t, "AmbientOcclusion", output="AO")}
-    ),
     "ambient occlusion in its emission": lambda t: node(t, "Emission", {"Color": node(t, "AmbientOcclusion")}),
     "ambient occlusion in its subsurface scattering": lambda t: node(
         t, "SubsurfaceScattering", {"Color": node(t, "AmbientOcclusion")}
