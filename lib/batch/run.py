@@ -7,6 +7,7 @@ They run side by side where there are processors for it, and a journal keeps the
 from __future__ import annotations
 
 import json
+import math
 import re
 import threading
 import time
@@ -91,7 +92,7 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
 
     `tell` gets the result of each.
     """
-    total, missing = len(batch.units), batch.missing
+    total, missing = len(batch.units), _longest_first(batch)
     done = total - len(missing)
     if done:
         tell(f"{done} of {plural(total, 'comparison')} {'was' if done == 1 else 'were'} done before")
@@ -124,6 +125,20 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
                 if future.exception() is None:
                     batch.journal.write(future.result())
             raise
+
+
+def _longest_first(batch: Batch) -> list[str]:
+    """The keys of the missing comparisons in the order in which they begin.
+
+    Scenes that took long go before those that took less, going by the journal, so that a long one is not alone at the end. Those that it
+    does not know come first, in the plan's order.
+    """
+    seconds: dict[str, list[float]] = {}
+    for entry in batch.journal.read_all().values():
+        if entry.status == FINISHED:
+            seconds.setdefault(entry.scene, []).append(entry.seconds)
+    means = {scene: sum(times) / len(times) for scene, times in seconds.items()}
+    return sorted(batch.missing, key=lambda key: -means.get(batch.units[key].scene, math.inf))
 
 
 def _command(batch: Batch, key: str) -> Command:

@@ -10,6 +10,7 @@ import sys
 
 import pytest
 from etalon.lib.batch import run as batch
+from etalon.lib.batch.journal import Entry, open_journal
 from etalon.lib.batch.plan import read_plan
 from etalon.lib.batch.prepare import Host, How
 from etalon.lib.errors import EtalonError
@@ -268,3 +269,14 @@ def test_the_processes_of_a_batch_serve_until_memory_is_limited(folder, verdict_
     path.write_text(f'{path.read_text()}\n[limits]\nmemory = "8 GB"\n')
     assert run(path) == 3
     assert [number for _, number in calls(folder)] == [0, 0]
+
+
+def test_scenes_that_took_longest_go_first(folder):
+    """Going by the journal's results, whatever they were obtained with; scenes that it does not know go before all."""
+    (folder / "out").mkdir()
+    with open_journal(folder / "out") as journal:
+        for number, (scene, seconds) in enumerate((("furnace", 2.0), ("cornell_glossy", 9.0), ("furnace", 4.0))):
+            journal.write(Entry(f"key{number}", scene, "{}", "finished", 0, seconds, "", "x"))
+        journal.write(Entry("key3", "furnace", "{}", "refused", 2, 60.0, "no", "x"))
+    run(write_plan(folder, [0, 3], scenes=["furnace", "glossy_spheres", "cornell_glossy"]))
+    assert [call[1] for call in calls(folder)] == ["glossy_spheres"] * 2 + ["cornell_glossy"] * 2 + ["furnace"] * 2
