@@ -7,6 +7,7 @@ The extension, built from this tree, is installed.
 import json
 import os
 import select
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -69,12 +70,28 @@ def debian():
 
 
 @pytest.fixture(scope="session")
-def extension(debian):
+def built(tmp_path_factory, worker_id):
+    """The extension's archive, which the first worker builds while the others wait: they share the folder for it."""
+    import fcntl  # not on Windows, which collects this file too
+
+    folder = tmp_path_factory.getbasetemp()
+    if worker_id != "master":
+        folder = folder.parent
+    with (folder / "extension.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # until the file is closed
+        out = folder / "extension"
+        if not out.is_dir():
+            words = ["build_extension.py", "--platform=linux-x64", "--python=3.13", f"--out={out}"]
+            subprocess.run([sys.executable, *words], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    (archive,) = out.glob("etalon-*.zip")
+    return archive
+
+
+@pytest.fixture(scope="session")
+def extension(debian, built):
     """The extension, built, validated and installed; its module's name in that Blender."""
-    build = [sys.executable, "build_extension.py", "--platform=linux-x64", "--python=3.13", f"--out={debian.outside}"]
-    subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    (archive,) = debian.outside.glob("etalon-*.zip")
-    archive = debian.home / archive.name
+    shutil.copy(built, debian.outside)
+    archive = debian.home / built.name
     for words in (("validate", archive), ("install-file", "--repo=user_default", "--enable", archive)):
         done = debian.run("blender", "--command", "extension", *words)
         assert done.returncode == 0, done.stdout
