@@ -31,8 +31,9 @@ from .sums import PixelSums, StageClock
 from .trace import Tracer
 from .tuning import give_back_memory
 
-# Below this many paths the interpreter's share of a tile outweighs what a second thread saves.
-SMALLEST_TILE = 4096
+# Below this many paths the interpreter's share of a tile outweighs what a second thread saves: each bounce costs a few milliseconds for
+# each material, however few paths meet it, and threads take turns at that.
+SMALLEST_TILE = 32768
 
 
 @dataclass(frozen=True)
