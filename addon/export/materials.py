@@ -11,6 +11,7 @@ from ...lib.effects.facts import adds_nothing
 from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
+from ...lib.scene.layers import BeneathLayer
 from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
 from ...lib.scene.rays import COUNTS, RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
@@ -33,7 +34,7 @@ DEFAULT_MATERIAL = (
         "",
         (
             WeightedClosure(Specular("MULTI_GGX", _INDEX, ex.WHITE, _HALF)),
-            WeightedClosure(_GREY, ex.BeneathLayer(_INDEX, ex.WHITE, _HALF, ex.ONE, "MULTI_GGX")),
+            WeightedClosure(_GREY, BeneathLayer(_INDEX, ex.WHITE, _HALF, ex.ONE, "MULTI_GGX")),
         ),
     )
     if bpy.app.version >= (5, 0, 0)

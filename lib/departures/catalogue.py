@@ -6,21 +6,33 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..blender_versions import Release, Versions, format_release, parse_release
 from ..effects.surface import has_film
 from ..errors import EtalonError
 from ..film.light_passes import Family, LightPass, direct, indirect
 from ..scattering.subsurface import BY_DISK
 from ..scene.converters import Curves
-from ..scene.expressions import BeneathLayer, ColorRamp, EnvironmentTexture, Expression, ImageTexture
+from ..scene.expressions import ColorRamp
 from ..scene.findings import OVERLAPPING_FACES
-from ..scene.lights import AreaLight
-from ..scene.materials import Closure, Diffuse, Emission, Glass, Microfacets, Refraction, Subsurface
+from ..scene.layers import BeneathLayer
+from ..scene.materials import Glass, Subsurface
 from ..scene.scene import Scene
-from ..textures.fold import fold_scene, is_constant, walk
-from .scene import NARROW
+from ..textures.fold import fold_scene
+from .relevance import (
+    closures_of,
+    disperses,
+    has_faces_in_one_plane,
+    has_materials_in_one_plane,
+    has_narrow_spread,
+    has_rough_diffuse,
+    has_rough_facets,
+    has_smooth_faces,
+    interpolates_codes,
+    multiplies_alpha,
+    nodes_of,
+    reflects_by,
+    samples_rough_glass,
+)
 
 ALL = Versions()
 EVERYWHERE = frozenset(LightPass)
@@ -100,99 +112,20 @@ def _switches(scene: Scene) -> Iterator[Departure]:
     return (d for d in DEPARTURES if not d.neutralised and (scene.blender is None or scene.blender in d.versions))
 
 
-def _closures(scene: Scene) -> Iterator[Closure]:
-    for material in scene.materials:
-        for lobe in material.lobes:
-            yield lobe.closure
-
-
-def _nodes(scene: Scene) -> Iterator[Expression]:
-    """Every node of every socket of a folded scene."""
-    sockets = [scene.world.radiance]
-    for material in scene.materials:
-        for lobe in material.lobes:
-            sockets += [lobe.weight, *(v for v in vars(lobe.closure).values() if isinstance(v, Expression))]
-    for socket in sockets:
-        yield from walk(socket)
-
-
-def _is_rough(closure: Microfacets | Diffuse) -> bool:
-    socket = closure.roughness
-    return not (is_constant(socket) and socket.number == 0.0)
-
-
-def _reflects_by(*distributions: str) -> Callable[[Scene], bool]:
-    """Whether a rough lobe, of reflection or refraction, has one of these distributions."""
-    return lambda scene: any(
-        isinstance(c, Microfacets) and c.distribution in distributions and _is_rough(c) for c in _closures(scene)
-    )
-
-
-def _rough_glass(scene: Scene) -> bool:
-    """Whether light is sampled through rough glass; that of a constant world is not."""
-    sampled = (
-        scene.lights or not is_constant(scene.world.radiance) or any(isinstance(c, Emission) for c in _closures(scene))
-    )
-    return bool(sampled) and any(isinstance(c, Glass | Refraction) and _is_rough(c) for c in _closures(scene))
-
-
-def _rough_diffuse(scene: Scene) -> bool:
-    return any(isinstance(c, Diffuse) and _is_rough(c) for c in _closures(scene))
-
-
-def _disperses(glass: Glass) -> bool:
-    return not (is_constant(glass.dispersion) and glass.dispersion.number == 0.0)
-
-
-def _rough_facets(scene: Scene) -> bool:
-    return _reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
-
-
-def _smooth(scene: Scene) -> bool:
-    return bool(scene.mesh.corner_normals.shape[2] and scene.mesh.smooth.any())
-
-
-def _srgb_textures(scene: Scene) -> bool:
-    read = {
-        n.image
-        for n in _nodes(scene)
-        if isinstance(n, ImageTexture | EnvironmentTexture) and n.interpolation != "CLOSEST"
-    }
-    return any(scene.images[k].encoding == "SRGB" for k in read)
-
-
-def _multiplied_alpha(scene: Scene) -> bool:
-    read = (n for n in _nodes(scene) if isinstance(n, ImageTexture | EnvironmentTexture))
-    return any(n.association != "SEPARATE" for n in read)
-
-
-def _faces_in_one_plane(scene: Scene) -> bool:
-    return scene.mesh.overlaps.count > 0
-
-
-def _two_materials_in_one_plane(scene: Scene) -> bool:
-    mesh = scene.mesh
-    return bool(np.not_equal(*mesh.material_index[mesh.overlaps.pairs]).any())
-
-
-def _narrow_spread(scene: Scene) -> bool:
-    return any(isinstance(light, AreaLight) and 0.0 < light.spread <= NARROW for light in scene.lights)
-
-
 DEPARTURES: tuple[Departure, ...] = (
     Departure(
         "correlated masking",
         "Masking and shadowing are correlated by the facet's height, 1 / (1 + Lambda(i) + Lambda(o)), which is exact for Smith's surfaces; "
         "the reference was asked for another form.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=_rough_facets,
+        relevant=has_rough_facets,
         passes=FACETS,
     ),
     Departure(
         "rational Beckmann Lambda",
         "Smith's Lambda of Beckmann's distribution is a rational fit, 0 beyond its bound; 1 + Lambda is up to 0.31 % off the exact one.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=_reflects_by("BECKMANN"),
+        relevant=reflects_by("BECKMANN"),
         passes=FACETS,
     ),
     Departure(
@@ -200,7 +133,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "Visible normals of Beckmann's distribution are sampled exactly, but their density is stated with the rational Lambda: "
         "light found by BSDF sampling is multiplied by (1 + fit) / (1 + exact), light found by light sampling is not.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=_reflects_by("BECKMANN"),
+        relevant=reflects_by("BECKMANN"),
         passes=FACETS,
     ),
     Departure(
@@ -209,7 +142,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "the sampled direction is no reflection and no unit vector: BSDF sampling adds light at grazing angles, +36 % at 80 degrees for "
         "roughness 0.7. Light sampling does not.",
         "kernel/closure/bsdf_ashikhmin_shirley.h",
-        relevant=_reflects_by("ASHIKHMIN_SHIRLEY"),
+        relevant=reflects_by("ASHIKHMIN_SHIRLEY"),
         passes=GLOSSY,
     ),
     Departure(
@@ -217,7 +150,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "Light sampling through rough glass counts facets that the viewer or the light sees from behind, through which nothing passes; "
         "BSDF sampling does not.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=_rough_glass,
+        relevant=samples_rough_glass,
         passes=FACETS,
     ),
     Departure(
@@ -225,7 +158,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "On smooth-shaded faces BSDF sampling rejects directions below the face, light sampling does not: what arrives from "
         "there counts by its share in multiple importance sampling.",
         "kernel/closure/bsdf.h",
-        relevant=_smooth,
+        relevant=has_smooth_faces,
     ),
     Departure(
         "undispersed reflectance",
@@ -233,14 +166,14 @@ DEPARTURES: tuple[Departure, ...] = (
         "equations it follows the index.",
         "kernel/closure/bsdf_microfacet.h",
         Versions("5.3"),
-        lambda scene: any(isinstance(c, Glass) and _disperses(c) for c in _closures(scene)),
+        lambda scene: any(isinstance(c, Glass) and disperses(c) for c in closures_of(scene)),
         passes=FACETS,
     ),
     Departure(
         "texture interpolation",
         "sRGB texels are interpolated as code values and decoded afterwards; light mixes linearly, so the reference decodes them first.",
         "kernel/svm/image.h",
-        relevant=_srgb_textures,
+        relevant=interpolates_codes,
     ),
     Departure(
         "alpha in code values",
@@ -248,7 +181,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "Alpha is a share of light, so the reference multiplies decoded colours. Where the texture's Alpha is not used, a grey of code 0.6 at "
         "alpha 0.5 becomes 0.073 in place of 0.159; where it is, alpha is divided out again, and the rounding stays.",
         "util/image_metadata.cpp",
-        relevant=_multiplied_alpha,
+        relevant=multiplies_alpha,
     ),
     Departure(
         "multiple-scattering tables",
@@ -257,7 +190,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "reproduces a part of it), most at grazing. From 5.3 on the "
         "nodes crowd there, for glass 32 x 32 x 32: up to 0.3 % off.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=_reflects_by("MULTI_GGX"),
+        relevant=reflects_by("MULTI_GGX"),
         forms=("5.3",),
     ),
     Departure(
@@ -267,7 +200,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "give, or the other way round. Under a thin film it is that of a smooth surface. "
         "An index below 1 is read as its reciprocal, without total reflection, so that light is made.",
         "kernel/closure/bsdf_microfacet.h",
-        relevant=lambda scene: any(isinstance(n, BeneathLayer) for n in _nodes(scene)),
+        relevant=lambda scene: any(isinstance(n, BeneathLayer) for n in nodes_of(scene)),
         forms=("5.3",),
     ),
     Departure(
@@ -276,7 +209,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "E + Fms (1 - E) is missing, and light is lost, up to 1.7 times of what the coat reflects.",
         "kernel/closure/bsdf.h",
         Versions("5.3"),
-        lambda scene: any(isinstance(n, BeneathLayer) and n.coat for n in _nodes(scene)),
+        lambda scene: any(isinstance(n, BeneathLayer) and n.coat for n in nodes_of(scene)),
     ),
     Departure(
         "thin film series",
@@ -284,7 +217,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "difference: up to 2 % of white off on metals, 0.4 % on dielectrics, most near grazing.",
         "kernel/closure/bsdf_util.h",
         Versions("5.0"),
-        lambda scene: any(map(has_film, _closures(scene))),
+        lambda scene: any(map(has_film, closures_of(scene))),
         passes=FACETS,
     ),
     Departure(
@@ -293,7 +226,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "glass's index: it has other colours than from outside.",
         "kernel/closure/bsdf_microfacet.h",
         Versions("5.0"),
-        lambda scene: any(isinstance(c, Glass) and has_film(c) for c in _closures(scene)),
+        lambda scene: any(isinstance(c, Glass) and has_film(c) for c in closures_of(scene)),
         passes=FACETS,
     ),
     Departure(
@@ -301,7 +234,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "A rough diffuse surface reflects what leaves after one scattering; the light that is scattered again is lost.",
         "kernel/closure/bsdf_oren_nayar.h",
         Versions(None, "4.2"),
-        _rough_diffuse,
+        has_rough_diffuse,
         passes=DIFFUSE,
     ),
     Departure(
@@ -310,7 +243,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "colour once more.",
         "kernel/closure/bsdf_oren_nayar.h",
         Versions("4.3", "5.2"),
-        _rough_diffuse,
+        has_rough_diffuse,
         passes=DIFFUSE,
     ),
     Departure(
@@ -318,35 +251,35 @@ DEPARTURES: tuple[Departure, ...] = (
         "A walk below a surface ends after 256 free paths, and the light that has not left by then is lost: about 10 % of what a thick white "
         "body reflects, 5 % of a colour of 0.95, 0.2 % of 0.8. From the eleventh free path on scattering is isotropic, and as much weaker.",
         "kernel/integrator/subsurface_random_walk.h",
-        relevant=lambda scene: any(isinstance(c, Subsurface) and c.mapping != BY_DISK for c in _closures(scene)),
+        relevant=lambda scene: any(isinstance(c, Subsurface) and c.mapping != BY_DISK for c in closures_of(scene)),
         passes=DIFFUSE,
     ),
     Departure(
         "colour-ramp table",
         "A Color Ramp is read from a table of 257 entries: corners are rounded off and steps move by up to 1/256.",
         "kernel/svm/ramp.h",
-        relevant=lambda scene: any(isinstance(n, ColorRamp) for n in _nodes(scene)),
+        relevant=lambda scene: any(isinstance(n, ColorRamp) for n in nodes_of(scene)),
     ),
     Departure(
         "curve table",
         "RGB, Vector and Float Curves are read from one table of 257 entries a channel. Beyond the ends of a curve Cycles goes on along "
         "the last two entries; Blender's own curve goes on along the handle of its last point.",
         "kernel/svm/ramp.h",
-        relevant=lambda scene: any(isinstance(n, Curves) for n in _nodes(scene)),
+        relevant=lambda scene: any(isinstance(n, Curves) for n in nodes_of(scene)),
     ),
     Departure(
         "narrow spread",
         "An area light whose spread is at most 0.1 radians is normalised by 3 / h^3 in place of 1 / (tan h - h), h half the "
         "spread: up to 0.1 % too bright.",
         "scene/light.cpp",
-        relevant=_narrow_spread,
+        relevant=has_narrow_spread,
     ),
     Departure(
         "faces in one plane",
         "Faces that overlap in one plane are one surface. Cycles' rays skip only the face that they leave and meet the others at distance "
         "0, so that these hide all light from each other. Where the plane is not along two axes, rounding decides which rays meet them.",
         "kernel/bvh/util.h",
-        relevant=_faces_in_one_plane,
+        relevant=has_faces_in_one_plane,
         by_rounding=True,
         finding=OVERLAPPING_FACES,
     ),
@@ -355,7 +288,7 @@ DEPARTURES: tuple[Departure, ...] = (
         "Where faces of different materials overlap in one plane, rounding decides which of them a ray meets. The reference meets one, "
         "and Cycles may meet the other.",
         "kernel/bvh/bvh.h",
-        relevant=_two_materials_in_one_plane,
+        relevant=has_materials_in_one_plane,
         by_rounding=True,
         finding=OVERLAPPING_FACES,
     ),

@@ -15,7 +15,8 @@ import numpy as np
 
 from ..microfacets.cycles_tables import Tables, cycles_tables
 from ..scene.converters import Curve, Curves
-from ..scene.expressions import BeneathLayer, ColorRamp, Expression
+from ..scene.expressions import ColorRamp, Expression
+from ..scene.layers import BeneathLayer
 from ..scene.lights import AreaLight, Light
 from ..scene.materials import Material
 from ..scene.scene import Scene

@@ -8,7 +8,8 @@ from typing import TypeVar
 
 from ..microfacets.thin_film import LEAST_THICKNESS
 from ..plural import plural
-from ..scene.expressions import BeneathLayer, CoatTint, Constant, Expression, FresnelFactor, LayerWeight
+from ..scene.expressions import Constant, Expression, FresnelFactor, LayerWeight
+from ..scene.layers import BeneathLayer, CoatTint
 from ..scene.materials import Closure, Diffuse, Glass, Glossy, Metallic, Microfacets, Specular
 from ..textures.fold import walk
 from .facts import Facts, is_smooth, is_zero, scatters

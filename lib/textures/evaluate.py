@@ -13,6 +13,7 @@ from ..bsdfs.layered import beneath_layer, coat_tint
 from ..bsdfs.sheen import beneath_sheen
 from ..microfacets.cycles_tables import tables_with
 from ..scene import expressions as ex
+from ..scene.layers import BeneathLayer, BeneathSheen, CoatTint
 from ..scene.rays import COUNTS, FLAGS
 from ..scene.sky import Sky
 from ..vectors import dot, normalize
@@ -155,7 +156,7 @@ def _slant(normal: ex.Expression | None, read: Evaluator) -> np.ndarray:
     return read.context.cos_wo if normal is None else np.abs(dot(read(normal), read.context.wo))
 
 
-def _beneath_layer(node: ex.BeneathLayer, read: Evaluator) -> np.ndarray:
+def _beneath_layer(node: BeneathLayer, read: Evaluator) -> np.ndarray:
     tint, roughness, weight = read(node.tint), read(node.roughness), read(node.weight)
     cos_wo = _cos_wo(node.normal, read)
     tables, ior = tables_with(node.tables), node.ior.number
@@ -217,11 +218,11 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ),
     ex.LayerWeight: _layer_weight,
     ex.Gamma: _gamma,
-    ex.BeneathLayer: _beneath_layer,
-    ex.BeneathSheen: lambda node, read: beneath_sheen(
+    BeneathLayer: _beneath_layer,
+    BeneathSheen: lambda node, read: beneath_sheen(
         read(node.tint), read(node.roughness), read(node.weight), _cos_wo(node.normal, read)
     ),
-    ex.CoatTint: lambda node, read: coat_tint(
+    CoatTint: lambda node, read: coat_tint(
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),
     ex.Wireframe: lambda node, read: (read.context.edge_distance() < 0.5 * np.abs(read(node.size))).astype(np.float64),

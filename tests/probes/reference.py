@@ -13,9 +13,6 @@ from etalon.lib.scene.expressions import (
     ONE,
     WHITE,
     ZERO,
-    BeneathLayer,
-    BeneathSheen,
-    CoatTint,
     Constant,
     Coordinates,
     Gamma,
@@ -24,6 +21,7 @@ from etalon.lib.scene.expressions import (
     NormalMap,
     ValueToColor,
 )
+from etalon.lib.scene.layers import BeneathLayer, BeneathSheen, CoatTint
 from etalon.lib.scene.lights import SunLight
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer

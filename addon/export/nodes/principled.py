@@ -16,6 +16,7 @@ from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene import materials as mt
 from ....lib.scene.converters import VectorMath
+from ....lib.scene.layers import BeneathLayer, BeneathSheen, CoatTint
 from ....lib.textures.fold import is_constant
 from .shader_reader import ShaderReader
 from .subsurface import make_subsurface, parts_of, read_method
@@ -128,7 +129,7 @@ class _Principled:
             self._sheen_normal(),
         )
         add(mt.Sheen(tint, roughness, normal), rest.times(weight))
-        return rest.times(ex.BeneathSheen(tint, roughness, weight, normal))
+        return rest.times(BeneathSheen(tint, roughness, weight, normal))
 
     def _sheen_normal(self) -> ex.Expression | None:
         """The node's normal, turned towards the coat's by the coat's weight."""
@@ -151,15 +152,15 @@ class _Principled:
         add(mt.Specular("MULTI_GGX", ior, ex.WHITE, roughness, normal=normal), rest.times(weight))
 
         def beneath(share: ex.Expression) -> ex.Expression:
-            return ex.BeneathLayer(ior, ex.WHITE, roughness, share, "MULTI_GGX", normal, coat=True)
+            return BeneathLayer(ior, ex.WHITE, roughness, share, "MULTI_GGX", normal, coat=True)
 
         if tint == ex.WHITE:
             return rest.times(beneath(weight))
         if bpy.app.version[:2] in _COATS_THAT_COVER:
-            through = _tinted(ex.CoatTint(ior, tint, ex.ONE, normal), ex.ValueToColor(beneath(ex.ONE)))
+            through = _tinted(CoatTint(ior, tint, ex.ONE, normal), ex.ValueToColor(beneath(ex.ONE)))
             at_most_one = ex.Mix(ex.ONE, through, ex.WHITE, blend="DARKEN")
             return replace(rest, color=ex.Mix(weight, ex.WHITE, at_most_one))
-        return replace(rest.times(beneath(weight)), color=ex.CoatTint(ior, tint, weight, normal))
+        return replace(rest.times(beneath(weight)), color=CoatTint(ior, tint, weight, normal))
 
     def _constant(self, name: str) -> ex.Constant:
         """The content of a socket that may not vary from point to point."""
@@ -276,5 +277,5 @@ class _Principled:
         closure = mt.Specular(self._distribution, eta, tint, normal=self._normal, **self._stretch(), **self._film)
         add(closure, rest)
         roughness, distribution = self._socket("Roughness"), self._distribution
-        below = ex.BeneathLayer(eta, tint, roughness, ex.ONE, distribution, self._normal, **self._film)
+        below = BeneathLayer(eta, tint, roughness, ex.ONE, distribution, self._normal, **self._film)
         return rest.times(below), eta

@@ -14,7 +14,8 @@ from etalon.lib.microfacets import layers
 from etalon.lib.microfacets.albedo import directional_albedo
 from etalon.lib.microfacets.fresnel import dielectric
 from etalon.lib.microfacets.ggx import GGX
-from etalon.lib.scene.expressions import ONE, WHITE, BeneathLayer, Constant
+from etalon.lib.scene.expressions import ONE, WHITE, Constant
+from etalon.lib.scene.layers import BeneathLayer
 from etalon.lib.scene.materials import Diffuse, Material, Specular, WeightedClosure
 from etalon.tests.replicates import assert_mean, replicates
 from etalon.tests.scenes import fan, fan_camera, scene

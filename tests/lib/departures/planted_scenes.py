@@ -11,7 +11,6 @@ from etalon.lib.scene.converters import Curve, Curves
 from etalon.lib.scene.expressions import (
     ONE,
     WHITE,
-    BeneathLayer,
     ColorRamp,
     Constant,
     Coordinates,
@@ -21,6 +20,7 @@ from etalon.lib.scene.expressions import (
     ValueToColor,
 )
 from etalon.lib.scene.images import Image
+from etalon.lib.scene.layers import BeneathLayer
 from etalon.lib.scene.lights import AreaLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, Subsurface, WeightedClosure
 from etalon.lib.settings.reference import Options
