@@ -17,6 +17,8 @@ FAR = 4.0
 # Below this solid angle (steradians) places are uniform in area: the two densities are then nearly one, and the inversion in
 # solid angle would lose its digits, its error being about 1e-16 / solid angle.
 SMALLEST_SOLID_ANGLE = 1e-7
+# Where a larger share of the points is behind the light, the others are picked out first. Copying them there and back costs a tenth of a sample.
+_MANY_BEHIND = 0.15
 
 
 class ParallelogramSampler(AreaSampler):
@@ -36,6 +38,22 @@ class RectangleSampler(AreaSampler):
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform in solid angle; uniform in area for points far away."""
+        front = np.flatnonzero(dot(self.normal, point - self._center) > 0.0)
+        size = point.shape[1]
+        if front.size >= (1.0 - _MANY_BEHIND) * size:
+            return self._sample_all(point, u1, u2)
+        # No light reaches a point behind: any direction serves, and any density.
+        direction = np.empty_like(point)
+        direction[:] = -self.normal
+        sample = LightSample(direction, np.ones(size), np.zeros_like(point), np.ones(size))
+        if front.size:
+            lit = self._sample_all(np.take(point, front, axis=1), u1[front], u2[front])
+            for whole, part in zip(sample, lit, strict=True):
+                put(whole, front, part)
+        return sample
+
+    def _sample_all(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
+        """Sample from all points, also from those behind the light."""
         near = self._near(point)
         if near.size == point.shape[1]:
             return self._sample_near(point, u1, u2)
