@@ -16,6 +16,7 @@ from scipy.special import roots_legendre
 
 from ..microfacets import fresnel
 from ..microfacets.layers import average_reflectance
+from ..vectors import gather
 
 
 class Fresnel(Protocol):
@@ -55,7 +56,7 @@ def part_of(value: float, index: np.ndarray) -> float: ...
 def part_of(value: np.ndarray | float, index: np.ndarray) -> np.ndarray | float:
     """`value` at the points `index`; what is the same at all points stays as it is."""
     constant = not isinstance(value, np.ndarray) or value.ndim == 0 or value.shape[-1] == 1
-    return value if constant else np.take(value, index, axis=-1)
+    return value if constant else gather(value, index)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from ..microfacets import masking
 from ..microfacets.directions import FLOOR
 from ..microfacets.distribution import BoundedDistribution, Distribution
 from ..sampling.warps import cosine_hemisphere, uniform_hemisphere
-from ..vectors import dot
+from ..vectors import dot, gather
 from .fresnels import part_of
 from .lobe import Lobe, to_rgb
 
@@ -144,5 +144,5 @@ class MicrofacetReflection(Lobe):
         piece._alpha = tuple(part_of(alpha, index) for alpha in self._alpha)
         for name in ("_wo", "_lambda_o", "_above", "_cos_o", "_bound", "_pdf_of_d"):
             value = getattr(self, name)
-            setattr(piece, name, None if value is None else np.take(value, index, axis=-1))
+            setattr(piece, name, None if value is None else gather(value, index))
         return piece

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..vectors import put
+from ..vectors import gather, put
 from .lobe import Lobe
 from .split import Split
 
@@ -122,4 +122,4 @@ class Mixture:
 
 def take_color(color: np.ndarray, index: np.ndarray) -> np.ndarray:
     """A colour (3, 1) or (3, n) at the points `index`."""
-    return color if color.shape[1] == 1 else np.take(color, index, axis=1)
+    return color if color.shape[1] == 1 else gather(color, index)

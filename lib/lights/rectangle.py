@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..vectors import dot, put
+from ..vectors import dot, gather, put
 from .area import AreaSampler
 from .light import LightSample
 from .spherical_rectangle import SphericalRectangle
@@ -17,7 +17,8 @@ FAR = 4.0
 # Below this solid angle (steradians) places are uniform in area: the two densities are then nearly one, and the inversion in
 # solid angle would lose its digits, its error being about 1e-16 / solid angle.
 SMALLEST_SOLID_ANGLE = 1e-7
-# Where a larger share of the points is behind the light, the others are picked out first. Copying them there and back costs a tenth of a sample.
+# Where a larger share of the points is behind the light, the others are picked out first. To copy them there and back costs a tenth of
+# a sample.
 _MANY_BEHIND = 0.15
 
 
@@ -47,7 +48,7 @@ class RectangleSampler(AreaSampler):
         direction[:] = -self.normal
         sample = LightSample(direction, np.ones(size), np.zeros_like(point), np.ones(size))
         if front.size:
-            lit = self._sample_all(np.take(point, front, axis=1), u1[front], u2[front])
+            lit = self._sample_all(gather(point, front), gather(u1, front), gather(u2, front))
             for whole, part in zip(sample, lit, strict=True):
                 put(whole, front, part)
         return sample
@@ -59,7 +60,7 @@ class RectangleSampler(AreaSampler):
             return self._sample_near(point, u1, u2)
         sample = super().sample(point, u1, u2)
         if near.size:
-            close = self._sample_near(np.take(point, near, axis=1), u1[near], u2[near])
+            close = self._sample_near(gather(point, near), gather(u1, near), gather(u2, near))
             for whole, part in zip(sample, close, strict=True):
                 put(whole, near, part)
         return sample
@@ -71,7 +72,7 @@ class RectangleSampler(AreaSampler):
             return self._pdf_near(origin, direction, distance)
         pdf = super().pdf(origin, direction, distance)
         if near.size:
-            pdf[near] = self._pdf_near(np.take(origin, near, axis=1), np.take(direction, near, axis=1), distance[near])
+            pdf[near] = self._pdf_near(gather(origin, near), gather(direction, near), distance[near])
         return pdf
 
     def _near(self, point: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..sampling.tables import Distribution1D
+from ..vectors import gather
 from .by_place import LightGrid, chances_by_power
 from .light import Divided, LightSample, LightSampler
 from .sphere import Spheres, SphereSampler
@@ -63,10 +64,10 @@ class LightSelection:
         """A direction from each point (3, n) towards the light `index` (n,) there; `cell` as for `choose`."""
         if len(self._batches) == 1:
             return self._sample_batch(0, index, cell, point, u1, u2)
-        batch = np.take(self._batch_of, index).astype(np.int16)
+        batch = gather(self._batch_of, index).astype(np.int16)
         order = np.argsort(batch, kind="stable")
-        index, point, u1, u2 = (np.take(a, order, axis=-1) for a in (index, point, u1, u2))
-        cell = None if cell is None else np.take(cell, order)
+        index, point, u1, u2 = (gather(a, order) for a in (index, point, u1, u2))
+        cell = None if cell is None else gather(cell, order)
         stops = np.cumsum(np.bincount(batch, minlength=len(self._batches)))
         count = index.shape[0]
         whole = LightSample(np.empty((3, count)), np.empty(count), np.empty((3, count)), np.empty(count))
@@ -81,7 +82,7 @@ class LightSelection:
             start = stop
         back = np.empty_like(order)
         back[order] = np.arange(count)
-        return LightSample(*(np.take(array, back, axis=-1) for array in whole))
+        return LightSample(*(gather(array, back) for array in whole))
 
     def sample_only(self, cell: np.ndarray | None, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """A direction from each point (3, n) towards the only light; `cell` as for `choose`."""
@@ -99,7 +100,7 @@ class LightSelection:
         """Samples of lights of one batch."""
         sampler = self._batches[batch]
         if isinstance(sampler, Spheres):
-            return sampler.sample(np.take(self._place, index), point, u1, u2)
+            return sampler.sample(gather(self._place, index), point, u1, u2)
         return _sample(sampler, cell, point, u1, u2)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..sampling.warps import uniform_disk, uniform_sphere
 from ..scene.lights import SphereLight
-from ..vectors import dot, orthonormal_basis
+from ..vectors import dot, gather, orthonormal_basis
 from .cone import density, uniform_cone
 from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance
 
@@ -102,9 +102,7 @@ class Spheres:
 
     def sample(self, which: np.ndarray, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """As `SphereSampler.sample` by the light `which` (n,)."""
-        center, radius2, radiance = (
-            np.take(table, which, axis=-1) for table in (self._center, self._radius2, self._radiance)
-        )
+        center, radius2, radiance = (gather(table, which) for table in (self._center, self._radius2, self._radiance))
         return _sample(center, radius2, radiance, point, u1, u2)
 
 

@@ -17,6 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..vectors import gather
+
 
 class _Edge(NamedTuple):
     """An edge at x >= 0 across the strip: its x, the distances of its ends, and d(x)."""
@@ -97,9 +99,9 @@ class SphericalRectangle:
         self._across = np.flatnonzero(near < 0.0)
         if self._across.size:
             lengths = (self._strip.y0, self._strip.y1, height)
-            strip = _Strip(*(np.take(length, self._across) for length in lengths))
-            self._behind = strip.edge(-np.take(near, self._across))
-            foot = _Edge(*(np.take(part, self._across) for part in inner))
+            strip = _Strip(*(gather(length, self._across) for length in lengths))
+            self._behind = strip.edge(-gather(near, self._across))
+            foot = _Edge(*(gather(part, self._across) for part in inner))
             self._half_behind = strip.half_angle(foot, self._behind)
             half[self._across] += self._half_behind
         self._half = half
@@ -133,7 +135,7 @@ class SphericalRectangle:
         beyond = (1.0 - u1) * self._half
         behind = np.empty(0, np.intp)
         if self._across.size:
-            below = np.take(u1, self._across) * np.take(self._half, self._across)
+            below = gather(u1, self._across) * gather(self._half, self._across)
             chosen = np.flatnonzero(below < self._half_behind)
             behind = self._across[chosen]
             beyond[behind] = below[chosen]

@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..sampling.tables import LARGEST_UNIFORM
+from ..vectors import gather
 
 LEAST_UNIFORM = 0.5 - 0.5 * LARGEST_UNIFORM
 """With LARGEST_UNIFORM the bounds of the u that have a finite logit."""
@@ -60,8 +61,8 @@ class ViewTable:
         along -= column
         across -= row
         corner = row * (_LEVELS + 1) + column
-        low, near = table.take(corner), table.take(corner + 1)
-        far, high = table.take(corner + (_LEVELS + 1)), table.take(corner + (_LEVELS + 2))
+        low, near = gather(table, corner), gather(table, corner + 1)
+        far, high = gather(table, corner + (_LEVELS + 1)), gather(table, corner + (_LEVELS + 2))
         here, beyond = low + (near - low) * along, far + (high - far) * along
         return here + (beyond - here) * across, low, high
 
@@ -86,10 +87,10 @@ class Spline:
         cell = at.astype(np.intp)
         np.minimum(cell, self._cells - 1, out=cell)
         at -= cell
-        value = self._pieces[0].take(cell)
+        value = gather(self._pieces[0], cell)
         for piece in self._pieces[1:]:
             value *= at
-            value += piece.take(cell)
+            value += gather(piece, cell)
         return value
 
 

@@ -16,6 +16,7 @@ import threading
 
 import numpy as np
 
+from ..vectors import gather
 from .streams import PIXEL_KEYS, RANDOM_NUMBERS
 
 SETS = 32
@@ -145,10 +146,10 @@ class SobolTile:
         with np.errstate(over="ignore"):
             key = hash64(self._pixel_keys + _GOLDEN * np.uint64(dimension + 1))
         start = (hash64(key) % np.uint64(SETS)).astype(np.intp) * (table.size // SETS)
-        index = np.take(start, pixel)
+        index = gather(start, pixel)
         index += sample
-        bits = np.take(table, index)
-        bits ^= np.take(key, pixel)  # both coordinates at once
+        bits = gather(table, index)
+        bits ^= gather(key, pixel)  # both coordinates at once
         return _uniform(bits & _LOWER), _uniform(bits >> np.uint64(32))
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..vectors import gather
+
 LARGEST_UNIFORM = np.nextafter(1.0, 0.0)
 # Up to so many entries comparing with each edge beats the guide.
 _FEW = 24
@@ -113,7 +115,7 @@ class Rows:
         if self._length == 1:
             return np.zeros(u.shape, np.intp), u.copy()
         flat = self._flat_index(row, u)
-        upper = np.take(self._upper, flat)
+        upper = gather(self._upper, flat)
         lower = np.take(self._upper, flat - 1, mode="wrap")
         index = flat if row is None else flat - row * self._length
         lower[index == 0] = 0.0
@@ -127,9 +129,9 @@ class Rows:
         bucket = (u * self._buckets).astype(np.intp)
         if row is not None:
             bucket += row * (self._buckets + 1)
-        first = np.take(self._guide, bucket).astype(np.intp)
+        first = gather(self._guide, bucket).astype(np.intp)
         bucket += 1
-        last = np.take(self._guide, bucket).astype(np.intp)
+        last = gather(self._guide, bucket).astype(np.intp)
         if row is not None:
             start = row * self._length
             first += start
@@ -143,7 +145,7 @@ class Rows:
         """First index in [first, last] whose upper edge exceeds u."""
         for _ in range(int((last - first).max()).bit_length()):
             middle = (first + last) >> 1
-            beyond = np.take(self._upper, middle) <= u
+            beyond = gather(self._upper, middle) <= u
             np.copyto(first, np.minimum(middle + 1, last), where=beyond)
             np.copyto(last, middle, where=~beyond)
         return first

@@ -15,7 +15,7 @@ from ..errors import SceneError
 from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
 from ..textures.context import Context
-from ..vectors import cross, dot, normalize, put
+from ..vectors import cross, dot, gather, normalize, put
 from .tangents import normal_map_frame
 
 
@@ -173,7 +173,7 @@ class SurfacePoints(Context):
         points = object.__new__(SurfacePoints)
         points.tables = self.tables
         for name in ("triangle", "u", "v", "position", "wo", "ng", "backfacing", "side"):
-            setattr(points, name, np.take(getattr(self, name), index, axis=-1))
+            setattr(points, name, gather(getattr(self, name), index))
         points.flags = self.flags if np.ndim(self.flags) == 0 else np.take(self.flags, index)
         points.tally = None if self.tally is None else np.take(self.tally, index, axis=1)
         points.occluders = self.occluders
@@ -201,7 +201,7 @@ class SurfacePoints(Context):
         return normal
 
     def _mixed_normal(self, triangle: np.ndarray, u: np.ndarray, v: np.ndarray, side: np.ndarray) -> np.ndarray:
-        corners = np.take(self.tables.corner_normals, triangle, axis=1).astype(np.float64)
+        corners = gather(self.tables.corner_normals, triangle).astype(np.float64)
         first = 1.0 - u - v
         mixed = corners[:3] * first
         mixed += corners[3:6] * u

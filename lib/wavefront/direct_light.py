@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..effects.names import Stage
+from ..vectors import gather
 from .flow import Flow
 from .kernel import Kernel
 from .light_choice import LightChoice
@@ -40,15 +41,15 @@ class DirectLight:
         if self._kernel.sight.casts_shadow is not None:
             casts = np.broadcast_to(self._kernel.sight.casts_shadow[light.number], paths.pixel.shape)[index]
             free, index = index[~casts], index[casts]
-            self._arrive(paths, free, np.take(direct, free, axis=1), light.number, shares)
+            self._arrive(paths, free, gather(direct, free), light.number, shares)
         if index.size == 0:
             return
         if not self._flow.asks_visibility:
-            self._arrive(paths, index, np.take(direct, index, axis=1), light.number, shares)
+            self._arrive(paths, index, gather(direct, index), light.number, shares)
             return
-        direction = np.take(sample.wi, index, axis=1)
-        origin = np.take(origins.towards(sample.wi), index, axis=1)
-        rays = origin, direction, sample.distance[index]
+        direction = gather(sample.wi, index)
+        origin = gather(origins.towards(sample.wi), index)
+        rays = origin, direction, gather(sample.distance, index)
         medium = origins.medium(index, direction)
         if self._kernel.sight.shadow_of is None:
             through, unknown = transmittance(self._kernel, self._flow.transparent, *rays, medium=medium)
@@ -63,9 +64,9 @@ class DirectLight:
         self._clock.lap(Stage.SHADOW_RAYS)
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0
         index = index[lit]
-        arriving = np.take(direct, index, axis=1)
+        arriving = gather(direct, index)
         if through.shape[0] == 3:
-            arriving *= np.take(through, lit, axis=1)
+            arriving *= gather(through, lit)
         self._arrive(paths, index, arriving, light.number, shares)
 
     def _arrive(
@@ -76,9 +77,9 @@ class DirectLight:
         `light` () or of all paths says from which light, `shares` of all paths what the families of lobes have of it.
         """
         sums = self._sums
-        sums.add(paths.pixel[index], arriving)
+        sums.add(gather(paths.pixel, index), arriving)
         if sums.passes is not None:
-            here = None if shares is None else np.take(shares, index, axis=2)
+            here = None if shares is None else gather(shares, index)
             sums.passes.add_direct(paths, index, arriving, here)
         if sums.bounces is not None:
             sums.bounces.add(paths, index, arriving, 1)

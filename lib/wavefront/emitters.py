@@ -14,7 +14,7 @@ from ..lights.light import Meetable
 from ..sampling.mis import cutoff_power_heuristic
 from ..scattering.free_path import attenuated_length
 from ..surfaces.surface import SurfacePoints
-from ..vectors import dot
+from ..vectors import dot, gather
 from .casters import PartCaster
 from .kernel import Kernel
 from .light_choice import LightSampling
@@ -67,7 +67,7 @@ class Emitters:
                 near = self._mirrored(paths, light, k, kernel.sight.shadow_casters[shadow_of[k]], near)
             if near.size == 0:
                 continue
-            start, direction, reach = np.take(origin, near, axis=1), np.take(paths.direction, near, axis=1), end[near]
+            start, direction, reach = gather(origin, near), gather(paths.direction, near), end[near]
             distance, radiance = light.intersect(start, direction)
             met = distance < reach
             met |= np.isinf(reach) & np.isinf(distance) & radiance.any(axis=0)
@@ -79,8 +79,8 @@ class Emitters:
             if at.size == 0:
                 continue
             index = near[at]
-            density = light.pdf(np.take(start, at, axis=1), np.take(direction, at, axis=1), distance[at])
-            arriving = np.take(radiance, at, axis=1) * np.take(paths.throughput, index, axis=1)
+            density = light.pdf(gather(start, at), gather(direction, at), distance[at])
+            arriving = gather(radiance, at) * gather(paths.throughput, index)
             arriving *= self._weight(paths.pdf[index], k, density, _at(paths.cell, index))
             if kernel.media is not None and paths.medium is not None and travelled is not None:
                 # What is between the last face and here is not yet in the throughput.
@@ -99,14 +99,14 @@ class Emitters:
         sent = near[scattered & np.isinf(paths.pdf[near])]
         if paths.travelled is not None:  # a ray that passed a face has been asked before
             sent = sent[paths.travelled[sent] == 0.0]
-        origin, direction = np.take(paths.origin, sent, axis=1), np.take(paths.direction, sent, axis=1)
+        origin, direction = gather(paths.origin, sent), gather(paths.direction, sent)
         distance, radiance = light.intersect(origin, direction)
         met = np.flatnonzero(radiance.any(axis=0))
-        rays = np.take(origin, met, axis=1), np.take(direction, met, axis=1), distance[met]
+        rays = gather(origin, met), gather(direction, met), distance[met]
         through, unknown = transmittance(kernel, transparent, *rays, caster=caster)
         index = sent[met]
         self._sums.add_unknown(paths.pixel[index[unknown]])
-        arriving = np.take(radiance, met, axis=1) * np.take(paths.throughput, index, axis=1) * through
+        arriving = gather(radiance, met) * gather(paths.throughput, index) * through
         self._add(paths, index, arriving, LightPass.EMISSION, self._of_light(k))
         return near[~scattered]
 
@@ -117,14 +117,14 @@ class Emitters:
             escaped = escaped[kernel.sight.sees_world[paths.ray_class[escaped]]]
         if escaped.size == 0 or (kernel.sky is None and not self._asks_world):
             return
-        throughput = np.take(paths.throughput, escaped, axis=1)
+        throughput = gather(paths.throughput, escaped)
         emitter = -1 if self._sums.emitters is None else kernel.emitters.world
         if kernel.media is not None and paths.medium is not None:
             throughput *= kernel.media.transmittance(paths.medium[escaped], np.full(escaped.size, np.inf))
         if kernel.sky is not None:  # no light sampling competes for a constant sky
             self._add(paths, escaped, throughput * kernel.sky, LightPass.ENVIRONMENT, emitter)
             return
-        direction = np.take(paths.direction, escaped, axis=1)
+        direction = gather(paths.direction, escaped)
         throughput *= kernel.world(direction, kernel.sight.flags_of(paths, escaped))
         if kernel.environment is not None:
             density = kernel.environment.pdf(direction, direction, np.full(escaped.size, np.inf))
@@ -142,7 +142,7 @@ class Emitters:
         index = np.flatnonzero(glow.any(axis=0))
         extinction, glow = np.take(media.extinction, medium[index], axis=1), glow[:, index]
         length = attenuated_length(extinction, hits.distance[index])
-        arriving = np.take(paths.throughput, index, axis=1) * glow * np.where(glow > 0.0, length, 0.0)
+        arriving = gather(paths.throughput, index) * glow * np.where(glow > 0.0, length, 0.0)
         self._add(paths, index, arriving, LightPass.EMISSION, -1)  # kernel.emitters refuses to tell emitters apart
 
     def faces(

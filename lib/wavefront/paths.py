@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..vectors import gather
+
 
 @dataclass
 class Paths:
@@ -76,9 +78,7 @@ class Paths:
 
     def take(self, index: np.ndarray) -> Paths:
         """The paths at `index`, as copies."""
-        return replace(
-            self, **{k: np.take(a, index, axis=-1) for k, a in vars(self).items() if isinstance(a, np.ndarray)}
-        )
+        return replace(self, **{k: gather(a, index) for k, a in vars(self).items() if isinstance(a, np.ndarray)})
 
     @staticmethod
     def joined(first: Paths, second: Paths) -> Paths:

@@ -15,7 +15,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from ..scene.mesh import Mesh
-from ..vectors import cross
+from ..vectors import cross, gather
 from .frame import Frame, find_frame
 
 _FLOAT32_STEP = 2.0**-23
@@ -35,7 +35,7 @@ class Hits:
 
     def at(self, index: np.ndarray) -> Hits:
         """The hits at `index`, as copies."""
-        return Hits(*(np.take(array, index) for array in vars(self).values()))
+        return Hits(*(gather(array, index) for array in vars(self).values()))
 
     def replaced(self, index: np.ndarray, hits: Hits) -> Hits:
         """These hits with others in the places `index` (k,), as new arrays."""
@@ -93,7 +93,7 @@ class Raycaster:
 
         Returns it with the geometric normal and the safe offset (n,).
         """
-        plane = np.take(self.planes, triangle, axis=1)
+        plane = gather(self.planes, triangle)
         ng = plane[:3]
         height = plane[3]
         for k in range(3):

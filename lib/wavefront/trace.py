@@ -28,6 +28,7 @@ from ..sampling.streams import (
 from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..scene.rays import DEPTH_OF_KIND
 from ..surfaces.surface import SurfacePoints
+from ..vectors import gather
 from .camera_rays import camera_rays
 from .catchers import end_at_catchers
 from .coplanar import with_coplanar_hits, with_other_faces
@@ -130,7 +131,7 @@ class Tracer:
         Such rays still do not meet objects that are hidden from the camera.
         """
         index = np.flatnonzero(paths.scatterings == 0)
-        origin, direction = np.take(paths.origin, index, axis=1), np.take(paths.direction, index, axis=1)
+        origin, direction = gather(paths.origin, index), gather(paths.direction, index)
         return hits.replaced(index, self._kernel.sight.camera.closest(origin, direction))
 
     def _pair(self, dimension: int, paths: Paths) -> tuple[np.ndarray, np.ndarray]:
@@ -142,8 +143,8 @@ class Tracer:
         camera = self._kernel.scene.camera
         dx, dy = self._uniforms.pair(PIXEL, pixel, sample)
         lens = self._uniforms.pair(LENS, pixel, sample) if self._flow.has_lens else None
-        x = np.take(column, pixel) + dx
-        y = np.take(camera.height - 1.0 - row, pixel) + dy
+        x = gather(column, pixel) + dx
+        y = gather(camera.height - 1.0 - row, pixel) + dy
         rays = camera_rays(camera, x, y, lens)
         if rays.index is not None:
             pixel, sample = pixel[rays.index], sample[rays.index]
@@ -183,9 +184,9 @@ class Tracer:
         if order.size == 0:
             return paths.take(order)
         paths = paths.take(order)
-        triangle, distance = np.take(hits.triangle, order), np.take(hits.distance, order)
+        triangle, distance = gather(hits.triangle, order), gather(hits.distance, order)
         placed, ng, offset = self._kernel.caster.on_plane(triangle, paths.origin + paths.direction * distance)
-        u, v = (np.take(x, order).astype(np.float64) for x in (hits.u, hits.v))
+        u, v = (gather(x, order).astype(np.float64) for x in (hits.u, hits.v))
         points = SurfacePoints(self._kernel.tables, triangle, u, v, placed, ng, -paths.direction)
         points.flags = self._kernel.sight.flags_of(paths)
         if self._flow.counts:
@@ -225,7 +226,7 @@ class Tracer:
             return order, [(int(self._kernel.material_of[0]), 0, order.size)] if order.size else []
         material = np.take(self._kernel.material_of, hits.triangle)  # of a miss, the last entry: -1
         order = np.argsort(material, kind="stable")
-        edges = np.searchsorted(np.take(material, order), np.arange(len(self._kernel.materials) + 1)).tolist()
+        edges = np.searchsorted(gather(material, order), np.arange(len(self._kernel.materials) + 1)).tolist()
         groups = [(k, a - edges[0], b - edges[0]) for k, (a, b) in enumerate(pairwise(edges)) if b > a]
         return order[edges[0] :], groups
 
@@ -348,31 +349,31 @@ class Tracer:
             chance = survival(np.abs(throughput) if self._flow.disperses else throughput)
             going &= ~(fate >= chance)  # what is not finite goes on, to be counted
         index = np.flatnonzero(going)
-        throughput = np.take(throughput, index, axis=1)
+        throughput = gather(throughput, index)
         if fate is not None:
             throughput /= chance[index]
         following = Paths(
-            paths.pixel[index],
-            paths.sample[index],
-            np.take(origins.towards(wi), index, axis=1),
-            np.take(wi, index, axis=1),
+            gather(paths.pixel, index),
+            gather(paths.sample, index),
+            gather(origins.towards(wi), index),
+            gather(wi, index),
             throughput,
-            pdf[index],
+            gather(pdf, index),
         )
         if paths.wavelength is not None and paths.awaits_color is not None:
             following.wavelength, following.awaits_color = paths.wavelength[index], paths.awaits_color[index]
         if self._kernel.sight.class_of is not None:
             classes = shaded.ray_class
-            following.ray_class = np.ones(index.size, np.intp) if classes is None else np.take(classes, index)
+            following.ray_class = np.ones(index.size, np.intp) if classes is None else gather(classes, index)
         if paths.depths is not None:
-            following.depths = np.take(paths.depths, index, axis=1)
+            following.depths = gather(paths.depths, index)
         if following.depths is not None and following.ray_class is not None:
             # Where shaders ask, classes are kinds.
             following.depths[np.take(DEPTH_OF_KIND, following.ray_class), np.arange(index.size)] += 1
         if paths.least_pdf is not None:
             following.least_pdf = np.minimum(paths.least_pdf, pdf)[index]
         if self._kernel.coplanar is not None:
-            following.left = np.take(origins.points.triangle, index)
+            following.left = gather(origins.points.triangle, index)
         following.medium = origins.medium(index, following.direction)
         if paths.in_volumes is not None:
             following.in_volumes = paths.in_volumes[index]

@@ -163,3 +163,26 @@ def test_scale_of_the_spread(spread):
         h = mpmath.mpf(spread) / 2
         exact = float(mpmath.tan(h) / (mpmath.tan(h) - h))
     assert Spread(spread)(np.zeros(1))[0] == pytest.approx(exact, rel=1e-12 if spread < 3.0 else 1e-9)
+
+
+@pytest.mark.parametrize("spread", [math.pi, 1.0])
+@pytest.mark.parametrize("behind", [0.05, 0.5, 1.0])
+def test_points_behind_a_rectangle_get_no_light_and_change_no_other_sample(behind, spread, rng):
+    sampler = light_sampler(replace(AREA, spread=spread), 1.0)
+    size = 400
+    points = rng.uniform(-2.0, 2.0, (3, size))
+    points[:2] *= rng.choice([1.0, 20.0], size)  # near and far: sampled by solid angle and by area
+    points[2] = rng.uniform(-1.0, 0.99, size)
+    back = rng.permutation(size)[: round(behind * size)]
+    points[2, back] = rng.uniform(1.0, 3.0, back.size)
+    uniforms = rng.random((2, size))
+    sample = sampler.sample(points, *uniforms)
+    assert not sample.radiance[:, back].any()
+    assert np.isfinite(sample.pdf).all()
+    assert (sample.pdf > 0.0).all()
+    np.testing.assert_allclose((sample.wi**2).sum(axis=0), 1.0, rtol=1e-12)
+    front = np.setdiff1d(np.arange(size), back)
+    for k in front[:50]:
+        alone = sampler.sample(points[:, [k]], *uniforms[:, [k]])
+        for whole, one in zip(sample, alone, strict=True):
+            np.testing.assert_array_equal(whole[..., [k]], one)
