@@ -84,7 +84,7 @@ def image_regions(
 ) -> Regions:
     """Return the regions of an image: the whole image, what `coverage` names, and blocks.
 
-    Blocks form grids of `blocks` x `blocks` pixels (less at the right and lower edge).
+    Blocks form grids of `blocks` x `blocks` pixels. At the right and lower edge they are larger or smaller, by half a block at most.
 
     `coverage` maps a kind ('material', 'object') to (name, weights (height, width)) pairs, dense or sparse: the share
     of each pixel that a camera ray meets first. The grids are given from coarse to fine; regions of the last one are
@@ -143,13 +143,21 @@ def _checked(name: str, weights: np.ndarray | sparse.sparray, height: int, width
 def _grid(
     pixels: np.ndarray, height: int, width: int, block: int
 ) -> tuple[sparse.csr_array, list[tuple[int, int, int, int]]]:
-    """The weights and the boxes of the squares of a grid, row by row."""
-    columns = -(-width // block)
-    owner = (pixels // width // block) * columns + pixels % width // block
+    """The weights and the boxes of the squares of a grid, row by row.
+
+    What remains at an edge makes squares of its own, or belongs to those before it where it is less than half a block.
+    """
+    rows, columns = (max((edge + block // 2) // block, 1) for edge in (height, width))
+    row, column = (
+        np.minimum(k // block, n - 1) for k, n in zip(np.divmod(pixels, width), (rows, columns), strict=True)
+    )
+    owner = row * columns + column
     order = np.argsort(owner, kind="stable").astype(np.int32)
     weights = _rows(order, np.ones(pixels.size), np.bincount(owner).tolist(), pixels.size)
-    corners = [(x, y) for y in range(0, height, block) for x in range(0, width, block)]
-    return weights, [(x, y, min(x + block, width) - 1, min(y + block, height) - 1) for x, y in corners]
+    starts = [[k * block for k in range(n)] for n in (rows, columns)]
+    ends = [[*of[1:], edge] for of, edge in zip(starts, (height, width), strict=True)]
+    down, across = (list(zip(*of, strict=True)) for of in zip(starts, ends, strict=True))
+    return weights, [(left, top, right - 1, bottom - 1) for top, bottom in down for left, right in across]
 
 
 def _without(regions: Regions, left_out: np.ndarray) -> Regions:

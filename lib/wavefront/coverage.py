@@ -21,8 +21,10 @@ from .render import Tile, tiles
 TILE_PATHS = 16384
 # Angles between the shading normal and the viewer, in degrees, at which bands of a material end: microfacet models part at grazing.
 BANDS = (30.0, 60.0, 80.0, 90.0)
-# What shows in fewer pixels than this makes no region of its own; blocks and its material still hold it.
+# What shows in fewer pixels than this makes no region of its own; blocks still hold it.
 LEAST_PIXELS = 64.0
+# A band has so many times as many at least, half a block's: with fewer its own noise would decide the bound of the whole image.
+BAND_FACTOR = 2.0
 
 Coverage = dict[str, list[tuple[str, sparse.csr_array]]]
 
@@ -31,8 +33,8 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
     """The shares of each pixel that show each material, band of angles and object.
 
     Returns kind ('material', 'facing', 'object') -> (name, share of each pixel as a sparse (height, width) array).
-    'facing' splits each material into bands of the angle between shading normal and viewer. What covers fewer than
-    `least` pixels in all is left out.
+    'facing' splits each material into bands of the angle between shading normal and viewer; narrow ones are joined. What covers
+    fewer than `least` pixels in all is left out.
     """
     camera, mesh = kernel.scene.camera, kernel.scene.mesh
     sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)
@@ -46,16 +48,45 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
         found["material"].append(_counted(material, pixel))
         found["facing"].append(_counted(material * len(BANDS) + band, pixel))
         found["object"].append(_counted(np.take(mesh.object_index, points.triangle), pixel))
-    starts = (0.0, *BANDS)
-    names = {
-        "material": materials,
-        "facing": [f"{m}, {a:g} to {b:g} degrees" for m in materials for a, b in zip(starts, BANDS, strict=False)],
-        "object": [item.name for item in mesh.objects],
-    }
+    counted = {kind: np.concatenate(rows, axis=1) for kind, rows in found.items()}
+    counted["facing"], bands = _in_wide_bands(counted["facing"], materials, BAND_FACTOR * least * samples)
+    names = {"material": materials, "facing": bands, "object": [item.name for item in mesh.objects]}
     shape = (camera.height, camera.width)
-    return {
-        kind: _regions(np.concatenate(rows, axis=1), names[kind], shape, samples, least) for kind, rows in found.items()
-    }
+    return {kind: _regions(counted[kind], names[kind], shape, samples, least) for kind in found}
+
+
+def join_bands(sizes: np.ndarray, least: float) -> list[tuple[int, int]]:
+    """Join bands of angles, from grazing angles on, until each has the size `least`.
+
+    `sizes` are those of the bands of one material, in the order of BANDS. Returns the first and the last band of each that is
+    made. What remains at small angles joins the one before. Bands that would all be joined to one make none: it would
+    be the material. The sizes alone decide, and no light.
+    """
+    seen = np.flatnonzero(sizes > 0)
+    joined: list[tuple[int, int]] = []
+    total, last = 0.0, -1
+    for band in seen[::-1].tolist():
+        last = band if total == 0 else last
+        total += sizes[band]
+        if total >= least:
+            joined.append((band, last))
+            total = 0.0
+    if total and joined:
+        joined[-1] = int(seen[0]), joined[-1][1]
+    return joined if len(joined) > 1 or seen.size == 1 else []
+
+
+def _in_wide_bands(counted: np.ndarray, materials: list[str], least: float) -> tuple[np.ndarray, list[str]]:
+    """The `counted` bands of materials, joined where they count fewer than `least`, and their names."""
+    owner, pixel, count = counted
+    sizes = np.bincount(owner, count, len(materials) * len(BANDS)).reshape(len(materials), len(BANDS))
+    becomes, names = np.full(sizes.shape, -1), []
+    for k, material in enumerate(materials):
+        for first, last in join_bands(sizes[k], least):
+            becomes[k, first : last + 1] = len(names)
+            names.append(f"{material}, {(0.0, *BANDS)[first]:g} to {BANDS[last]:g} degrees")
+    owner = becomes.ravel()[owner]
+    return np.stack([owner, pixel, count])[:, owner >= 0], names
 
 
 def caught_pixels(kernel: Kernel, samples: int = 16) -> np.ndarray:

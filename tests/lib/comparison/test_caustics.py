@@ -80,9 +80,9 @@ def test_a_region_lit_by_caustics_is_not_equivalent_before_it_can_have_met_them(
     sides = [Painter(name, grey(1.0, WIDTH, HEIGHT), 0.01) for name in ("the reference", "Cycles")]
     found = compare(blank(WIDTH, HEIGHT), *sides, {}, options, scouted=scouted(brightness=1e6))
     named = dict(zip(found.regions.names, found.verdict.outcomes, strict=True))
-    assert named["x 0 to 15, y 0 to 15"] is Outcome.UNDECIDED
-    assert named["x 16 to 31, y 0 to 15"] is Outcome.EQUIVALENT
-    assert found.verdict.is_rare[found.regions.names.index("x 0 to 15, y 0 to 15")]
+    assert named["x 0 to 15, y 0 to 19"] is Outcome.UNDECIDED
+    assert named["x 16 to 31, y 0 to 19"] is Outcome.EQUIVALENT
+    assert found.verdict.is_rare[found.regions.names.index("x 0 to 15, y 0 to 19")]
     assert found.caustics.max() == pytest.approx(0.05, rel=0.03)
     free = compare(blank(WIDTH, HEIGHT), *sides, {}, options, scouted=scouted(brightness=10.0))
     assert free.verdict.outcome is Outcome.EQUIVALENT

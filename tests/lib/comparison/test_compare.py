@@ -39,13 +39,13 @@ def test_the_same_image_is_equivalent_and_sampling_ends_there():
 
 def test_a_difference_is_found_where_it_is():
     other = grey()
-    other[:16, :16] *= 1.05
+    other[:, :16] *= 1.05
     found = run(other=other)
     assert found.verdict.outcome is Outcome.DIFFERENT
     named = dict(zip(found.regions.names, found.verdict.outcomes, strict=True))
-    assert named["x 0 to 15, y 0 to 15"] is Outcome.DIFFERENT
-    assert named["x 16 to 23, y 0 to 15"] is Outcome.EQUIVALENT
-    block = found.regions.names.index("x 0 to 15, y 0 to 15")
+    assert named["x 0 to 15, y 0 to 19"] is Outcome.DIFFERENT
+    assert named["x 16 to 23, y 0 to 19"] is Outcome.EQUIVALENT
+    block = found.regions.names.index("x 0 to 15, y 0 to 19")
     assert (found.verdict.low[block] <= 0.05).all()
     assert (found.verdict.high[block] >= 0.05).all()
 
@@ -361,7 +361,8 @@ def test_equal_without_any_noise_takes_samples_all_the_same():
     """No noise is no proof that nothing was missed."""
     found = run(sigma=0.0, options=CompareOptions(time=None, samples=1, replicates=2))
     assert found.verdict.outcome is Outcome.UNDECIDED
-    assert found.verdict.bound > 0.3
+    # 10 ln(1 / a) over the samples of the smaller block, at the level of one look.
+    assert found.verdict.bound == pytest.approx(10.0 * np.log(1.0 / 0.00475) / (2 * 8 * 20))
 
 
 @pytest.mark.parametrize(

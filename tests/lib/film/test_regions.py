@@ -16,13 +16,33 @@ def soft(rng, height=20, width=33):
 
 
 def test_blocks_cover_each_pixel_once():
-    regions = image_regions(20, 33, {})
+    regions = image_regions(24, 33, {})
     blocks = regions.weights[regions.indices("block")]
-    assert blocks.shape[0] == 2 * 3
-    np.testing.assert_array_equal(np.asarray(blocks.sum(axis=0)).ravel(), np.ones(20 * 33))
-    assert regions.names[-1] == "x 32 to 32, y 16 to 19"
-    assert regions.boxes[-1].tolist() == [32, 16, 32, 19]
-    np.testing.assert_array_equal(regions.sizes, [660, 256, 256, 16, 64, 64, 4])
+    assert blocks.shape[0] == 2 * 2
+    np.testing.assert_array_equal(np.asarray(blocks.sum(axis=0)).ravel(), np.ones(24 * 33))
+    assert regions.names[-1] == "x 16 to 32, y 16 to 23"
+    assert regions.boxes[-1].tolist() == [16, 16, 32, 23]
+    np.testing.assert_array_equal(regions.sizes, [792, 256, 272, 128, 136])
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (7, 40), (135, 240), (270, 480), (1080, 1921)])
+def test_no_block_is_narrower_than_half_unless_the_image_is(shape):
+    """Blocks fill their boxes, and lie in one cell of each coarser grid."""
+    regions = image_regions(*shape, {}, (64, 32, 16))
+    for level, block in enumerate((64, 32, 16), start=2):
+        boxes = regions.boxes[regions.families == level]
+        for edge, size in zip(((boxes[:, 3] - boxes[:, 1]), (boxes[:, 2] - boxes[:, 0])), shape, strict=True):
+            assert (edge + 1 >= min(block / 2, size)).all()
+            assert (edge + 1 < 1.5 * block).all()
+        np.testing.assert_array_equal(regions.sizes[regions.families == level], areas(boxes))
+    fine = regions.families == 4
+    for level in (2, 3):
+        within = regions.inside[np.flatnonzero(regions.families == level)][:, fine]
+        np.testing.assert_array_equal(within.sum(axis=0), np.ones(fine.sum()))
+
+
+def areas(boxes):
+    return (boxes[:, 2] - boxes[:, 0] + 1) * (boxes[:, 3] - boxes[:, 1] + 1)
 
 
 @pytest.mark.parametrize("form", [np.asarray, sparse.csr_array, sparse.coo_array])
@@ -42,13 +62,13 @@ def test_a_region_lies_in_another_if_none_of_its_pixels_is_outside(rng):
 
     Blocks lie in the image, those that an object covers lie in the object.
     """
-    weights = np.zeros((20, 33))
-    weights[:16, 4:] = rng.uniform(0.1, 1.0, (16, 29))
-    regions = image_regions(20, 33, {"object": [("Sphere", weights)]})
+    weights = np.zeros((24, 41))
+    weights[:16, 4:] = rng.uniform(0.1, 1.0, (16, 37))
+    regions = image_regions(24, 41, {"object": [("Sphere", weights)]})
     shown = regions.weights.toarray() > 0
     expected = [[not (inner & ~outer).any() for inner in shown] for outer in shown]
     np.testing.assert_array_equal(regions.inside.toarray(), expected)
-    assert regions.inside[[1]].sum() == 3  # itself and the two blocks of 16 and 1 columns right of x = 15
+    assert regions.inside[[1]].sum() == 3  # itself and the two blocks of 16 and 9 columns right of x = 15
 
 
 @pytest.mark.parametrize("form", [np.asarray, sparse.csr_array])
@@ -83,14 +103,14 @@ def test_region_means_are_weighted_means(rng):
 
 
 def test_pixels_excluded_later_leave_the_exact_mean_and_no_less_variance(rng):
-    regions = image_regions(20, 33, {"object": [("Ball", soft(rng))]})
-    images = rng.random((6, 20, 33, 3))
-    moments, film = RegionMoments(regions), Moments.empty((20, 33, 3))
+    regions = image_regions(24, 41, {"object": [("Ball", soft(rng, 24, 41))]})
+    images = rng.random((6, 24, 41, 3))
+    moments, film = RegionMoments(regions), Moments.empty((24, 41, 3))
     for image in images[:4]:
         moments.add(image)
         film.add(image)
-    excluded = np.zeros((20, 33), bool)
-    excluded[3, 7:20] = excluded[16:, 32] = True  # the last block loses all it has
+    excluded = np.zeros((24, 41), bool)
+    excluded[3, 7:20] = excluded[16:, 32:] = True  # the last block loses all it has
     moments.exclude(excluded, film)
     holed = images.copy()
     holed[4:, excluded] = np.nan

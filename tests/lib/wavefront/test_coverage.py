@@ -2,9 +2,10 @@
 """Coverage: which part of a pixel shows which material and object."""
 
 import numpy as np
+import pytest
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.settings.reference import Options
-from etalon.lib.wavefront.coverage import coverage
+from etalon.lib.wavefront.coverage import coverage, join_bands
 from etalon.lib.wavefront.kernel import Kernel
 from etalon.tests.scenes import cube, diffuse, icosphere, material, orthographic, perspective, quad, scene
 
@@ -59,6 +60,35 @@ def test_bands_split_a_material_by_angle(seed):
     bands = [shares["facing"][f"ball, {a} to {b} degrees"] for a, b in ((0, 30), (30, 60), (60, 80), (80, 90))]
     np.testing.assert_allclose(sum(bands), whole, rtol=1e-12)
     np.testing.assert_allclose([band.sum() / whole.sum() for band in bands], np.diff(ends), atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "bands"),
+    [
+        ([300, 300, 300, 128], [(3, 3), (2, 2), (1, 1), (0, 0)]),
+        ([300, 300, 300, 77], [(2, 3), (1, 1), (0, 0)]),
+        ([300, 300, 60, 60], [(1, 3), (0, 0)]),
+        ([90, 215, 77, 0], []),
+        ([127, 300, 0, 200], [(3, 3), (0, 1)]),
+        ([0, 0, 500, 0], [(2, 2)]),
+        ([100, 0, 0, 0], []),
+        ([20, 20, 20, 20], []),
+        ([90, 0, 0, 128], []),
+    ],
+)
+def test_narrow_bands_are_joined_from_grazing_angles_on(sizes, bands):
+    assert join_bands(np.array(sizes), 128) == bands
+
+
+def test_joined_bands_sum_to_the_material_and_none_is_small(seed):
+    """A sphere whose outermost degrees, 3 % of its disk, cover fewer than 128 pixels."""
+    parts = icosphere(1.0, 5, 0)
+    the_scene = scene(parts, [material(name="ball")], orthographic(64, 64, 2.2, (0.0, 0.0, 3.0)))
+    shares = coverage(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)))
+    bands = dict(shares["facing"])
+    assert set(bands) == {"ball, 60 to 90 degrees", "ball, 30 to 60 degrees", "ball, 0 to 30 degrees"}
+    np.testing.assert_allclose(sum(band.toarray() for band in bands.values()), shares["material"][0][1].toarray())
+    assert min(band.sum() for band in bands.values()) >= 128
 
 
 def test_what_hardly_shows_makes_no_region(seed):
