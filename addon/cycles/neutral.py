@@ -214,7 +214,8 @@ def _set_scene(changes: Changes, scene: bpy.types.Scene, max_bounces: int, threa
     changes.remember(render.image_settings, reversed(_IMAGE))
     changes.set_all("image_settings", [render.image_settings], _IMAGE)
     changes.set_all("view_layer", scene.view_layers, VIEW_LAYER)
-    if any(thing.is_shadow_catcher for thing in bpy.data.objects):
+    # Lights have the flag by default; theirs says what the catchers show (Cycles' `Scene::has_shadow_catcher`).
+    if any(thing.is_shadow_catcher and thing.type != "LIGHT" for thing in bpy.data.objects):
         changes.set_all("view_layer.cycles", (layer.cycles for layer in scene.view_layers), CATCHERS_APART)
     changes.set_all("render", [render], {"use_persistent_data": True})
 
@@ -257,7 +258,7 @@ def _mute_animation(changes: Changes) -> None:
         data = owner.id_data
         if data.animation_data is None:
             continue
-        path = owner.path_from_id(name)
+        path = _data_path(owner, name)
         for curve in (*data.animation_data.drivers, *_curves(data)):
             if curve.data_path != path:
                 continue
@@ -266,6 +267,16 @@ def _mute_animation(changes: Changes) -> None:
                 raise EtalonError(
                     f"{data.name}: {path} is animated or driven, and must stay at {value}; mute its channel"
                 )
+
+
+def _data_path(owner: Any, name: str) -> str:
+    """The path of a property from its datablock.
+
+    Blender does not find that of a view layer's settings of Cycles.
+    """
+    layers = getattr(owner.id_data, "view_layers", ())
+    layer = next((one for one in layers if one.cycles == owner), None)
+    return owner.path_from_id(name) if layer is None else f"{layer.path_from_id('cycles')}.{name}"
 
 
 def _curves(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:

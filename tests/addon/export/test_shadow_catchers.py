@@ -236,6 +236,27 @@ def test_what_catchers_show_is_set_aside_and_said(studio):
     assert not layer.use_pass_shadow_catcher
 
 
+def test_the_pass_of_catchers_is_held_in_an_animated_scene(studio):
+    studio.quad("floor").is_shadow_catcher = True
+    path = 'view_layers["ViewLayer"].cycles.use_pass_shadow_catcher'
+    studio.scene.keyframe_insert(path, frame=1)
+    layer = studio.layer.cycles
+    with neutral(studio.scene):
+        studio.scene.frame_set(1)
+        assert layer.use_pass_shadow_catcher
+    studio.scene.frame_set(1)
+    assert not layer.use_pass_shadow_catcher
+
+
+def test_a_scene_whose_lights_alone_have_the_flag_has_no_catcher(studio):
+    """Blender sets it on new lights."""
+    studio.quad("floor")
+    assert studio.add("lamp", bpy.data.lights.new("lamp", "POINT")).is_shadow_catcher
+    with neutral(studio.scene) as changes:
+        assert "view_layer.cycles.use_pass_shadow_catcher" not in changes.settings
+    assert not any(thing.catches_shadows for thing in studio.export().mesh.objects)
+
+
 @pytest.mark.compares_with_cycles
 def test_a_comparison_says_which_part_of_the_image_catchers_fill(studio):
     things = stage(studio)
