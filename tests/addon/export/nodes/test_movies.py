@@ -97,6 +97,28 @@ def test_a_movie_that_is_not_there_is_magenta(tmp_path):
     assert [text.partition("file ")[2] for text in images.missing] == [f"'{path}.gone' is not there"]
 
 
+def test_a_movie_of_a_library_is_found_beside_it(tmp_path):
+    (tmp_path / "props").mkdir()
+    movie = load(tmp_path / "props")
+    movie.use_fake_user = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "props" / "props.blend"))
+    movie.filepath = "//" + bpy.path.basename(movie.filepath)
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "room.blend"))
+    with bpy.data.libraries.load(str(tmp_path / "props" / "props.blend"), link=True, relative=True) as (there, linked):
+        linked.images = there.images
+    (movie,) = (image for image in bpy.data.images if image.source == "MOVIE")
+    assert movie.filepath.startswith("//")
+    assert texels_read(screen(movie, USERS["plain"]), 4).pixels[0, -1, 0] == pytest.approx(OPAQUE[2][0], abs=1e-6)
+
+
+def test_an_environment_texture_shows_the_frame(tmp_path):
+    movie = load(tmp_path)
+    material = glowing("screen", through_emission(playing(movie, USERS["plain"], "TexEnvironment")))
+    assert texels_read(material, 5).pixels[0, -1, 0] == pytest.approx(OPAQUE[3][0], abs=1e-6)
+
+
 def test_a_blender_without_ffmpeg_refuses_movies(tmp_path, monkeypatch):
     movie = load(tmp_path)
     monkeypatch.setattr("etalon.addon.export.nodes.images._DECODES_MOVIES", False)
