@@ -69,13 +69,13 @@ def describe_tails(series: np.ndarray, samples: np.ndarray, weights: np.ndarray)
         return Tails(nothing, nothing)
     usable = count >= FEWEST
     values = np.where(usable, values, 0.0)
-    middle = np.nanmedian(values, axis=0)
+    middle = _median(values)
     weights = np.where(known, weights[:, None], 0.0)
     total = np.maximum(weights.sum(axis=0), 1.0)
     mean = np.nansum(weights * values, axis=0) / total
     lit = usable & (mean > 0.0)
     beyond = standardize(values, weights)
-    spread = 1.4826 * np.nanmedian(np.abs(beyond), axis=0)
+    spread = 1.4826 * _median(np.abs(beyond))
     scale = np.maximum(spread, ROUNDING * np.abs(middle))
     # What each replicate holds beyond the median, in means of a replicate of weight 1.
     excess = np.fmax(weights * (values - middle), 0.0)
@@ -91,8 +91,13 @@ def standardize(series: np.ndarray, weights: np.ndarray) -> np.ndarray:
     They are multiplied by the root of the replicates' `weights`, so that the spread does not depend on the weights.
     """
     middle, sampled = np.full(series.shape[1], np.nan), np.isfinite(series).any(axis=0)
-    middle[sampled] = np.nanmedian(series[:, sampled], axis=0)
+    middle[sampled] = _median(series[:, sampled])
     return (series - middle) * np.sqrt(weights)
+
+
+def _median(values: np.ndarray) -> np.ndarray:
+    """The median (K,) of `values` (R, K) that are not NaN; NumPy is some three times as fast where none is."""
+    return np.nanmedian(values, axis=0) if np.isnan(values).any() else np.median(values, axis=0)
 
 
 def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray | float, level: float) -> np.ndarray:
