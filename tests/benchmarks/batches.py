@@ -123,8 +123,8 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
 def measure_unit(folder: Path, units: int = 4) -> None:
     """Print the processor seconds of a unit with fixed samples beyond rendering.
 
-    A batch with `units` more comparisons in the same process takes so much more than one with two. Prints the stages of a first and
-    of a second comparison in one process beside that. They do not depend on what else the machine does.
+    They are those of the stages of a second comparison in one process. Prints those of the first beside them, and what a batch with
+    `units` more comparisons takes more than one with two. Other programs change them less than seconds by the clock.
     """
     used = []
     for count in (2, units + 2):
@@ -138,11 +138,10 @@ def measure_unit(folder: Path, units: int = 4) -> None:
     print("processor seconds of the first and of a later comparison in one process:")
     for name, seconds in first.items():
         print(f"  {seconds:6.2f} {second.get(name, 0.0):6.2f} {name}")
-    rendering = sum(second.get(name, 0.0) for name in RENDERING)
     beyond = [sum(s for name, s in stages.items() if name not in RENDERING) for stages in (first, second)]
-    print(f"a unit takes {unit:.2f} processor seconds, {unit - rendering:.2f} of them beyond rendering")
     more = (beyond[0] - beyond[1]) / TURNS
-    print(f"its share of the first comparison's start in each process adds {more:.2f}")
+    print(f"beyond rendering {beyond[1]:.2f} and, as a share of the first in each process, {more:.2f}")
+    print(f"a later comparison takes {sum(second.values()):.2f} in all, and {unit:.2f} in a batch")
 
 
 def measure_start(runs: int = 3) -> None:
