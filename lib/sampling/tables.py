@@ -118,7 +118,7 @@ class Rows:
         upper = gather(self._upper, flat)
         lower = np.take(self._upper, flat - 1, mode="wrap")
         index = flat if row is None else flat - row * self._length
-        lower[index == 0] = 0.0
+        lower *= index != 0
         upper -= lower
         rest = u - lower
         rest /= upper
