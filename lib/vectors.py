@@ -93,3 +93,14 @@ def to_world(v: np.ndarray, t: np.ndarray, s: np.ndarray, n: np.ndarray) -> np.n
         np.multiply(n[k], v[2], out=scratch)
         row += scratch
     return world
+
+
+def basis_across(n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return two unit vectors across `n`, (3, n) each: along (1, 1, 1) x n, and what completes the frame.
+
+    They are Cycles' own: with a few probes the mean of unit vectors depends on the axes.
+    """
+    x, y, z = n
+    even = (x == y) & (x == z)
+    first = normalize(np.stack([z - y, np.where(even, x + z, x - z), np.where(even, -y - x, y - x)]))
+    return first, cross(n, first)

@@ -16,10 +16,13 @@ from etalon.lib.scene.expressions import (
     Coordinates,
     EnvironmentTexture,
     FresnelFactor,
+    Math,
     NormalMap,
+    PixelWidth,
     RayCount,
     RayFlag,
     ValueToColor,
+    Wireframe,
 )
 from etalon.lib.scene.lights import SpotLight
 from etalon.lib.scene.links import Links
@@ -258,6 +261,10 @@ CASES = {
     "bevels": (
         [of(Diffuse(color(0.5), normal=Bevel(HALF))), of(Glossy("GGX", roughness=HALF, normal=Bevel(Constant(0.1))))],
         [PLAIN, with_uvs(of(Diffuse(color(0.5), normal=Bump(Component(Coordinates("UV"), 0), HALF, HALF))))],
+    ),
+    "pixel widths": (
+        [of(Diffuse(ValueToColor(Wireframe(Math("MULTIPLY", Constant(k), PixelWidth(), ZERO))))) for k in (1.0, 3.0)],
+        [of(Diffuse(ValueToColor(Wireframe(HALF)))), PLAIN],
     ),
     "ambient occlusion": (
         [

@@ -17,6 +17,7 @@ from ..scene.expressions import (
     EnvironmentTexture,
     ImageTexture,
     NormalMap,
+    PixelWidth,
 )
 from ..scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
 from ..scene.materials import (
@@ -100,6 +101,7 @@ EFFECTS: tuple[Entry, ...] = (
     Entry(Effect.BEVELS, Stage.SHADE, socket((Bevel,), "no bevel is linked")),
     Entry(Effect.MESH_ATTRIBUTES, Stage.SHADE, socket((Attribute,), "no socket reads an attribute")),
     Entry(Effect.AMBIENT_OCCLUSION, Stage.SHADE, socket((AmbientOcclusion,), "no socket reads ambient occlusion")),
+    Entry(Effect.PIXEL_WIDTHS, Stage.SHADE, socket((PixelWidth,), "no socket reads the width of pixels")),
     # What shines.
     Entry(Effect.POINT_LIGHTS, Stage.LIGHTS, light((PointLight, SpotLight), lambda x: not getattr(x, "radius", 0))),
     Entry(Effect.SPHERE_LIGHTS, Stage.LIGHTS, light((SphereLight, SpotLight), lambda x: x.radius > 0)),

@@ -54,6 +54,7 @@ class Effect(StrEnum):
     BEVELS = "bevels"
     MESH_ATTRIBUTES = "mesh attributes"
     AMBIENT_OCCLUSION = "ambient occlusion"
+    PIXEL_WIDTHS = "pixel widths"
 
     POINT_LIGHTS = "point lights"
     SPHERE_LIGHTS = "sphere lights"

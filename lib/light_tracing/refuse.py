@@ -59,6 +59,7 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
         Effect.VOLUMES: "volumes by light tracing",
         Effect.AMBIENT_OCCLUSION: "ambient occlusion by light tracing",
         Effect.BEVELS: "bevels by light tracing",
+        Effect.PIXEL_WIDTHS: "wireframes in pixels by light tracing",
     }
     return [what for effect, what in names.items() if kernel.plan.needs(effect)]
 

@@ -269,6 +269,14 @@ class Wireframe(Expression):
 
 
 @dataclass(frozen=True)
+class PixelWidth(Expression):
+    """How wide a pixel is at the point, in metres across the view (a value), as Cycles follows it along a path.
+
+    It is that of a cone whose angle is the pixel's, and stays so whatever scatters.
+    """
+
+
+@dataclass(frozen=True)
 class AmbientOcclusion(Expression):
     """The share of the hemisphere about the normal where no face is within `distance` metres (a value).
 

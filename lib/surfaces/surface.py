@@ -15,7 +15,7 @@ from ..errors import SceneError
 from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
 from ..textures.context import Context
-from ..vectors import cross, dot, gather, normalize, put
+from ..vectors import basis_across, cross, dot, gather, normalize, put
 from .tangents import normal_map_frame
 
 
@@ -112,6 +112,7 @@ class SurfacePoints(Context):
     that of the light, where something depends on it. `flags`, () or (n,) int, are those of the rays that meet the points (scene/rays.py),
     where shaders ask, and `tally` (counts, n) the counts of the paths that meet them. `occluders` cast the rays of ambient occlusion, by
     `chance` (3, n), where shaders ask for it and a path meets the points; `bevels` and `bevel_chance` likewise average normals.
+    `footprint` (n,), in metres, is the radius of the pixel's cone where a path meets the points and shaders ask for it.
     """
 
     wavelength: np.ndarray | None = None
@@ -121,6 +122,7 @@ class SurfacePoints(Context):
     chance: np.ndarray | None = None
     bevels: BevelProbes | None = None
     bevel_chance: np.ndarray | None = None
+    footprint: np.ndarray | None = None
 
     def __init__(
         self,
@@ -166,6 +168,7 @@ class SurfacePoints(Context):
         points.chance = None if self.chance is None else self.chance[:, start:stop]
         points.bevels = self.bevels
         points.bevel_chance = None if self.bevel_chance is None else self.bevel_chance[:, start:stop]
+        points.footprint = None if self.footprint is None else self.footprint[start:stop]
         return points
 
     def at(self, index: np.ndarray) -> SurfacePoints:
@@ -180,6 +183,7 @@ class SurfacePoints(Context):
         points.chance = None if self.chance is None else np.take(self.chance, index, axis=1)
         points.bevels = self.bevels
         points.bevel_chance = None if self.bevel_chance is None else np.take(self.bevel_chance, index, axis=1)
+        points.footprint = None if self.footprint is None else np.take(self.footprint, index)
         return points
 
     @cached_property
@@ -302,6 +306,16 @@ class SurfacePoints(Context):
             area = cross(edge, self.position - corners[k])
             nearest = np.minimum(nearest, np.sqrt(dot(area, area) / dot(edge, edge)))
         return nearest
+
+    def pixel_width(self) -> np.ndarray:
+        """Return the mean width across the view of two steps in the face, each as long as the cone's radius, (n,).
+
+        The steps are along Cycles' axes (svm/wireframe.h). 0 where no path meets the points, as for Cycles' light samples.
+        """
+        if self.footprint is None:
+            return np.zeros(self.size)
+        cosines = (dot(axis, self.wo) for axis in basis_across(self.ng))
+        return 0.5 * self.footprint * sum(np.sqrt(np.maximum(1.0 - c * c, 0.0)) for c in cosines)
 
     def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> np.ndarray:
         """Return the estimate of ambient occlusion by so many rays, (n,).

@@ -47,6 +47,10 @@ class Context(Protocol):
         """
         ...
 
+    def pixel_width(self) -> np.ndarray:
+        """Return how wide a pixel is across the view, (n,), in metres."""
+        ...
+
     def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> np.ndarray:
         """Return an unbiased estimate (n,) of ambient occlusion by so many samples, 1 where nothing is near.
 
@@ -116,6 +120,10 @@ class WithoutSurface(Context):
     def edge_distance(self) -> NoReturn:
         """No triangle."""
         _refuse("edge")
+
+    def pixel_width(self) -> NoReturn:
+        """No point that a pixel could be seen at."""
+        _refuse("width of pixels")
 
     def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> NoReturn:
         """No point that faces could be near."""

@@ -226,6 +226,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
         read(node.ior), read(node.tint), read(node.weight), _cos_wo(node.normal, read)
     ),
     ex.Wireframe: lambda node, read: (read.context.edge_distance() < 0.5 * np.abs(read(node.size))).astype(np.float64),
+    ex.PixelWidth: lambda _, read: read.context.pixel_width(),
     ex.AmbientOcclusion: _ambient_occlusion,
     ex.Backfacing: lambda _, read: read.context.backfacing.astype(np.float64),
     ex.RayFlag: lambda node, read: np.asarray(np.bitwise_and(read.context.flags, FLAGS[node.flag]) != 0, np.float64),

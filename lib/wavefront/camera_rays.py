@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,6 +47,22 @@ def camera_rays(camera: Camera, x: np.ndarray, y: np.ndarray, lens: tuple[np.nda
     depth = 1.0 / np.sqrt(dot(direction, direction))  # the direction has depth 1, so this is the cosine to the axis
     direction *= depth
     return _in_world(camera, origin, direction, camera.clip_start / depth, camera.clip_end / depth)
+
+
+def pixel_cone(camera: Camera, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the radius (n,) of the cones of pixels where rays through raster points begin, in metres, and its growth per metre.
+
+    The growth is the mean change of the pinhole's unit direction from one pixel to the next (kernel/camera/camera.h). For an
+    orthographic camera it is 0, and the radius is the side of a pixel, which must be a square.
+    """
+    if camera.kind != "PERSPECTIVE":  # panoramas are refused
+        return np.full(x.shape, abs(camera.plane_from_raster[0, 0])), np.zeros(x.shape)
+    pinhole = replace(camera, aperture=None)
+    here, across_, up = (camera_rays(pinhole, x + dx, y + dy, None) for dx, dy in ((0, 0), (1, 0), (0, 1)))
+    steps = (other.direction - here.direction for other in (across_, up))
+    spread = 0.5 * sum(np.sqrt(dot(step, step)) for step in steps)
+    start = here.origin - camera.world_from_camera[:, 3:]
+    return spread * np.sqrt(dot(start, start)), spread
 
 
 def _in_world(

@@ -20,6 +20,7 @@ class Flow:
     has_choices: there is a lobe or a light to pick. asks_visibility: sampled lights may be hidden. most_bounces: scatterings after
     the first one. disperses: an index depends on the wavelength. counts: shaders ask how often paths have scattered.
     occludes: shaders ask for ambient occlusion. bevels: they average normals.
+    pixel_widths: they ask how wide a pixel is.
     subsurface: light scatters inside objects. roulette: weak paths end at random.
     volumes_scatter: paths scatter between faces, too.
     """
@@ -40,6 +41,7 @@ class Flow:
     counts: bool
     occludes: bool
     bevels: bool
+    pixel_widths: bool
     subsurface: bool
     roulette: bool
     volumes_scatter: bool
@@ -67,6 +69,7 @@ class Flow:
             counts=needs(Effect.RAY_COUNTS),
             occludes=needs(Effect.AMBIENT_OCCLUSION),
             bevels=needs(Effect.BEVELS),
+            pixel_widths=needs(Effect.PIXEL_WIDTHS),
             subsurface=needs(Effect.SUBSURFACE),
             roulette=options.russian_roulette and needs(Effect.RUSSIAN_ROULETTE),
             volumes_scatter=needs(Effect.VOLUME_SCATTERING),

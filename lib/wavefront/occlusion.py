@@ -17,9 +17,9 @@ from ..scene.expressions import AmbientOcclusion
 from ..scene.rays import SHADOW
 from ..scene.scene import Scene
 from ..surfaces.surface import SurfacePoints
-from ..vectors import dot, orthonormal_basis, to_world
+from ..vectors import basis_across, dot, orthonormal_basis, to_world
 from .casters import Casters
-from .probes import basis_across, objects_asking
+from .probes import objects_asking
 
 
 class Occluders:

@@ -26,7 +26,8 @@ class Paths:
     (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes` (n,), how
     often each scattered in them, where they scatter. `cell` (n,), the cell of the grid of lights where each scattered last,
     is kept only where lights or their parts are chosen by place. `least_pdf` (n,), the least of all densities so far, is kept only
-    where shaders average normals. `at_camera` says that these are the camera rays themselves.
+    where shaders average normals. `footprint` (n,), the radius of the pixel's cone in metres, and `spread` (n,), what it grows by
+    for each metre, are kept only where shaders ask for the width of pixels. `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray
@@ -49,6 +50,8 @@ class Paths:
     in_volumes: np.ndarray | None = None
     cell: np.ndarray | None = None
     least_pdf: np.ndarray | None = None
+    footprint: np.ndarray | None = None
+    spread: np.ndarray | None = None
     at_camera: bool = False
 
     @property

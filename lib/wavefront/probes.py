@@ -16,7 +16,7 @@ from ..scene.expressions import Expression
 from ..scene.materials import Material
 from ..scene.scene import Scene
 from ..textures.fold import walk
-from ..vectors import cross, dot, normalize
+from ..vectors import basis_across, dot
 from .casters import Casters
 
 
@@ -46,17 +46,6 @@ class Axes:
 
 # The chances of the axis along the normal, and of each of the two across it.
 _ALONG, _ACROSS = 0.5, 0.25
-
-
-def basis_across(n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return two unit vectors across `n`, (3, n) each: along (1, 1, 1) x n, and what completes the frame.
-
-    They are Cycles' own: with a few probes the mean of unit vectors depends on the axes.
-    """
-    x, y, z = n
-    even = (x == y) & (x == z)
-    first = normalize(np.stack([z - y, np.where(even, x + z, x - z), np.where(even, -y - x, y - x)]))
-    return first, cross(n, first)
 
 
 def choose_axes(ng: np.ndarray, u: np.ndarray) -> tuple[Axes, np.ndarray]:

@@ -10,7 +10,8 @@ import numpy as np
 from ..effects.facts import Facts
 from ..effects.masks import flags_in, linked_lights, ray_kinds
 from ..errors import Refusal, Refused
-from ..scene.expressions import Bevel, Bump, Expression
+from ..scene.camera import PANORAMAS
+from ..scene.expressions import Bevel, Bump, Expression, PixelWidth
 from ..scene.links import EVERY_SET
 from ..scene.materials import Subsurface, WeightedClosure
 from ..scene.occlusion import find_misuse, name_unasked
@@ -25,6 +26,7 @@ def refuse_combinations(scene: Scene) -> None:
     refuse_volumes(scene)
     refuse_counts(scene)
     refuse_shader_rays(scene)
+    refuse_pixel_widths(scene)
 
 
 def refuse_linked_faces(scene: Scene) -> None:
@@ -67,14 +69,33 @@ def refuse_shader_rays(scene: Scene) -> None:
         raise Refused(refusals)
 
 
+def refuse_pixel_widths(scene: Scene) -> None:
+    """Raise Refused where shaders ask for the width of pixels that Cycles does not follow, or not as measured."""
+    facts, camera = Facts(scene), scene.camera
+    asking = [m.name for m in facts.materials if any(isinstance(n, PixelWidth) for x in m.lobes for n in _nodes(x))]
+    below = any(isinstance(lobe.closure, Subsurface) for m in facts.materials for lobe in m.lobes)
+    places = {
+        "a panoramic view": camera.kind in PANORAMAS,
+        "an orthographic view of oblong pixels": camera.kind == "ORTHOGRAPHIC"
+        and not np.isclose(*np.abs(np.diagonal(camera.plane_from_raster))),
+        "a scene with subsurface scattering": below,
+        "a scene with volumes that scatter": bool(facts.turbid),
+    }
+    found = [f"Pixel Size of a Wireframe node in {place}" for place, holds in places.items() if holds]
+    if asking and found:
+        raise Refused([Refusal(f"material '{n}'", what, "switch Pixel Size off") for n in asking for what in found])
+
+
 def misused_rays(lobes: Iterable[WeightedClosure]) -> Iterator[tuple[str, str]]:
     """Yield what folded lobes make of ambient occlusion and bevels that is not simulated, each with the remedy."""
     for lobe in lobes:
         where = find_misuse(lobe)
         if where is not None:
             yield f"ambient occlusion in {where}", "link it to a factor of a diffuse colour, or unlink it"
-        for part in _misused_bevels(lobe):
+        for part in _misplaced(lobe, Bevel):
             yield f"a Bevel node in {part}", "link it to the Normal of a BSDF, or unlink it"
+        for part in _misplaced(lobe, PixelWidth):
+            yield f"Pixel Size of a Wireframe node in {part}", "switch Pixel Size off"
 
 
 def refuse_strategy(scene: Scene, strategy: str) -> None:
@@ -93,14 +114,14 @@ def _nodes(lobe: WeightedClosure) -> list[Expression]:
     return [node for socket in sockets for node in walk(socket)]
 
 
-def _misused_bevels(lobe: WeightedClosure) -> Iterator[str]:
-    """What of a lobe reads a Bevel node where Cycles evaluates it without its rays, or beside the point."""
+def _misplaced(lobe: WeightedClosure, kind: type[Expression]) -> Iterator[str]:
+    """What of a lobe reads a node of a `kind` where Cycles evaluates it for no path, or beside the point."""
     nodes = _nodes(lobe)
     where = name_unasked(lobe.closure)
-    if where is not None and any(isinstance(node, Bevel) for node in nodes):
+    if where is not None and any(isinstance(node, kind) for node in nodes):
         yield where
     heights = [node.height for node in nodes if isinstance(node, Bump)]
-    if any(isinstance(node, Bevel) for height in heights for node in walk(height)):
+    if any(isinstance(node, kind) for height in heights for node in walk(height)):
         yield "the height of a bump"
 
 

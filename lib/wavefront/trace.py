@@ -29,7 +29,7 @@ from ..sampling.wavelengths import color_weight, sample_wavelength
 from ..scene.rays import DEPTH_OF_KIND
 from ..surfaces.surface import SurfacePoints
 from ..vectors import gather
-from .camera_rays import camera_rays
+from .camera_rays import camera_rays, pixel_cone
 from .catchers import end_at_catchers
 from .coplanar import with_coplanar_hits, with_other_faces
 from .direct_light import DirectLight
@@ -161,6 +161,9 @@ class Tracer:
             paths.depths = np.zeros((3, count))
         if self._flow.bevels:
             paths.least_pdf = np.full(count, np.inf)
+        if self._flow.pixel_widths:
+            seen = slice(None) if rays.index is None else rays.index
+            paths.footprint, paths.spread = pixel_cone(camera, x[seen], y[seen])
         if self._kernel.coplanar is not None:
             paths.left = np.full(count, -1, np.int32)
         if self._kernel.sight.receiver_of is not None:
@@ -191,6 +194,8 @@ class Tracer:
         points.flags = self._kernel.sight.flags_of(paths)
         if self._flow.counts:
             points.tally = paths.tally(distance)
+        if paths.footprint is not None and paths.spread is not None:
+            paths.footprint = points.footprint = paths.footprint + paths.spread * distance
         if self._flow.occludes:
             points.occluders = self._kernel.occluders.at_step(step) if self._kernel.occluders is not None else None
             points.chance = np.stack([*self._pair(occlusion_dimension(step), paths), offset])
@@ -372,6 +377,8 @@ class Tracer:
             following.depths[np.take(DEPTH_OF_KIND, following.ray_class), np.arange(index.size)] += 1
         if paths.least_pdf is not None:
             following.least_pdf = np.minimum(paths.least_pdf, pdf)[index]
+        if paths.footprint is not None and paths.spread is not None:
+            following.footprint, following.spread = paths.footprint[index], paths.spread[index]
         if self._kernel.coplanar is not None:
             following.left = gather(origins.points.triangle, index)
         following.medium = origins.medium(index, following.direction)

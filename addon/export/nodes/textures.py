@@ -142,9 +142,8 @@ def _object_info(reader: TreeReader, node: bpy.types.Node, output: str, scope: S
 def _wireframe(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
     if reader.is_world:
         reader.refuse(node, scope, " in a world", "unlink it")
-    if node.use_pixel_size:
-        reader.refuse(node, scope, ", option 'Pixel Size',", "switch it off")
-    return ex.Wireframe(reader.read(node.inputs["Size"], scope))
+    size = reader.read(node.inputs["Size"], scope)
+    return ex.Wireframe(ex.Math("MULTIPLY", size, ex.PixelWidth(), ex.ZERO) if node.use_pixel_size else size)
 
 
 def _geometry(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:

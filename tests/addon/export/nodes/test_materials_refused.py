@@ -95,7 +95,9 @@ REFUSED = {
     **FILMS,
     "Principled BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfPrincipled", {"IOR": node(t, "LayerWeight")}),
     "Glass BSDF), socket 'IOR' (textured)": lambda t: node(t, "BsdfGlass", {"Roughness": 0.5, "IOR": node(t, "LayerWeight")}),
-    "Wireframe), option 'Pixel Size'": colored(lambda t: node(t, "Wireframe", use_pixel_size=True)),
+    "Pixel Size of a Wireframe node in its emission": lambda t: node(
+        t, "Emission", {"Color": node(t, "Wireframe", use_pixel_size=True)}
+    ),
     "a Bevel node in its emission": lambda t: node(t, "Emission", {"Color": node(t, "Bevel")}),
     "a Bevel node in its subsurface scattering": lambda t: node(t, "SubsurfaceScattering", {"Normal": node(t, "Bevel")}),
     "a Bevel node in the height of a bump": lambda t: node(
