@@ -79,10 +79,9 @@ def _with_few_rays(material: Material) -> Material:
     def spared(node: ex.Expression) -> ex.Expression:
         if id(node) not in done:
             new = {name: spared(part) for name, part in _parts(node).items()}
-            if isinstance(node, ex.AmbientOcclusion):
-                new["samples"] = 1
             changed = any(new[name] is not getattr(node, name) for name in new)
-            done[id(node)] = node, replace(node, **new) if changed else node
+            made = replace(node, **new) if changed else node
+            done[id(node)] = node, replace(made, samples=1) if isinstance(made, ex.AmbientOcclusion) else made
         return done[id(node)][1]
 
     def lobe(one: WeightedClosure) -> WeightedClosure:

@@ -314,8 +314,8 @@ class SurfacePoints(Context):
         """
         if self.footprint is None:
             return np.zeros(self.size)
-        cosines = (dot(axis, self.wo) for axis in basis_across(self.ng))
-        return 0.5 * self.footprint * sum(np.sqrt(np.maximum(1.0 - c * c, 0.0)) for c in cosines)
+        cosine = dot(np.stack(basis_across(self.ng), axis=1), self.wo[:, None])
+        return self.footprint * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)).mean(axis=0)
 
     def open_share(self, normal: np.ndarray, distance: np.ndarray, only_local: bool, samples: int) -> np.ndarray:
         """Return the estimate of ambient occlusion by so many rays, (n,).

@@ -59,8 +59,8 @@ def pixel_cone(camera: Camera, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray
         return np.full(x.shape, abs(camera.plane_from_raster[0, 0])), np.zeros(x.shape)
     pinhole = replace(camera, aperture=None)
     here, across_, up = (camera_rays(pinhole, x + dx, y + dy, None) for dx, dy in ((0, 0), (1, 0), (0, 1)))
-    steps = (other.direction - here.direction for other in (across_, up))
-    spread = 0.5 * sum(np.sqrt(dot(step, step)) for step in steps)
+    dx, dy = across_.direction - here.direction, up.direction - here.direction
+    spread = 0.5 * (np.sqrt(dot(dx, dx)) + np.sqrt(dot(dy, dy)))
     start = here.origin - camera.world_from_camera[:, 3:]
     return spread * np.sqrt(dot(start, start)), spread
 
