@@ -104,3 +104,16 @@ def basis_across(n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     even = (x == y) & (x == z)
     first = normalize(np.stack([z - y, np.where(even, x + z, x - z), np.where(even, -y - x, y - x)]))
     return first, cross(n, first)
+
+
+def rotate_about(v: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Rodrigues' rotation of `v` about unit `axis`."""
+    c, s = np.cos(angle), np.sin(angle)
+    return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c))
+
+
+def any_perpendicular(n: np.ndarray) -> np.ndarray:
+    """A unit vector across n, (3, n)."""
+    x, _, z = n
+    other = np.where(np.abs(x) > 0.9, 0.0, 1.0)
+    return normalize(cross(n, np.stack([other, 1.0 - other, np.zeros_like(z)])))

@@ -15,7 +15,7 @@ from ..errors import SceneError
 from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
 from ..textures.context import Context
-from ..vectors import basis_across, cross, dot, gather, normalize, put
+from ..vectors import any_perpendicular, basis_across, cross, dot, gather, normalize, put, rotate_about
 from .tangents import normal_map_frame
 
 
@@ -363,13 +363,13 @@ class SurfacePoints(Context):
         raw = self._uv_tangent(source.uv_map) if source.kind == "UV" else self._radial_tangent(source.axis)
         turns = np.asarray(turns)
         if np.any(turns):
-            raw = _rotate_about(raw, n, 2.0 * np.pi * turns)
+            raw = rotate_about(raw, n, 2.0 * np.pi * turns)
         bitangent = cross(n, raw)
         length = np.sqrt(dot(bitangent, bitangent))
         lost = length <= 1e-20  # a tangent along the normal: any direction across will do, the same one for all
         bitangent /= np.where(lost, 1.0, length)
         if lost.any():
-            bitangent[:, lost] = _any_perpendicular(n[:, lost])
+            bitangent[:, lost] = any_perpendicular(n[:, lost])
         return cross(bitangent, n), bitangent
 
     def _radial_tangent(self, axis: str) -> np.ndarray:
@@ -392,16 +392,3 @@ class SurfacePoints(Context):
         v1, v2 = uv[1, 1] - uv[0, 1], uv[2, 1] - uv[0, 1]
         u1, u2 = uv[1, 0] - uv[0, 0], uv[2, 0] - uv[0, 0]
         return normalize((edge1 * v2 - edge2 * v1) * np.copysign(1.0, u1 * v2 - u2 * v1))
-
-
-def _rotate_about(v: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Rodrigues' rotation of `v` about unit `axis`."""
-    c, s = np.cos(angle), np.sin(angle)
-    return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c))
-
-
-def _any_perpendicular(n: np.ndarray) -> np.ndarray:
-    """A unit vector across n, (3, n)."""
-    x, _, z = n
-    other = np.where(np.abs(x) > 0.9, 0.0, 1.0)
-    return normalize(cross(n, np.stack([other, 1.0 - other, np.zeros_like(z)])))

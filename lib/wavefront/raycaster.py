@@ -128,3 +128,9 @@ def _planes(mesh: Mesh, center: np.ndarray, magnitude: np.ndarray) -> np.ndarray
     planes[3] = (normal * (corner - center)).sum(axis=0)
     planes[4] = 3.0 * _FLOAT32_STEP * np.maximum(np.maximum(magnitude[a], magnitude[b]), magnitude[c])
     return planes
+
+
+def no_hits(hidden: np.ndarray) -> Hits:
+    """Hits of rays of which only `hidden` (n,) is known: whether they do not leave the scene."""
+    nowhere = np.zeros(hidden.size, np.float32)
+    return Hits(np.where(hidden, np.int32(0), np.int32(-1)), np.where(hidden, 0.0, np.inf), nowhere, nowhere)

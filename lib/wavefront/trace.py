@@ -40,7 +40,7 @@ from .light_choice import LightSampling, choose_light
 from .origins import SurfaceOrigins
 from .pass_through import Groups, split
 from .paths import Paths
-from .raycaster import Hits
+from .raycaster import Hits, no_hits
 from .roulette import survival
 from .shade import Shaded, shade_all
 from .subsurface import walk_below
@@ -100,9 +100,9 @@ class Tracer:
         """What the rays meet, as far as it is not known beforehand and matters."""
         kernel = self._kernel
         if step and not self._flow.second_hits:
-            return _no_hits(np.zeros(paths.size, bool))
+            return no_hits(np.zeros(paths.size, bool))
         if self._is_last(step) and not self._flow.last_hits:
-            hits = _no_hits(self._hidden(paths))
+            hits = no_hits(self._hidden(paths))
         elif step == 0:
             hits = kernel.sight.camera.closest(paths.origin, paths.direction, reach)
         elif paths.ray_class is not None:
@@ -395,9 +395,3 @@ class Tracer:
         following.scatterings = (counts[index] if isinstance(counts, np.ndarray) else counts) + 1
         self._clock.lap(Stage.ADVANCE)
         return following
-
-
-def _no_hits(hidden: np.ndarray) -> Hits:
-    """Hits of rays of which only `hidden` (n,) is known: whether they do not leave the scene."""
-    nowhere = np.zeros(hidden.size, np.float32)
-    return Hits(np.where(hidden, np.int32(0), np.int32(-1)), np.where(hidden, 0.0, np.inf), nowhere, nowhere)
