@@ -55,8 +55,9 @@ def part_of(value: np.ndarray, index: np.ndarray) -> np.ndarray: ...
 def part_of(value: float, index: np.ndarray) -> float: ...
 def part_of(value: np.ndarray | float, index: np.ndarray) -> np.ndarray | float:
     """`value` at the points `index`; what is the same at all points stays as it is."""
-    constant = not isinstance(value, np.ndarray) or value.ndim == 0 or value.shape[-1] == 1
-    return value if constant else gather(value, index)
+    if not isinstance(value, np.ndarray) or value.ndim == 0 or value.shape[-1] == 1:
+        return value
+    return gather(value, index)
 
 
 @dataclass(frozen=True)
