@@ -25,6 +25,8 @@ from .sides import Replicates
 # Of the time: what one timed call may take at most, and what the first look may take; but no more than so many seconds.
 CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.05, 0.08, 10.0
 PILOT_SAMPLES, STEP = 64, 4
+# Where the first look may be all there is, the cheaper side gets more samples if so many replicates still fit into the time.
+ENOUGH = 12
 # The coarse grid has about so many columns and rows.
 COLUMNS, ROWS = 16, 9
 # Of a main run that is worth starting: it has so many times the samples of the first look.
@@ -99,15 +101,30 @@ def coarse_grid(height: int, width: int) -> int:
 def first_layout(shape: tuple[int, int], timings: tuple[Timings, Timings], run: TimedRun) -> Layout:
     """The layout of the first look.
 
-    It has as many samples, a power of two, as FIRST_LOOK replicates can have in its time; 1 at least.
+    It has as many samples, a power of two, as FIRST_LOOK replicates can have in its time; 1 at least. Where that is 1, it
+    may be all there is, and the side with cheaper samples gets more (`balance_samples`).
     """
     seconds = min(run.share(FIRST_SHARE), FIRST_SECONDS) / FIRST_LOOK
-    costs = [one.cost for one in timings]
+    costs = timings[0].cost, timings[1].cost
     samples = 1
     while 2 * samples <= MOST_SAMPLES and sum(cost.seconds(2 * samples) for cost in costs) <= seconds:
         samples *= 2
-    expected = run.left / max(sum(cost.seconds(samples) for cost in costs), 1e-9)
-    return Layout((samples, samples), (coarse_grid(*shape),), count_looks(int(min(expected, 1e6))))
+    pair = (samples, samples) if samples > 1 else balance_samples(costs, run.left)
+    expected = run.left / max(sum(cost.seconds(n) for cost, n in zip(costs, pair, strict=True)), 1e-9)
+    return Layout(pair, (coarse_grid(*shape),), count_looks(int(min(expected, 1e6))))
+
+
+def balance_samples(costs: tuple[Cost, Cost], seconds: float) -> tuple[int, int]:
+    """Samples per replicate of both sides, 1 of the side whose samples cost more.
+
+    The other gets the power of two at or below the square root of how many times less its samples cost. With as much noise on both
+    sides, that is what gives the least variance in a given time (as in `allocate`). It is 1, too, where fewer than ENOUGH
+    replicates would fit into `seconds`.
+    """
+    dear = max(cost.per_sample for cost in costs)
+    first, second = (min(2 ** int(np.log2(dear / cost.per_sample) / 2), PILOT_SAMPLES) for cost in costs)
+    fits = ENOUGH * (costs[0].seconds(first) + costs[1].seconds(second)) <= seconds
+    return (first, second) if fits else (1, 1)
 
 
 def main_layout(

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.comparison.pilot import choose_grids, coarse_grid
+from etalon.lib.comparison.pilot import balance_samples, choose_grids, coarse_grid
 from etalon.lib.comparison.run import Stop
 from etalon.lib.errors import Cancelled
-from etalon.lib.verdict.allocation import fit_cost
+from etalon.lib.verdict.allocation import Cost, fit_cost
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
 
@@ -111,6 +111,32 @@ def test_grids_are_halved_as_long_as_most_cells_can_be_decided():
     few = np.where(np.arange(100) < 5, 1e6, 1e-4)
     assert choose_grids(64, few, 0.003) == (64, 32, 16)
     assert choose_grids(64, np.full(3, np.nan), 0.003) == (64,)
+
+
+@pytest.mark.parametrize(
+    ("costs", "seconds", "samples"),
+    [
+        ((1.0, 1.0), 60.0, (1, 1)),
+        ((1.0, 0.3), 60.0, (1, 1)),
+        ((1.0, 0.06), 60.0, (1, 4)),
+        ((0.06, 1.0), 60.0, (4, 1)),
+        ((1.0, 0.06), 14.0, (1, 1)),
+        ((1.0, 1e-9), 60.0, (1, 64)),
+    ],
+)
+def test_a_slow_side_gets_one_sample_and_the_other_more(costs, seconds, samples):
+    assert balance_samples((Cost(0.0, costs[0]), Cost(0.0, costs[1])), seconds) == samples
+
+
+@pytest.mark.parametrize("fixed", [0.0, 0.2])
+@pytest.mark.parametrize("ratio", [1.0, 0.7, 0.25, 0.17, 0.1, 0.01, 0.001])
+def test_balanced_samples_have_no_more_variance_in_the_same_time(ratio, fixed):
+    """As much noise on both sides: variance times seconds, against one sample on each."""
+    costs = Cost(0.0, 1.0), Cost(fixed, ratio)
+    found = [
+        (1 / a + 1 / b) * (costs[0].seconds(a) + costs[1].seconds(b)) for a, b in (balance_samples(costs, 1e9), (1, 1))
+    ]
+    assert found[0] <= found[1]
 
 
 def test_one_spoiled_timing_does_not_make_samples_free():
