@@ -5,6 +5,7 @@ Most regions are judged, and none wrongly.
 """
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -44,15 +45,21 @@ def room(of_cube, walls=0.6):
     return scene([inside, small], [diffuse(walls), of_cube], view, lights=[LAMP], bounces=4)
 
 
+@cache
+def what_hair_may_send():
+    """The room without the cube's material, and the light that could come from the cube: one for all candidates."""
+    partial = room(HAIR)
+    return partial, find_unsupported_light(ReferenceRenderer(partial, Options(threads=1)), TimedRun(None, NO_PROGRESS))
+
+
 def judged(truth, seed, options=OPTIONS):
     """The comparison of a reference without the cube's material.
 
     The candidate has all of `truth`.
     """
-    partial = replace(truth, materials=(diffuse(0.6), HAIR))
+    partial, light = what_hair_may_send()
     reference = ReferenceRenderer(partial, Options(seed=seed, threads=1))
     candidate = ReferenceRenderer(truth, Options(seed=seed + 1, threads=1))
-    light = find_unsupported_light(reference, TimedRun(None, NO_PROGRESS))
     return compare(partial, reference, candidate, coverage(reference.kernel), options, unsupported=light)
 
 
