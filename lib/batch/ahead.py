@@ -17,8 +17,6 @@ from .comparer import Comparer
 
 Command = Callable[[list[str]], list[str]]
 """The command line that runs words of `etalon` in one of the Blenders."""
-TURNS = 20
-"""So many comparisons a process runs before it is replaced: what Blender does not free stays small."""
 # A process that has more memory in use after a comparison is replaced, in bytes.
 _MOST_MEMORY = 1.5e9
 
@@ -30,9 +28,7 @@ class Ahead:
     Blender. One that crashes takes no other comparison with it: those before it are done, and those after it get another process.
     """
 
-    def __init__(
-        self, name: str, commands: Sequence[Command], kinds: Sequence[str], count: int, turns: int = TURNS
-    ) -> None:
+    def __init__(self, name: str, commands: Sequence[Command], kinds: Sequence[str], count: int, turns: int) -> None:
         self._name, self._commands, self._kinds, self._count, self._turns = name, commands, kinds, count, turns
         self._waiting: defaultdict[str, list[Comparer]] = defaultdict(list)
         self._begun: set[int] = set()

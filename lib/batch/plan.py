@@ -25,9 +25,11 @@ from ..settings.words import read_table
 
 # The axes that have entries of their own, with the option of `etalon compare` that each one sets.
 AXES = {"frames": "frame", "cameras": "camera", "view_layers": "view-layer"}
-ENTRIES = ("out", "scenes", *AXES, "blenders", "options", "vary", "limits")
+ENTRIES = ("out", "scenes", *AXES, "blenders", "per_process", "options", "vary", "limits")
 VARIED = ("path", "values", "name")
 LIMITED = ("time", "memory")
+PER_PROCESS = 20
+"""So many comparisons a process runs, where the plan says nothing: what Blender does not free stays small."""
 _FRAMES = re.compile(r"(-?\d+)-(-?\d+)(?::(\d+))?")
 _MEMORY = re.compile(r"(\d+(?:\.\d*)?)\s*GB")
 # Blender has no frames beyond this.
@@ -85,7 +87,8 @@ BLENDER = "--blender"
 class BatchPlan:
     """The content of a PLAN.toml.
 
-    `time_limit` (seconds) and `memory_limit` (bytes) are those of one comparison, None without one.
+    `time_limit` (seconds) and `memory_limit` (bytes) are those of one comparison, None without one. A process runs up to
+    `per_process` comparisons.
     """
 
     out: Path
@@ -95,6 +98,7 @@ class BatchPlan:
     variations: tuple[Variation, ...]
     time_limit: float | None = None
     memory_limit: int | None = None
+    per_process: int = PER_PROCESS
 
     def target(self, scene: str) -> str:
         """What `etalon compare` calls a scene of the plan."""
@@ -188,7 +192,8 @@ def _plan(path: Path, data: dict[str, Any]) -> BatchPlan:
     words, axes = _options(options)
     axes = [*_axes(data), *axes, *map(_variation, vary)]
     limits = _limits(data.get("limits", {}))
-    plan = BatchPlan(folder / out, _find_scenes(folder, scenes), folder, words, tuple(axes), *limits)
+    share = _per_process(data.get("per_process", PER_PROCESS))
+    plan = BatchPlan(folder / out, _find_scenes(folder, scenes), folder, words, tuple(axes), *limits, share)
     _refuse_twice("scene", plan.scenes)
     _refuse_twice("name in [[vary]]", [v.name for v in plan.variations])
     _refuse_twice("path in [[vary]]", [v.path for v in plan.variations])
@@ -275,6 +280,12 @@ def _limits(table: Any) -> tuple[float | None, int | None]:
     if memory is not None and (size is None or float(size[1]) == 0.0):
         raise EtalonError(f"[limits]: memory: {memory!r} is not a size; write it as '8 GB'")
     return seconds, None if size is None else int(float(size[1]) * 1e9)
+
+
+def _per_process(count: Any) -> int:
+    if type(count) is not int or count < 1:
+        raise EtalonError(f"'per_process': {count!r} is no number of comparisons; 1 gives each a process of its own")
+    return count
 
 
 def _refuse_twice(what: str, values: Collection[Any]) -> None:

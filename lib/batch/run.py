@@ -21,7 +21,7 @@ from ..files.atomic import UNFINISHED, clear_unfinished
 from ..pages.formats import format_duration
 from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
-from .ahead import TURNS, Ahead, Command
+from .ahead import Ahead, Command
 from .comparison import FINISHED, Limits, run_comparison
 from .journal import Entry
 from .plan import BatchPlan, Unit
@@ -100,7 +100,7 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
     # A scheduler has a queue of its own, and workers may come later.
     jobs = batch.how.jobs if batch.how.cluster is None else _AT_ONCE
     # What the comparisons before it have left in a process is no part of a comparison's memory.
-    turns = TURNS if batch.plan.memory_limit is None else 1
+    turns = batch.plan.per_process if batch.plan.memory_limit is None else 1
     kinds = [batch.units[key].blender or "" for key in missing]
     ahead = Ahead("compare", [_command(batch, key) for key in missing], kinds, jobs, turns)
     with closing(ahead), ThreadPoolExecutor(max_workers=jobs) as pool:

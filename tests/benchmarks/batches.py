@@ -21,9 +21,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from etalon.lib.batch.ahead import TURNS
 from etalon.lib.batch.journal import Entry, open_journal
-from etalon.lib.batch.plan import read_plan
+from etalon.lib.batch.plan import PER_PROCESS, read_plan
 from etalon.lib.batch.prepare import How
 from etalon.lib.batch.run import preview_plan
 
@@ -139,7 +138,7 @@ def measure_unit(folder: Path, units: int = 4) -> None:
     for name, seconds in first.items():
         print(f"  {seconds:6.2f} {second.get(name, 0.0):6.2f} {name}")
     beyond = [sum(s for name, s in stages.items() if name not in RENDERING) for stages in (first, second)]
-    more = (beyond[0] - beyond[1]) / TURNS
+    more = (beyond[0] - beyond[1]) / PER_PROCESS
     print(f"beyond rendering {beyond[1]:.2f} and, as a share of the first in each process, {more:.2f}")
     print(f"a later comparison takes {sum(second.values()):.2f} in all, and {unit:.2f} in a batch")
 

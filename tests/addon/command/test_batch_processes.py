@@ -11,6 +11,7 @@ from etalon.lib.film.exr import read_exr
 # Scenes and maskings follow one another in one process: nothing of one may stay for the next. The last scene is refused.
 PLAN = """
 out = "{out}"
+per_process = {turns}
 scenes = ["glossy_spheres", "cornell_glossy", "nothing.blend"]
 [options]
 samples = 4
@@ -18,14 +19,6 @@ replicates = 2
 threads = 1
 set = ["scene.render.resolution_x=16", "scene.render.resolution_y=16", "scene.render.resolution_percentage=100"]
 masking = ["correlated", "separable"]
-"""
-# Runs a batch whose processes have so many turns.
-BATCH = """
-import sys
-from etalon.lib.batch import run
-run.TURNS = int(sys.argv[1])
-from etalon.addon.command import cli
-sys.exit(cli.main(["batch", sys.argv[2], "--jobs=1", "--quiet"]))
 """
 # Saves a scene with a node that is refused.
 REFUSED = """
@@ -43,8 +36,8 @@ bpy.ops.wm.save_as_mainfile(filepath="nothing.blend")
 def test_a_process_with_many_turns_gives_what_new_processes_give(tmp_path):
     subprocess.run([sys.executable, "-c", REFUSED], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL, timeout=120)
     for out, turns in (("new", 1), ("many", 20)):
-        (tmp_path / "plan.toml").write_text(PLAN.format(out=out))
-        call = [sys.executable, "-c", BATCH, str(turns), "plan.toml"]
+        (tmp_path / "plan.toml").write_text(PLAN.format(out=out, turns=turns))
+        call = [sys.executable, "-m", "etalon", "batch", "plan.toml", "--jobs=1", "--quiet"]
         done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False)
         assert done.returncode == 2, done.stderr
     new, many = (json.loads((tmp_path / out / "batch.json").read_text())["comparisons"] for out in ("new", "many"))

@@ -58,6 +58,8 @@ WRONG = [
     ('scenes = ["a"]\n[limits]\ntime = "soon"', "[limits]: time: 'soon' is not a time"),
     ('scenes = ["a"]\n[limits]\nmemory = "much"', "'much' is not a size; write it as '8 GB'"),
     ('scenes = ["a"]\n[limits]\ncores = 1', "unknown entry of [limits] 'cores'"),
+    ('scenes = ["a"]\nper_process = 0', "'per_process': 0 is no number of comparisons"),
+    ('scenes = ["a"]\nper_process = true', "'per_process': True is no number of comparisons"),
     (VARY.replace('"x"', '"--time"') + "values = [1]", "'--time' is not a data path"),
     ('scenes = ["a"]\nframes = [1]\n[options]\nframe = [2]', 'name in [[vary]] "frame" is listed twice'),
     ('scenes = ["a"]\n[options]\nset = [1]', "set: [1] is not a list of texts"),
@@ -149,5 +151,6 @@ def test_the_example_is_a_plan(tmp_path):
     assert len(list(plan.units())) == 4
     assert (plan.time_limit, plan.memory_limit) == (600.0, 8_000_000_000)
     uncommented = EXAMPLE.replace("# frames", "frames").replace("# cameras", "cameras").replace("# view_", "view_")
-    path.write_text(uncommented.replace("# blenders", "blenders"))
+    path.write_text(uncommented.replace("# blenders", "blenders").replace("# per_", "per_"))
     assert len(list(read_plan(path).units())) == 4 * 11 * 2 * 1 * 3
+    assert (plan.per_process, read_plan(path).per_process) == (20, 1)
