@@ -72,7 +72,7 @@ def test_a_look_after_the_time_set_aside_is_overdrawn_is_not_the_last(monkeypatc
 
     So no look may spend what is left of the level.
     """
-    found, _, _ = searched(monkeypatch, cost=0.6)
+    found, _, _ = searched(monkeypatch, cost=0.6, sigma=5.0)
     looks = found.verdict.looks
     assert len(looks) > 1
     assert len({look.share for look in looks}) == 1

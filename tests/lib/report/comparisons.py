@@ -27,8 +27,14 @@ FILES = {
 }
 HOSTILE = "</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}\u2028\u202e../../etc"
 PLAN = Plan((Decision("GGX", True, f"material {HOSTILE}"), Decision("Beckmann", False, "no material has it")))
-HALF = np.pad(np.ones((20, 12)), ((0, 0), (0, 12)))
-BRIGHTER = grey() * (1 + 0.05 * HALF[..., None])
+
+
+def left_half(height=20, width=24):
+    """1 in the left half of an image, 0 elsewhere."""
+    return np.pad(np.ones((height, width // 2)), ((0, 0), (0, width - width // 2)))
+
+
+BRIGHTER = grey() * (1 + 0.05 * left_half()[..., None])
 
 
 def bad_pixel(replicate, image):
@@ -83,10 +89,11 @@ def made(
     passes = passes or {}
     truth = grey() if truth is None else truth
     height, width, _ = truth.shape
+    half = left_half(height, width)
     parts = [{light: truth * share[k] for light, share in passes.items()} for k in range(2)]
     reference = Painter("the reference", truth, sigma, passes=parts[0])
     candidate = Painter("Cycles", truth if other is None else other, sigma, settings, change=change, passes=parts[1])
-    coverage = {"material": [(name, HALF)]} if coverage is None else coverage
+    coverage = {"material": [(name, half)]} if coverage is None else coverage
     options = CompareOptions(time=None, samples=16, replicates=replicates)
     stopped = []
 
@@ -95,7 +102,7 @@ def made(
             stopped.append(stop)
             return image
 
-        added = sum(effects[one] for one in names) * HALF[..., None]
+        added = sum(effects[one] for one in names) * half[..., None]
         return Painter("the reference", truth * (1 + added), sigma, change=note)
 
     among = effects

@@ -17,13 +17,13 @@ def test_the_verdict_in_words():
         r"Cycles agrees with the reference to within 0\.\d+ % everywhere \(99 % confidence\)\.", said["equivalent"][0]
     )
     assert said["equivalent"][1].startswith(
-        "Within 1 %: the whole image; the only one of the materials; all 4 cells of"
+        "Within 1 %: the whole image; the only one of the materials; all 2 cells of"
     )
     assert said["different"][0].startswith("Cycles differs from the reference by more than 1 % in ")
     assert "Furthest off: material Test +5" in said["different"][3]
     assert said["undecided"][0].startswith("Cycles agrees with the reference to within ")
     assert said["undecided"][0].endswith("; whether to within 1 % is not decided yet.")
-    assert said["undecided"][-1].startswith("Forecast: 2 % everywhere after about ")
+    assert said["undecided"][-1].startswith("Forecast: 1 % everywhere after about ")
     assert any("Fewer than two replicates" in sentence for sentence in said["one replicate"])
 
 
