@@ -23,6 +23,7 @@ from etalon.lib.scene.expressions import (
     ImageTexture,
     Mix,
     NormalMap,
+    PixelWidth,
     ValueToColor,
 )
 from etalon.lib.scene.images import Image
@@ -184,6 +185,7 @@ NEUTRAL: dict[str, Callable[[Scene], Scene]] = {
     "bevels": _sockets("normal", lambda old: old or Bevel(ZERO)),
     "bumps": _sockets("normal", lambda old: old or Bump(Constant(0.3), ZERO, ONE)),
     "mesh attributes": _sockets("color", _unused(Attribute("paint"))),
+    "pixel widths": _sockets("color", _unused(ValueToColor(PixelWidth()))),
     "ambient occlusion": _sockets("color", _unused(ValueToColor(AmbientOcclusion(ONE)))),
     "point lights": _light(PointLight("dark", (0.0, 0.0, 3.0), DARK)),
     "sphere lights": _light(SphereLight("dark", (0.0, 0.0, 3.0), 0.5, DARK)),
