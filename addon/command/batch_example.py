@@ -8,7 +8,7 @@ scenes = ["glossy_spheres"]                # reference scenes, files beside the 
 # cameras = ["Front", "Side"]
 # view_layers = ["ViewLayer"]
 # blenders = ["4.5", "5.2", "/opt/blender/blender"]
-# per_process = 1                          # comparisons that one process runs, one after the other; 20 if left out
+# per_process = 20                         # comparisons that one process runs, one after the other; 1 if left out
 
 [options]                                  # any long option of `etalon compare`; a list of values is an axis
 tolerance = "1%"

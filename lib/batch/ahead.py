@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The processes of a batch.
 
-Each loads Blender once and runs several comparisons, one after the other. One that is needed later is started while the comparisons before
-still render.
+Each loads Blender once and runs as many comparisons as the plan allows, one after the other. One that is needed later is started while
+the comparisons before still render.
 """
 
 from __future__ import annotations

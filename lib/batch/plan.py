@@ -28,8 +28,6 @@ AXES = {"frames": "frame", "cameras": "camera", "view_layers": "view-layer"}
 ENTRIES = ("out", "scenes", *AXES, "blenders", "per_process", "options", "vary", "limits")
 VARIED = ("path", "values", "name")
 LIMITED = ("time", "memory")
-PER_PROCESS = 20
-"""So many comparisons a process runs, where the plan says nothing: what Blender does not free stays small."""
 _FRAMES = re.compile(r"(-?\d+)-(-?\d+)(?::(\d+))?")
 _MEMORY = re.compile(r"(\d+(?:\.\d*)?)\s*GB")
 # Blender has no frames beyond this.
@@ -98,7 +96,7 @@ class BatchPlan:
     variations: tuple[Variation, ...]
     time_limit: float | None = None
     memory_limit: int | None = None
-    per_process: int = PER_PROCESS
+    per_process: int = 1
 
     def target(self, scene: str) -> str:
         """What `etalon compare` calls a scene of the plan."""
@@ -192,7 +190,7 @@ def _plan(path: Path, data: dict[str, Any]) -> BatchPlan:
     words, axes = _options(options)
     axes = [*_axes(data), *axes, *map(_variation, vary)]
     limits = _limits(data.get("limits", {}))
-    share = _per_process(data.get("per_process", PER_PROCESS))
+    share = _per_process(data.get("per_process", 1))
     plan = BatchPlan(folder / out, _find_scenes(folder, scenes), folder, words, tuple(axes), *limits, share)
     _refuse_twice("scene", plan.scenes)
     _refuse_twice("name in [[vary]]", [v.name for v in plan.variations])

@@ -3,7 +3,7 @@
 
 These are seconds of each, how busy the processors are, and finding its place in a long journal.
 
-    python tests/benchmarks/batches.py [--units 20] [--jobs 2] [--rows 10000]
+    python tests/benchmarks/batches.py [--units 20] [--jobs 2] [--rows 10000] [--per-process 20]
 
 Processor seconds stand beside seconds by the clock, since other programs on the machine change only the latter.
 """
@@ -22,12 +22,13 @@ import time
 from pathlib import Path
 
 from etalon.lib.batch.journal import Entry, open_journal
-from etalon.lib.batch.plan import PER_PROCESS, read_plan
+from etalon.lib.batch.plan import read_plan
 from etalon.lib.batch.prepare import How
 from etalon.lib.batch.run import preview_plan
 
 PLAN = """
 out = "sweep"
+per_process = {turns}
 scenes = ["glossy_spheres"]
 [options]
 {work}
@@ -90,14 +91,14 @@ def children_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
+def measure_sweep(folder: Path, units: int, seconds: float, jobs: int, turns: int) -> None:
     """Run a batch as a command, and print what it costs beside its comparisons.
 
     Printed are the seconds of a unit beside its comparison, and the share of `jobs` processors that was used: by the whole command, and
     without its own start and validation, which are what `--dry-run` takes.
     """
     plan = folder / "plan.toml"
-    plan.write_text(PLAN.format(work=f'time = "{seconds}s"', values=list(range(units))))
+    plan.write_text(PLAN.format(work=f'time = "{seconds}s"', values=list(range(units)), turns=turns))
     words = [sys.executable, "-m", "etalon", "batch", str(plan), f"--jobs={jobs}", "--quiet"]
     start, sweep = Used([*words, "--dry-run"]), Used(words)
     rows = json.loads((folder / "sweep" / "batch.json").read_text(encoding="utf-8"))["comparisons"]
@@ -119,7 +120,7 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int) -> None:
     print(f"the command finds its place among {units} rows in {resume.wall:.2f} s, its own start included")
 
 
-def measure_unit(folder: Path, units: int = 4) -> None:
+def measure_unit(folder: Path, turns: int, units: int = 4) -> None:
     """Print the processor seconds of a unit with fixed samples beyond rendering.
 
     They are those of the stages of a second comparison in one process. Prints those of the first beside them, and what a batch with
@@ -128,7 +129,9 @@ def measure_unit(folder: Path, units: int = 4) -> None:
     used = []
     for count in (2, units + 2):
         plan = folder / f"fixed{count}.toml"
-        plan.write_text(PLAN.format(work=FIXED, values=list(range(count))).replace("sweep", f"fixed{count}"))
+        plan.write_text(
+            PLAN.format(work=FIXED, values=list(range(count)), turns=turns).replace("sweep", f"fixed{count}")
+        )
         used.append(Used([sys.executable, "-m", "etalon", "batch", str(plan), "--jobs=1", "--quiet"]).processor)
     unit = (used[1] - used[0]) / units
     places = [str(folder / "first"), str(folder / "second")]
@@ -138,7 +141,7 @@ def measure_unit(folder: Path, units: int = 4) -> None:
     for name, seconds in first.items():
         print(f"  {seconds:6.2f} {second.get(name, 0.0):6.2f} {name}")
     beyond = [sum(s for name, s in stages.items() if name not in RENDERING) for stages in (first, second)]
-    more = (beyond[0] - beyond[1]) / PER_PROCESS
+    more = (beyond[0] - beyond[1]) / turns
     print(f"beyond rendering {beyond[1]:.2f} and, as a share of the first in each process, {more:.2f}")
     print(f"a later comparison takes {sum(second.values()):.2f} in all, and {unit:.2f} in a batch")
 
@@ -155,7 +158,7 @@ def measure_start(runs: int = 3) -> None:
 def measure_resume(folder: Path, rows: int) -> None:
     """Print how long a batch takes to find that `rows` comparisons are done or refused."""
     plan = folder / "long.toml"
-    plan.write_text(PLAN.format(work="time = 1", values=list(range(rows))).replace("sweep", "long"))
+    plan.write_text(PLAN.format(work="time = 1", values=list(range(rows)), turns=1).replace("sweep", "long"))
     read = read_plan(plan)
     from etalon.lib.batch.keys import make_key
 
@@ -176,13 +179,14 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--rows", type=int, default=10_000)
+    parser.add_argument("--per-process", type=int, default=1, help="comparisons that one process runs")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as made:
         (Path(made) / "long").mkdir()
         measure_resume(Path(made), arguments.rows)
-        measure_unit(Path(made))
+        measure_unit(Path(made), arguments.per_process)
         measure_start()
-        measure_sweep(Path(made), arguments.units, arguments.seconds, arguments.jobs)
+        measure_sweep(Path(made), arguments.units, arguments.seconds, arguments.jobs, arguments.per_process)
 
 
 if __name__ == "__main__":

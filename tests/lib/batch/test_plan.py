@@ -153,4 +153,4 @@ def test_the_example_is_a_plan(tmp_path):
     uncommented = EXAMPLE.replace("# frames", "frames").replace("# cameras", "cameras").replace("# view_", "view_")
     path.write_text(uncommented.replace("# blenders", "blenders").replace("# per_", "per_"))
     assert len(list(read_plan(path).units())) == 4 * 11 * 2 * 1 * 3
-    assert (plan.per_process, read_plan(path).per_process) == (20, 1)
+    assert (plan.per_process, read_plan(path).per_process) == (1, 20)
