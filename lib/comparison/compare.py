@@ -24,7 +24,7 @@ from ..scene.findings import Finding
 from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE
-from ..verdict.boundaries import EXPECTED_LOOKS, count_looks, next_look
+from ..verdict.boundaries import EXPECTED_LOOKS, FIRST_LOOK, count_looks, next_look
 from ..verdict.causes import Explanation
 from ..verdict.outcome import Outcome
 from ..verdict.passes import PASSES_SHARE, PassTest, PassVerdict
@@ -281,7 +281,9 @@ class _Loop:
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
         differs = (self._test.outcomes == Outcome.DIFFERENT).any()
         self._open = self._test.undecided & (~self._test.within | differs)
-        if self._search is not None and not self._is_first:
+        # Of the first look, only where no main run follows and one pair of images is a small part of the time.
+        may_search = not self._is_first or (self._is_last and bound.replicates >= FIRST_LOOK)
+        if self._search is not None and may_search:
             differing = frozenset() if self._pass_test is None else self._pass_test.differing
             if self._search.look(self._sides, self._excluded | self._left_out, self._is_last, differing):
                 self._open = self._test.outcomes != Outcome.EQUIVALENT

@@ -25,6 +25,8 @@ from .sides import Replicates
 # Of the time: what one timed call may take at most, and what the first look may take; but no more than so many seconds.
 CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.05, 0.08, 10.0
 PILOT_SAMPLES, STEP = 64, 4
+# Calls of either side before the first look, at least: one that sets things up, and one that is timed.
+CALLS_BEFORE = 2
 # Where the first look may be all there is, the cheaper side gets more samples if so many replicates still fit into the time.
 ENOUGH = 12
 # The coarse grid has about so many columns and rows.

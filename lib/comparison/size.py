@@ -15,12 +15,14 @@ from ..sampling.streams import FIRST_CALLS
 from ..scene.camera import Camera
 from ..verdict.allocation import fit_cost
 from ..verdict.boundaries import FIRST_LOOK
+from .pilot import CALLS_BEFORE
 from .run import TimedRun
 from .sides import Renderer
 
 # An image is made no smaller than this for REPLICATES, and no smaller than TINY for FIRST_LOOK, of one sample a pixel each.
 SMALL, TINY = 1 << 17, 1 << 13
-# They are to fit into these shares of the time.
+# The first are to fit into this share of the time. The others, with the calls before them, are to fit into this share of what is left,
+# since the search for causes may take the rest.
 REPLICATES, SHARE, FIRST_SHARE = 24, 0.5, 0.75
 # Samples of the two timed renders of each side, whose images have about so many pixels.
 FEW, MORE, PROBED = 1, 4, 1 << 14
@@ -44,16 +46,19 @@ def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: Ti
 
     seconds(FEW, 0)  # sets things up
     few = seconds(FEW, 1)
-    if pixels <= SMALL and FIRST_LOOK * sum(few) * small**2 <= run.share(FIRST_SHARE):
+    first = FIRST_LOOK + CALLS_BEFORE
+    if pixels <= SMALL and first * sum(few) * small**2 <= FIRST_SHARE * run.left:
         return 1  # even if all of a call's time went by pixels
     costs = [fit_cost([FEW, MORE], list(pair)) for pair in zip(few, seconds(MORE, 2), strict=True)]
     fixed, per_sample = sum(cost.fixed for cost in costs), sum(cost.per_sample for cost in costs) * small**2
 
-    def fits(divisor: int, replicates: int, share: float, least: int) -> bool:
+    left = FIRST_SHARE * run.left
+
+    def fits(divisor: int, replicates: int, time: float, least: int) -> bool:
         of_pixels = per_sample / divisor**2
         # Where a call's fixed part is more than its pixels', fewer pixels gain little.
         small_enough = pixels / divisor**2 <= least or (least == TINY and of_pixels <= fixed)
-        return small_enough or replicates * (fixed + of_pixels) <= run.share(share)
+        return small_enough or replicates * (fixed + of_pixels) <= time
 
-    enough = next((d for d in divisors if fits(d, REPLICATES, SHARE, SMALL)), divisors[-1])
-    return next((d for d in divisors if d >= enough and fits(d, FIRST_LOOK, FIRST_SHARE, TINY)), divisors[-1])
+    enough = next((d for d in divisors if fits(d, REPLICATES, run.share(SHARE), SMALL)), divisors[-1])
+    return next((d for d in divisors if d >= enough and fits(d, first, left, TINY)), divisors[-1])

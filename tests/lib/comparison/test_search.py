@@ -87,3 +87,23 @@ def test_departures_for_which_no_time_is_left_are_said_not_to_be_measured(monkey
     found, pairs, _ = searched(monkeypatch, cost=0.6)
     assert pairs == []
     assert found.explanation.state is State.NO_TIME
+
+
+def test_departures_are_measured_where_the_first_look_is_all_there_is(monkeypatch):
+    """Rounds of 6 s in a minute: 8 of them after the timed calls, and no main run."""
+    clock = Clock()
+    monkeypatch.setattr(module, "time", clock)
+    among = Alternatives(
+        tuple(Departure(name, "", "") for name in NAMES),
+        lambda names: Painter("the reference", grey(), 0.05, clock=clock, cost=(0.6, 0.0)),
+    )
+    sides = [
+        Painter(name, grey(value), 0.05, clock=clock, cost=(2.8, 0.0))
+        for name, value in (("the reference", 1.0), ("b", 1.2))
+    ]
+    found = compare(blank(), *sides, {}, CompareOptions(time=60.0), among=among)
+    assert [bound.first for bound in found.history] == [True]
+    assert found.verdict.outcome.value == "DIFFERENT"
+    assert found.explanation.pairs > 0
+    assert found.explanation.state is not State.NO_TIME
+    assert clock.now - 100.0 <= 1.05 * 60.0

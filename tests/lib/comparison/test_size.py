@@ -4,13 +4,14 @@
 import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
+from etalon.lib.comparison.compare import CompareOptions, compare
 from etalon.lib.comparison.run import TimedRun
 from etalon.lib.comparison.size import SMALL, TINY, choose_divisor
 from etalon.lib.film.rendering import Rendering
 from etalon.lib.progress import NO_PROGRESS
 from etalon.lib.scene.camera import smaller_camera
 from etalon.lib.wavefront.render import ReferenceRenderer
-from etalon.tests.lib.renderers import Clock
+from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 from etalon.tests.scenes import diffuse, floor, orthographic, scene
 
 
@@ -63,16 +64,44 @@ def test_no_image_is_made_smaller_than_need_be(monkeypatch):
 
     With one divisor less, the image would be larger than SMALL.
     """
-    found, _ = chosen(monkeypatch, 1920, 1080, 10.0, per=2e-6)
+    found, _ = chosen(monkeypatch, 1920, 1080, 12.0, per=2e-6)
     assert 1920 * 1080 / found**2 <= SMALL < 1920 * 1080 / (found - 1) ** 2
 
 
 def test_eight_replicates_come_before_the_size(monkeypatch):
     """A small image of a slow scene is made smaller still, but never tiny."""
     assert chosen(monkeypatch, 256, 144, 15.0, per=1e-5)[0] == 1
-    assert chosen(monkeypatch, 256, 144, 15.0, per=4e-5)[0] == 2  # 8 x 2 sides x 37 k pixels take 24 s
+    assert chosen(monkeypatch, 256, 144, 15.0, per=3e-5)[0] == 2  # 10 x 2 sides x 37 k pixels take 22 s
     found, _ = chosen(monkeypatch, 1920, 1080, 15.0, per=1e-3)
     assert 1920 * 1080 / found**2 <= TINY < 1920 * 1080 / (found // 2) ** 2
+
+
+class Slow(Painter):
+    """A painter whose images take `seconds` for 480 x 270 pixels, and less for fewer."""
+
+    def __init__(self, name, clock, seconds, width=480, height=270):
+        cost = (0.05, seconds * width * height / (480 * 270))
+        super().__init__(name, grey(1.0, width, height), 5.0, clock=clock, cost=cost)
+        self.seconds = seconds
+
+    def at_size(self, width, height):
+        return Slow(self.name, self.clock, self.seconds, width, height)
+
+
+@pytest.mark.grid(3)
+@pytest.mark.parametrize("seconds", [0.5, 2.0, 4.0, 4.6, 5.5, 12.0, 40.0])
+def test_the_whole_comparison_has_eight_replicates_in_the_chosen_size(monkeypatch, seconds):
+    """The calls that are timed before the first look take their part, and so does what comes before them."""
+    clock = Clock()
+    monkeypatch.setattr(module, "time", clock)
+    run = TimedRun(60.0, NO_PROGRESS)
+    sides = Slow("the reference", clock, seconds), Slow("Cycles", clock, 0.1 * seconds)
+    divisor = choose_divisor(sides, orthographic(480, 270, 1.0, (0.0, 0.0, 1.0)), run)
+    clock.now += 4.0  # as for a search for caustics
+    size = 480 // divisor, 270 // divisor
+    found = compare(blank(*size), *(side.at_size(*size) for side in sides), {}, CompareOptions(time=run.left))
+    assert found.candidate.replicates >= 8
+    assert clock.now - 100.0 <= 1.05 * 60.0
 
 
 @pytest.mark.parametrize("divisor", [2, 4])
