@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fixtures shared by all tests."""
 
+import gc
 import os
 import zlib
 from collections import defaultdict
+from collections.abc import Iterator
 
 # Workers share the cores: threads of BLAS would wait for each other. The plan of a sphere of 20,480 faces took 10 s of CPU time, not 0.8.
 # NumPy reads it when it is first imported.
@@ -29,6 +31,25 @@ def seed(request: pytest.FixtureRequest) -> int:
 def rng(seed: int) -> np.random.Generator:
     """A generator seeded by the test's name."""
     return np.random.default_rng(seed)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Collect without the garbage collector, which would look at thousands of tests again and again.
+
+    It does not look at them, and at the modules that were imported, during the tests either: they stay to the end.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
+
+
+def pytest_unconfigure() -> None:
+    """Let the process free everything at its end: nanobind reports what is left of OpenImageIO otherwise."""
+    gc.unfreeze()
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest chooses by marks
