@@ -8,8 +8,10 @@ from etalon.tests.probes.definitions import FURNACES, IRRADIANCE, NOISY, SUNS, t
 from mathutils import Vector
 
 SAMPLES = 4096  # of noisy lights; whole nets: their error falls faster than that of random samples
-REPLICATES = {"front prism": 2, "back prism": 2, "furnace": 4, "grazing furnace": 40}
-PIXELS = 6  # of a facet's side, less a rim of one pixel
+# Replicates of noisy lights, and pixels of a facet's side, less a rim of one pixel. Few large images: each render takes time to start.
+REPLICATES = {"front prism": 1, "back prism": 1, "furnace": 1, "grazing furnace": 2}
+PIXELS = {"front prism": 8, "back prism": 8, "furnace": 10, "grazing furnace": 20}
+FEW_PIXELS = 6  # where there is no noise
 
 
 def node_tree(probe):
@@ -72,11 +74,17 @@ def facet(made, probe, row, column):
     return mesh
 
 
+def pixels_of(light):
+    """The pixels of a facet's side."""
+    return PIXELS.get(light, FEW_PIXELS)
+
+
 def build(probes):
     """The scene of probes under one light; rows are probes from below, columns are tilts."""
     (light,) = {probe.light for probe in probes}
     columns = len(tilts(light))
-    made = prepare(PIXELS * columns, PIXELS * len(probes))
+    side = pixels_of(light)
+    made = prepare(side * columns, side * len(probes))
     camera = bpy.data.cameras.new("camera")
     camera.type, camera.ortho_scale = "ORTHO", max(len(probes), columns)
     made.camera = link(made, "camera", camera)
@@ -102,12 +110,12 @@ def build(probes):
 def shown(probes, seed=0):
     """What Cycles shows of probes under one light, (probes, tilts, 3)."""
     light = probes[0].light
-    columns = len(tilts(light))
+    columns, side = len(tilts(light)), pixels_of(light)
     renderer = CyclesRenderer(build(probes), seed=seed, threads=2)
     count, samples = (REPLICATES[light], SAMPLES) if light in NOISY else (1, 1)
     total = np.zeros((len(probes), columns, 3))
     for replicate in range(count):
         image = renderer.render(replicate, samples).radiance[::-1]
-        cells = image.reshape(len(probes), PIXELS, columns, PIXELS, 3)[:, 1:-1, :, 1:-1]
+        cells = image.reshape(len(probes), side, columns, side, 3)[:, 1:-1, :, 1:-1]
         total += cells.mean(axis=(1, 3)) / count
     return total
