@@ -9,7 +9,7 @@ of path tracers must not be trusted before they have had the samples to meet it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -21,6 +21,7 @@ from ..progress import Progress
 from ..relative import difference_scale
 from ..scene.camera import PANORAMAS
 from ..verdict.rare import room_for_rare_light
+from ..wavefront.coverage import bare_pixels
 from ..wavefront.kernel import Kernel
 from .run import TimedRun
 
@@ -36,11 +37,13 @@ class Caustics:
     """The caustics of K regions, in W m^-2 sr^-1.
 
     `radiance` (K, 3) is what the regions receive by caustics at most. `brightness` (K,) is the radiance of the
-    brightest lamp that arrives so, which is the worth of one sample that meets it.
+    brightest lamp that arrives so, which is the worth of one sample that meets it. `bare` (K,) marks regions that show
+    the world alone.
     """
 
     radiance: np.ndarray
     brightness: np.ndarray
+    bare: np.ndarray
 
     def share(self, reference: np.ndarray, floor: np.ndarray | float) -> np.ndarray:
         """The part (K,) that caustics have in each region's light of means `reference` (K, 3).
@@ -71,30 +74,34 @@ def scout(kernel: Kernel, run: TimedRun) -> Scouted | None:
     if kernel.scene.camera.kind in PANORAMAS or masks_not_traced(kernel):
         return None
     silent = Progress(is_cancelled=lambda: run.progress.is_cancelled)
-    if run.budget is None:
-        return scout_caustics(kernel, UNLIMITED, progress=silent)
-    least = scout_caustics(kernel, LEAST, progress=silent)
-    paths = int(min(SHARE * run.budget / max(least.seconds, 1e-6) * LEAST, MOST))
-    # Also where the first pass met nothing: so few rays are no proof. Where no caustic is possible this costs nothing.
-    return least if paths < 2 * LEAST else scout_caustics(kernel, paths, progress=silent)
+    found = scout_caustics(kernel, UNLIMITED if run.budget is None else LEAST, progress=silent)
+    if run.budget is not None:
+        paths = int(min(SHARE * run.budget / max(found.seconds, 1e-6) * LEAST, MOST))
+        # Also where the first pass met nothing: so few rays are no proof. Where no caustic is possible this costs nothing.
+        found = found if paths < 2 * LEAST else scout_caustics(kernel, paths, progress=silent)
+    return replace(found, bare=bare_pixels(kernel))
 
 
 def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:
     """What a scouting pass found, by region.
 
-    Lights without size are left out: no path from a camera, of either renderer, ever meets one by chance.
+    Lights without size are left out: no path from a camera, of either renderer, ever meets one by chance. Where no face is seen,
+    none can be lit.
     """
     seen = np.isfinite(scouted.brightness)
     pixel, batch = scouted.pixel[seen], scouted.batch[seen]
     pixels = regions.shape[0] * regions.shape[1]
     sizes = np.maximum(regions.sizes, np.finfo(float).tiny)[:, None]
+    bare = np.zeros(len(regions), bool)
+    if scouted.bare is not None:
+        bare = (regions.sizes > 0) & (regions.weights @ (~scouted.bare.ravel()).astype(float) == 0)
     channels = []
     for value in scouted.value[:, seen]:
         each = sparse.csr_array((value, (pixel, batch)), shape=(pixels, scouted.batches))
         # SciPy's types take the product of two sparse arrays for a dense one.
         means = (regions.weights @ each).toarray() / sizes  # pyright: ignore[reportAttributeAccessIssue]
         error = means.std(axis=1, ddof=1) / np.sqrt(scouted.batches)
-        unmet = UNMET * (value.mean() if value.size else 0.0) / (sizes[:, 0] * scouted.batches)
+        unmet = np.where(bare, 0.0, UNMET * (value.mean() if value.size else 0.0) / (sizes[:, 0] * scouted.batches))
         channels.append(means.mean(axis=1) + STANDARD_ERRORS * error + unmet)
     brightest = np.zeros(pixels)
     np.maximum.at(brightest, pixel, scouted.brightness[seen])
@@ -102,4 +109,4 @@ def caustics_in(scouted: Scouted, regions: Regions) -> Caustics:
     found = np.maximum.reduceat(np.append(brightest[weights.indices], 0.0), weights.indptr[:-1])
     # What a region may receive without having met it may come from any lamp.
     found = np.where((np.diff(weights.indptr) > 0) & (found > 0.0), found, brightest.max(initial=0.0))
-    return Caustics(np.stack(channels, axis=1), found)
+    return Caustics(np.stack(channels, axis=1), found, bare)

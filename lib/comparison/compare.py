@@ -33,7 +33,7 @@ from ..verdict.verdict import Verdict, conclude
 from .catchers import CatcherPixels
 from .caustics import caustics_in
 from .departures import Alternatives
-from .focus import focus, weigh_round
+from .focus import decisive_regions, focus, weigh_round
 from .interim import BoundAt, Interim
 from .meter import Meter
 from .parts import NO_CHOICE, PassChoice
@@ -279,8 +279,8 @@ class _Loop:
         self._meter.progress.tell(_describe(bound))
         self._meter.progress.show(self._interim(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
-        differs = (self._test.outcomes == Outcome.DIFFERENT).any()
-        self._open = self._test.undecided & (~self._test.within | differs)
+        self._differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
+        self._open = self._test.undecided & (~self._test.within | self._differs)
         # Of the first look, only where no main run follows and one pair of images is a small part of the time.
         may_search = not self._is_first or (self._is_last and bound.replicates >= FIRST_LOOK)
         if self._search is not None and may_search:
@@ -301,7 +301,8 @@ class _Loop:
         """The relative difference (K,) that light may make which no sample has met."""
         cells = self._regions.families == self._regions.families.max()
         level = ALL_AGREE * self._test.level
-        room, least = room_left_by((self._sides[0], self._sides[1]), cells, level)
+        bare = False if self._caustics is None else self._caustics.bare
+        room, least = room_left_by((self._sides[0], self._sides[1]), cells, level, bare)
         if self._caustics is None:
             return room
         mean = self._sides[0].regions.moments.mean
@@ -339,9 +340,11 @@ class _Loop:
             self.stopped = self.stopped or Stop.DECIDED
             return
         wanted = self._open if self._wanted is None else self._wanted & self._open
+        if self._options.replicates is None and not self._differs:
+            wanted = decisive_regions(self._test, self._regions, wanted, self._meter.rounds_left)
         samples = max(side.film.samples for side in self._sides)
         windows = focus(self._regions, wanted, samples, self._sides[1].replicates)
-        if windows is None and self._windows is None:
+        if windows is None:  # too large, or all that is open was given up for what is within the tolerance now
             return
         if self._windows is None:
             self._meter.progress.begin("rendering what is open")

@@ -32,7 +32,8 @@ class Meter(TimedRun):
         self._rendered = 0
         self._is_counted = False
         self._mark = 0.0, 0
-        self.round_seconds = math.nan
+        # What a replicate takes, of all that is rendered now, and how many more of them the time allows.
+        self.round_seconds, self.rounds_left = math.nan, math.inf
 
     @property
     def is_overdrawn(self) -> bool:
@@ -114,6 +115,7 @@ class Meter(TimedRun):
         if self._options.time is None or replicates < 2:
             return None
         left = self._options.time - max(self.seconds_aside or 0.0, self.spent_aside) - sampling
+        self.rounds_left = left / max(self.round_seconds, 1e-9)
         return Stop.TIME if self.round_seconds * (goal - replicates) > left else None
 
     def report(self, fraction: float) -> None:

@@ -16,7 +16,7 @@ from ..film.regions import RegionMoments, Regions
 from ..film.rendering import Rendering
 from ..film.windows import Windows
 from ..progress import Progress
-from ..verdict.rare import describe_tails, room_for_rare_light
+from ..verdict.rare import describe_tails, is_steady, room_for_rare_light
 
 
 class Replicates(Protocol):
@@ -125,16 +125,21 @@ class Side:
             self.pass_films[name].add(light, where, weight)
 
 
-def room_left_by(sides: tuple[Side, Side], cells: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
+def room_left_by(
+    sides: tuple[Side, Side], cells: np.ndarray, level: float, bare: np.ndarray | bool = False
+) -> tuple[np.ndarray, np.ndarray]:
     """The relative difference (K,) that unmet light may make, and the samples (K,).
 
     No sample of both sides has met that light; the samples are those of the side with fewer. `cells` (K,) bool are the
-    regions in which isolated bright samples are looked for; `level` is the chance that more is missing.
+    regions in which isolated bright samples are looked for; `level` is the chance that more is missing. Regions that
+    are `bare` (K,), where no surface was seen, have no such samples as long as both sides are without noise there.
     """
     worth, least = 0.0, np.full(cells.shape, np.inf)
+    steady = np.broadcast_to(bare, cells.shape)
     for side in sides:
-        samples = side.regions.drawn(side.film.samples)
-        tails = describe_tails(side.regions.series[:, cells], samples[cells], side.regions.weights)
+        samples, series = side.regions.drawn(side.film.samples), side.regions.series
+        tails = describe_tails(series[:, cells], samples[cells], side.regions.weights)
         worth = max(worth, float(tails.worth.max(initial=0.0)))
         least = np.minimum(least, samples * side.regions.moments.n)
-    return room_for_rare_light(worth, least, level), least
+        steady = steady & is_steady(series)
+    return room_for_rare_light(np.where(steady, 0.0, worth), least, level), least

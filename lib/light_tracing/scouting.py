@@ -53,7 +53,8 @@ class Scouted:
     shape: (height, width). pixel (n,): flat index of each contribution, row by row from the top; batch (n,): which of the independent
     `batches` it belongs to; value (3, n): what it adds to the mean radiance of the batch in its pixel, W m^-2 sr^-1. brightness (n,):
     luminance of the radiance of its emitter, W m^-2 sr^-1, inf for lights without size: what one sample of a camera path that finds it is
-    worth, but for the lobes' weights, which are at most about 1. paths: emitted rays in each batch. seconds: of the pass.
+    worth, but for the lobes' weights, which are at most about 1. paths: emitted rays in each batch. seconds: of the pass. bare (height,
+    width): pixels that are known to show the world alone; None where that was not asked.
     """
 
     shape: tuple[int, int]
@@ -64,6 +65,7 @@ class Scouted:
     brightness: np.ndarray
     paths: int
     seconds: float
+    bare: np.ndarray | None = None
 
     @cached_property
     def image(self) -> np.ndarray:

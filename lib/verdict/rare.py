@@ -11,6 +11,9 @@ success, (1 - p)^N = a). So each claim on a region
 - excludes only light in samples of up to v* = N tolerance / ln(1/a) times the region's mean: its *blind spot* lies
   beyond.
 
+Regions that show the world alone are an exception to the first. What makes jumps is scattered by surfaces; where no camera ray
+has met one, and no two replicates differ, there is room for samples of LEAST_WORTH alone, as in an image without jumps.
+
 A jump is isolated where one replicate of a region lies so many robust standard deviations above the median of its
 replicates that normal noise practically never does (`jump_limit`).
 """
@@ -83,6 +86,14 @@ def describe_tails(series: np.ndarray, samples: np.ndarray, weights: np.ndarray)
     isolated = np.where(lit & (beyond > jump_limit(count) * scale), excess, 0.0).max(axis=0)
     worth = np.divide(isolated * samples, mean, out=nothing.copy(), where=isolated > 0.0)
     return Tails(share, worth)
+
+
+def is_steady(series: np.ndarray) -> np.ndarray:
+    """The regions (K,) whose replicate means `series` (R, K) are all equal, but for rounding; NaN does not count."""
+    low, high = (
+        of(series, axis=0, initial=limit) for of, limit in ((np.fmin.reduce, np.inf), (np.fmax.reduce, -np.inf))
+    )
+    return high - low <= ROUNDING * np.abs(high)
 
 
 def standardize(series: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -106,6 +106,22 @@ def caught_pixels(kernel: Kernel, samples: int = 16) -> np.ndarray:
     return (2 * count > samples).reshape(camera.height, camera.width)
 
 
+def bare_pixels(kernel: Kernel, samples: int = 4) -> np.ndarray:
+    """The pixels (height, width) in which no camera ray meets a face: they show the world alone.
+
+    There are none where there are volumes, or objects that move while the shutter is open.
+    """
+    camera = kernel.scene.camera
+    met = np.zeros(camera.width * camera.height, bool)
+    if kernel.media is not None or kernel.plan.needs(Effect.MOTION_BLUR):
+        return met.reshape(camera.height, camera.width)
+    sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)
+    for tile in tiles(met.size, samples, TILE_PATHS):
+        pixel, _, hits = _first_hits(kernel, tile, sampler)
+        met[pixel[hits.triangle >= 0]] = True
+    return ~met.reshape(camera.height, camera.width)
+
+
 def _first_hits(kernel: Kernel, tile: Tile, sampler: SobolSampler) -> tuple[np.ndarray, CameraRays, Hits]:
     """The camera rays of a tile, the pixels (n,) that they belong to, and what they meet first."""
     camera = kernel.scene.camera

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Caustics by region: their share, and the room that claims leave for them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from etalon.lib.comparison import caustics
@@ -47,6 +49,17 @@ def test_each_region_gets_its_own_light_by_caustics():
         assert brightness == 1e4
 
 
+def test_nothing_is_lit_where_no_face_is_seen():
+    """Without it, a few contributions that were not met may still fall anywhere."""
+    columns = np.arange(WIDTH)[None] * np.ones((HEIGHT, 1), int)
+    found = [
+        caustics_in(replace(scouted(), bare=bare), image_regions(HEIGHT, WIDTH, {})) for bare in (None, columns >= 16)
+    ]
+    right = image_regions(HEIGHT, WIDTH, {}).names.index("x 16 to 31, y 0 to 19")
+    assert [one.radiance[right].any() for one in found] == [True, False]
+    assert [one.bare.tolist() for one in found] == [[False] * 3, [False, False, True]]
+
+
 def test_lamps_without_size_are_left_out():
     regions = image_regions(HEIGHT, WIDTH, {})
     found = caustics_in(scouted(brightness=np.inf), regions)
@@ -67,7 +80,7 @@ def test_uncertain_light_counts_as_more():
 
 
 def test_the_room_is_no_more_than_what_arrives_and_shrinks_with_samples():
-    found = Caustics(np.full((2, 3), 0.05), np.array([1e4, 10.0]))
+    found = Caustics(np.full((2, 3), 0.05), np.array([1e4, 10.0]), np.zeros(2, bool))
     reference, floor, level = np.ones((2, 3)), np.full(3, 1e-3), np.exp(-5.0)
     assert found.room(reference, floor, np.array([1e4, 1e4]), level) == pytest.approx([0.05, 0.005])
     assert found.room(reference, floor, np.array([1e7, 1e7]), level) == pytest.approx([0.005, 5e-6])

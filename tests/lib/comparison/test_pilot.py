@@ -113,6 +113,14 @@ def test_grids_are_halved_as_long_as_most_cells_can_be_decided():
     assert choose_grids(64, np.full(3, np.nan), 0.003) == (64,)
 
 
+def test_a_plain_background_makes_no_grid_finer():
+    """95 of 100 cells have no noise but rounding; the others are too noisy for finer cells."""
+    few = np.where(np.arange(100) < 5, 1e6, 1e-14)
+    assert choose_grids(64, few, 0.003) == (64,)
+    assert choose_grids(64, np.where(few > 1.0, 1e-4, few), 0.003) == (64, 32, 16)
+    assert choose_grids(64, np.zeros(100), 0.003) == (64, 32, 16)
+
+
 @pytest.mark.parametrize(
     ("costs", "seconds", "samples"),
     [

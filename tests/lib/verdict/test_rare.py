@@ -13,6 +13,7 @@ from etalon.lib.verdict.rare import (
     TAIL_FROM,
     blind_spot,
     describe_tails,
+    is_steady,
     jump_limit,
     pareto_shape,
     room_for_rare_light,
@@ -60,6 +61,13 @@ def test_few_replicates_rounding_and_black_tell_of_no_jump():
     rounded = 1.0 + 1e-7 * np.arange(20)[:, None]
     rounded[3] += 3e-6
     assert describe_tails(rounded, np.ones(1), np.ones(len(rounded))).worth.tolist() == [0.0]
+
+
+def test_steady_replicates_differ_by_rounding_alone():
+    series = np.repeat([[0.05, 0.05, 0.0, 0.05, 0.0]], 6, axis=0)
+    series[2] += [1e-9, 1e-5, 0.0, 0.0, 1e-12]
+    series[4, 3] = np.nan
+    assert is_steady(series).tolist() == [True, False, True, True, False]
 
 
 def test_replicates_that_were_not_sampled_do_not_count(rng):

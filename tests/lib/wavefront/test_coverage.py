@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.settings.reference import Options
-from etalon.lib.wavefront.coverage import coverage, join_bands
+from etalon.lib.wavefront.coverage import bare_pixels, coverage, join_bands
 from etalon.lib.wavefront.kernel import Kernel
 from etalon.tests.scenes import cube, diffuse, icosphere, material, orthographic, perspective, quad, scene
 
@@ -99,3 +99,11 @@ def test_what_hardly_shows_makes_no_region(seed):
 def test_an_empty_view_shows_nothing(seed):
     away = scene(cube(0.5), diffuse(0.5), orthographic(2, 2, 1.0, (0.0, 0.0, 3.0), (0.0, 0.0, 1.0)))
     assert found(away, seed) == {"material": {}, "facing": {}, "object": {}}
+
+
+def test_bare_pixels_show_no_face(seed):
+    """A quad covers the left three pixels of six, and a sliver of the fourth."""
+    part = quad((-3.0, -1.0, 0.0), (3.5, 0.0, 0.0), (0.0, 2.0, 0.0), 0)
+    the_scene = scene([part], [material(name="one")], orthographic(6, 2, 6.0, (0.0, 0.0, 1.0)))
+    bare = bare_pixels(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)))
+    assert bare.tolist() == [[False] * 4 + [True] * 2] * 2
