@@ -6,6 +6,8 @@ Faces in one plane hide each other's light in as many rays as single precision h
 of departures reproduces that, and none has to: such a scene has no value of its own there. Rounding is named as the
 reason in a region whose difference lies, in all channels, between zero and what the departure does in full, within the
 tolerance and the noise. This is a finding about the scene, not a claim with a level.
+
+Effects of fewer than two pairs have no known noise. They are left out, so that they hide none that is known.
 """
 
 from __future__ import annotations
@@ -17,6 +19,8 @@ from .shares import Sides
 
 # Standard errors of a region's difference that are left to noise.
 _ERRORS = 3.0
+# Pairs of an effect from which its noise is known.
+_PAIRS = 2
 
 
 def rounded_regions(search: Attribution, sides: Sides, left: np.ndarray) -> tuple[Names, np.ndarray]:
@@ -25,7 +29,7 @@ def rounded_regions(search: Attribution, sides: Sides, left: np.ndarray) -> tupl
     The regions are of those marked in `left` (N,).
     """
     rounding = {d.name for d in search.departures if d.by_rounding}
-    sets = [names for names in search.pairs if names <= rounding]
+    sets = [names for names, pairs in search.pairs.items() if names <= rounding and len(pairs) >= _PAIRS]
     none = np.zeros(left.size, bool)
     if not sets:
         return frozenset(), none

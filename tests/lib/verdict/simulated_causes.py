@@ -36,13 +36,15 @@ def simulated(
     inside=None,
     departures=DEPARTURES,
     differing=frozenset(),
+    most_pairs=None,
 ):
     """The search at its end, its sides, and what it says, on regions of mean 1.
 
     `true_effects` (name -> (N,)) add up, `candidate` (N,) is the truth of that side. `noise_of_effects` is that of a pair,
-    relative to a replicate's. The light passes that are `differing` differ at every look.
+    relative to a replicate's. The light passes that are `differing` differ at every look. `most_pairs` (name -> number) of a departure alone
+    are rendered, as where time is short.
     """
-    count = candidate.size
+    count, most = candidate.size, {frozenset([name]): pairs for name, pairs in (most_pairs or {}).items()}
     test = SequentialTest(count, TOLERANCE, confidence, ATTRIBUTION_SHARE)
     search = Attribution(departures, test, ATTRIBUTION_SHARE * (1 - confidence), inside)
 
@@ -57,7 +59,7 @@ def simulated(
         if names not in pairs:
             mean = sum(true_effects[name] for name in names)
             pairs[names] = mean[:, None] + noise_of_effects * noise(LAST)
-        return pairs[names][:pairs_wanted]
+        return pairs[names][: min(pairs_wanted, most.get(names, LAST))]
 
     n = next_look(0)
     while True:

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Differences that rounding causes, in simulated regions where the truth is known."""
+
+import numpy as np
+from etalon.lib.departures.catalogue import Departure
+from etalon.lib.verdict.causes import State
+from etalon.tests.lib.verdict.simulated_causes import simulated
+
+# Region 0 is the whole image, the others lie in it.
+INSIDE = np.eye(5)
+INSIDE[0] = 1.0
+KNOWN = (Departure("a", "", "", by_rounding=True), Departure("b", "", "", by_rounding=True), Departure("c", "", ""))
+ALL = np.full(5, -0.8)
+NOTHING = np.zeros(5)
+
+
+def found(rng, gap, effects=None, **how):
+    """What is said of a candidate that differs by `gap` (5,), where "a" in full takes 0.8 away."""
+    effects = {"a": ALL, "b": NOTHING, "c": NOTHING} if effects is None else effects
+    return simulated(rng, effects, 1.0 + gap, inside=lambda: INSIDE, departures=KNOWN, **how)[2]
+
+
+def test_a_part_of_what_rounding_decides_explains_every_region(rng):
+    why = found(rng, np.array([-0.3, -0.7, -0.1, -0.4, -0.2]))
+    assert why.state is State.ROUNDED
+    assert why.rounded.all()
+    assert why.causes == (("a",),) * 5
+
+
+def test_an_effect_of_one_pair_hides_none_that_is_known(rng):
+    """Where time is short, one of two departures that rounding decides may have one pair, and no noise that is known."""
+    why = found(rng, np.full(5, -0.4), most_pairs={"b": 1})
+    assert why.state is State.ROUNDED
+    assert why.rounded.all()
+    assert why.causes == (("a",),) * 5
+
+
+def test_one_pair_alone_puts_nothing_down_to_rounding(rng):
+    why = found(rng, np.full(5, -0.4), most_pairs={"a": 1, "b": 1})
+    assert not why.rounded.any()
+
+
+def test_more_than_all_of_the_effect_is_not_put_down_to_rounding(rng):
+    """Region 4 is brighter, which no part of the effect makes; so the image is not explained either."""
+    why = found(rng, np.array([-0.3, -0.7, -0.1, -0.4, 0.2]))
+    assert why.rounded.tolist() == [False, True, True, True, False]
