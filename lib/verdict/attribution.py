@@ -290,9 +290,11 @@ class Attribution:
     def _try_single(self, effects: Effects) -> bool:
         """Render each departure alone, one pair of each in turn.
 
-        So all of them have as many pairs as time allows.
+        So all of them have as many pairs as time allows. Those that rounding decides come first: they need a second pair.
         """
-        missing = [frozenset([name]) for name in self._tried if len(self.pairs.get(frozenset([name]), ())) < PAIRS]
+        later = {d.name: not d.by_rounding for d in self.departures}
+        tried = [frozenset([name]) for name in sorted(self._tried, key=later.__getitem__)]
+        missing = [names for names in tried if len(self.pairs.get(names, ())) < PAIRS]
         for count in range(1, PAIRS + 1):
             for names in missing:
                 pairs = effects(names, count)

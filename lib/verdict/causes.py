@@ -8,8 +8,8 @@ tolerance of 1 %, but explains nothing. And it is not shown that the share is ot
 region or in one that lies inside it.
 
 A set that explains every region is the cause. One that explains some is a partial cause, and so is a departure that is
-shown to take some of the difference away (its share is above 0, and not small) and in no region without an explanation
-to add to it. "Explains" means "is sufficient to explain": other sets may be so too. Those of the same size that the
+shown to take some of the difference away (its share is above 0, and not small as estimated) and in no region without an
+explanation to add to it. "Explains" means "is sufficient to explain": other sets may be so too. Those of the same size that the
 data do not tell apart are rivals.
 
 What is controlled: the chance of any false claim, of agreement, of a difference, of an explanation, of a share above 0

@@ -132,7 +132,7 @@ def _find(
     helping = {
         name
         for name, one in shares.items()
-        if (one.helps & (one.bound >= limit) & left).any() and not (one.harms & left).any()
+        if (one.helps & (one.value >= limit) & left).any() and not (one.harms & left).any()
     }
     if helping or chosen:
         return State.PARTIAL, _least_left(search, sides, chosen, helping), []

@@ -136,6 +136,15 @@ def test_a_part_of_the_difference_is_a_partial_cause_with_its_share_and_what_is_
         assert why.rest[0, 0] == pytest.approx(0.06, abs=3e-3)
 
 
+def test_a_small_part_that_could_be_larger_is_no_partial_cause(rng):
+    """A share of 15 %, shown to be above 0 and not shown to be small: naming it would pass it off as an answer."""
+    why = found(rng, share_of([0.15] * 5), noise_of_one=0.03, noise_of_effects=0.001)
+    assert why.shares[0].low[0] > 0.0
+    assert why.shares[0].bound[0] > why.limit
+    assert why.named == ()
+    assert Role.PARTIAL not in why.roles
+
+
 def test_two_partial_causes_that_overshoot_together_are_not_added_up(rng):
     """Of 0.6 and 1.4 the second leaves less over than both; 0.4 and 0.2 do add up."""
     effects = {"a": 0.06 * np.ones(5), "b": 0.14 * np.ones(5)}

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Differences that rounding causes, in simulated regions where the truth is known."""
 
+from collections import Counter
+
 import numpy as np
 from etalon.lib.departures.catalogue import Departure
+from etalon.lib.verdict.attribution import ATTRIBUTION_SHARE, Attribution
 from etalon.lib.verdict.causes import State
-from etalon.tests.lib.verdict.simulated_causes import simulated
+from etalon.lib.verdict.sequential import SequentialTest
+from etalon.tests.lib.verdict.simulated_causes import NOISE, TOLERANCE, Sums, simulated
 
 # Region 0 is the whole image, the others lie in it.
 INSIDE = np.eye(5)
@@ -44,3 +48,20 @@ def test_more_than_all_of_the_effect_is_not_put_down_to_rounding(rng):
     """Region 4 is brighter, which no part of the effect makes; so the image is not explained either."""
     why = found(rng, np.array([-0.3, -0.7, -0.1, -0.4, 0.2]))
     assert why.rounded.tolist() == [False, True, True, True, False]
+
+
+def test_what_rounding_decides_is_rendered_first(rng):
+    """Time for five pairs of three departures: those that rounding decides have two each, whatever their place."""
+    test = SequentialTest(5, TOLERANCE, 0.99, ATTRIBUTION_SHARE)
+    search = Attribution(KNOWN[::-1], test, ATTRIBUTION_SHARE * 0.01)
+    sides = [Sums(mean + NOISE * rng.standard_normal((8, 5, 3))) for mean in (1.0, 0.6)]
+    rendered = Counter()
+
+    def effects(names, wanted):
+        if rendered[names] < wanted and rendered.total() < 5:
+            rendered[names] += 1
+        return np.zeros((rendered[names], 5, 3)) if rendered[names] else None
+
+    test.look(sides[0].moments, sides[1].moments, False)
+    search.look(*sides, effects, False)
+    assert {name: rendered[frozenset([name])] for name in "abc"} == {"a": 2, "b": 2, "c": 1}
