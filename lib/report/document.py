@@ -26,7 +26,7 @@ from .words import forecast_seconds, sentences
 
 FORMAT = "etalon-verdict"
 # Grows when a field comes, goes or changes its meaning; a reader compares it before it reads on (read.py does).
-VERSION = 13
+VERSION = 14
 # What a reader of the version before must know, by version.
 CHANGES = {
     2: "Version 2: exit code 4 and EXPLAINED; `departures`, `unexplained`, and each region's `causes` and `rest` say why regions differ.",
@@ -53,6 +53,7 @@ CHANGES = {
     12: "Version 12: light passes are compared by default where they are cheap; `pass_choice` says what was asked for, what that "
     "stands for, and why none was compared where the default left them out.",
     13: "Version 13: `left_out` counts the pixels that show shadow catchers, too; its `shadow_catchers` says how many these are.",
+    14: "Version 14: the `reason` of a region may be 'likely departures': those of a likely cause, which is not proved; it was 'unexplained'.",
 }
 
 
@@ -197,7 +198,9 @@ def _reason(comparison: Comparison, k: int) -> str | None:
     outcome, why = comparison.verdict.outcomes[k], comparison.explanation
     if outcome is Outcome.EXPLAINED and why is not None:
         return "scene" if why.rounded[k] else "departures"
-    return "unexplained" if outcome is Outcome.DIFFERENT else None
+    if outcome is not Outcome.DIFFERENT:
+        return None
+    return "likely departures" if why is not None and why.state is State.LIKELY else "unexplained"
 
 
 def _share(comparison: Comparison, k: int) -> dict[str, Any] | None:

@@ -130,7 +130,12 @@ def test_a_departure_that_fits_the_whole_but_not_its_parts_is_said_not_to_be_the
 
 @pytest.mark.parametrize(
     ("case", "reasons"),
-    [("equivalent", {None}), ("explained", {"departures", None}), ("no reason", {"unexplained", None})],
+    [
+        ("equivalent", {None}),
+        ("explained", {"departures", None}),
+        ("no reason", {"unexplained", None}),
+        ("likely", {"likely departures", None}),
+    ],
 )
 def test_every_difference_has_a_reason_in_the_figures(case, reasons):
     figures = document(comparison_of(case), PLAN, "")
