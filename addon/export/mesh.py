@@ -40,7 +40,7 @@ def read_mesh(
             f"{name}: {plural(bad, 'coordinate')} of vertices not finite or beyond {FARTHEST:g}; "
             "repair the mesh or the modifier that made it"
         )
-    corners = _read(mesh.loop_triangles, "loops", np.int32, 3)
+    corners = read_corners(mesh)
     polygon = _read(mesh.loop_triangle_polygons, "value", np.int32)
     for index, count in ((triangles, len(mesh.vertices)), (corners, len(mesh.loops)), (polygon, len(mesh.polygons))):
         require_indices(index, count, name)
@@ -50,7 +50,7 @@ def read_mesh(
         triangles=triangles,
         slot=_slots(mesh, polygon),
         smooth=smooth,
-        corner_normals=_corner_normals(mesh, corners, triangles) if smooth.any() else None,
+        corner_normals=read_normals(mesh, corners, triangles) if smooth.any() else None,
         uvs={uv_map: _uvs(mesh, uv_map, corners) for uv_map in uv_maps},
         generated=_generated(mesh) if generated else None,
         attributes={wanted: read_attribute(mesh, wanted, corners, triangles, polygon) for wanted in attributes},
@@ -105,8 +105,21 @@ def _smooth(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
     return np.full(polygon.size, mesh.normals_domain != "FACE") if sharp is None else ~sharp[polygon]
 
 
-def _corner_normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(3, 3, t) normals of the triangles' corners, those that Cycles reads."""
+def is_smooth(mesh: bpy.types.Mesh) -> bool:
+    """Whether any face is shaded smooth."""
+    return bool(_smooth(mesh, _read(mesh.loop_triangle_polygons, "value", np.int32)).any())
+
+
+def read_corners(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(t, 3) the numbers of the mesh's corners that the triangles have."""
+    return _read(mesh.loop_triangles, "loops", np.int32, 3)
+
+
+def read_normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(3, 3, t) normals of the triangles' corners, those that Cycles reads.
+
+    The triangles have the mesh's `corners` (t, 3) and vertices `triangles` (3, t).
+    """
     if _splits_normals(mesh):
         return _picked(_read(mesh.corner_normals, "vector", np.float32, 3), corners)
     return _picked(_read(mesh.vertex_normals, "vector", np.float32, 3), triangles.T)

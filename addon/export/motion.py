@@ -7,9 +7,9 @@ frame. Deforming meshes have as many keys of their vertices. Materials, lights a
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import bpy
 import numpy as np
@@ -19,12 +19,21 @@ from ...lib.scene.camera import Camera
 from ...lib.scene.matrices import affine
 from ...lib.scene.mesh import Mesh
 from ...lib.scene.motion import Motion
+from ...lib.scene.normals import normal_matrices
+from ...lib.scene.placements import have_area
+from ...lib.scene.scene import Scene
+from ...lib.textures.requirements import reads_tangents
 from .camera import read_camera
-from .mesh import faces_of
+from .mesh import faces_of, is_smooth, read_corners, read_normals
 from .refusals import is_invisible, raise_any
 
 _LEAVE_OUT = "leave --motion-blur out"
 _MOST_KEYS = 129
+
+# From this release on Cycles has custom normals at each key. Before, it mixes those of the frame with plain ones of the others.
+_BLURS_OWN_NORMALS = (5, 2, 0)
+
+_Keys = dict[int, np.ndarray]
 
 Key = tuple[str, str, tuple[int, ...]]
 """An object or an instance: its name, its instancer's, and the instance's numbers."""
@@ -45,13 +54,17 @@ class _Thing:
 class _Shape:
     """A mesh at one time.
 
-    It has vertices (3, v), the vertices of its faces' corners, and the first corner of each face.
+    It has vertices (3, v), the vertices of its faces' corners, and the first corner of each face. `triangles` (t, 3)
+    are the corners of the middle's triangles, and `normals` (3 corners, 3, t) theirs, None where no face is smooth.
     """
 
     positions: np.ndarray
     corners: np.ndarray
     starts: np.ndarray
     has_velocity: bool
+    has_own_normals: bool
+    triangles: np.ndarray
+    normals: np.ndarray | None
 
 
 @dataclass(frozen=True)
@@ -88,10 +101,8 @@ def check_blur(depsgraph: bpy.types.Depsgraph, refusals: list[Refusal]) -> bool:
     return True
 
 
-def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None], mesh: Mesh) -> Motion | None:
-    """Read what moves in the scene whose faces are `mesh`; None where nothing does.
-
-    The scene was exported at the depsgraph's frame.
+def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None], exported: Scene) -> Motion | None:
+    """Read what moves in the scene that was `exported` at the depsgraph's frame; None where nothing does.
 
     `set_frame` evaluates the depsgraph at a time in frames. The caller sets it back. Raises Refused with all that is
     not simulated.
@@ -109,13 +120,13 @@ def read_motion(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], Non
     ordered = [states[k] for k in range(most)]
     refusals = list(_find_refused(ordered, middle))
     raise_any(refusals)
-    if len(middle.things) != len(mesh.objects):
+    if len(middle.things) != len(exported.mesh.objects):
         raise EtalonError(
             f"{scene.name}: objects with faces cannot be told apart for motion blur; rename the namesakes"
         )
-    objects, positions = _read_objects(ordered, middle, mesh)
+    objects, positions, normals = _read_objects(ordered, middle, exported)
     camera = _keys([state.camera.world_from_camera for state in ordered], camera_keys)
-    return Motion(objects, positions, camera) if objects or positions or camera is not None else None
+    return Motion(objects, positions, normals, camera) if objects or positions or camera is not None else None
 
 
 def _count_keys(thing: bpy.types.Object, parent: bpy.types.Object) -> int:
@@ -147,7 +158,8 @@ def _read_state(depsgraph: bpy.types.Depsgraph, middle: _State | None = None) ->
                 continue
             pointer = thing.data.as_pointer()
             if pointer not in shapes:
-                shapes[pointer] = _like(_read_shape(faces), key, middle)
+                known = middle is not None and key in middle.things
+                shapes[pointer] = _read_shape(faces, middle.shapes[middle.things[key].pointer] if known else None)
             deforms = thing.cycles.use_deform_motion and parent.cycles.use_deform_motion
             keys = _count_keys(thing, parent)
             things[key] = _Thing(thing.name, affine(instance.matrix_world), pointer, keys, deforms and keys > 1)
@@ -155,7 +167,8 @@ def _read_state(depsgraph: bpy.types.Depsgraph, middle: _State | None = None) ->
     return _State(things, shapes, lights, scene.camera.name, read_camera(scene.camera, scene.render, []))
 
 
-def _read_shape(mesh: bpy.types.Mesh) -> _Shape:
+def _read_shape(mesh: bpy.types.Mesh, middle: _Shape | None) -> _Shape:
+    """The mesh's shape, or its shape in the `middle` where it is the same, so that an equal shape is kept once."""
     positions = np.empty(3 * len(mesh.vertices), np.float32)
     corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
     mesh.vertices.foreach_get("co", positions)
@@ -163,19 +176,21 @@ def _read_shape(mesh: bpy.types.Mesh) -> _Shape:
     mesh.polygons.foreach_get("loop_start", starts)
     velocity = mesh.attributes.get("velocity")
     has_velocity = velocity is not None and velocity.domain == "POINT" and velocity.data_type == "FLOAT_VECTOR"
-    return _Shape(positions.reshape(-1, 3).T.astype(np.float64), corners, starts, has_velocity)
-
-
-def _like(shape: _Shape, key: Key, middle: _State | None) -> _Shape:
-    """Return the shape of the thing `key` in the middle where it is the same, else `shape`.
-
-    An equal shape is thus kept once.
-    """
-    if middle is None or key not in middle.things:
+    triangles = read_corners(mesh) if middle is None else middle.triangles
+    own = mesh.has_custom_normals
+    shape = _Shape(positions.reshape(-1, 3).T.astype(np.float64), corners, starts, has_velocity, own, triangles, None)
+    if middle is not None and _has_faces_of(shape, middle) and np.array_equal(shape.positions, middle.positions):
+        return middle
+    wanted = is_smooth(mesh) if middle is None else middle.normals is not None and _has_faces_of(shape, middle)
+    if not wanted:
         return shape
-    other = middle.shapes[middle.things[key].pointer]
-    pairs = ((shape.positions, other.positions), (shape.corners, other.corners), (shape.starts, other.starts))
-    return other if all(np.array_equal(*pair) for pair in pairs) else shape
+    return replace(shape, normals=read_normals(mesh, triangles, corners[triangles].T))
+
+
+def _has_faces_of(shape: _Shape, other: _Shape) -> bool:
+    """Whether two shapes have as many vertices, and the same faces."""
+    same = shape.positions.shape == other.positions.shape
+    return same and np.array_equal(shape.corners, other.corners) and np.array_equal(shape.starts, other.starts)
 
 
 def _find_refused(states: list[_State], middle: _State) -> Iterator[Refusal]:
@@ -232,8 +247,7 @@ def _of_thing(key: Key, state: _State, middle: _State) -> Iterator[Refusal]:
     if one.has_velocity:
         what = "motion blur by the attribute 'velocity'"
         yield Refusal(owner, what, "remove the attribute, or switch Deformation off in its motion blur settings")
-    same = one.positions.shape == two.positions.shape
-    if not (same and np.array_equal(one.corners, two.corners) and np.array_equal(one.starts, two.starts)):
+    if not _has_faces_of(one, two):
         what = "motion blur of a mesh whose faces change while the shutter is open"
         yield Refusal(owner, what, "switch Deformation off in its motion blur settings")
 
@@ -248,17 +262,19 @@ def _deforms(key: Key, states: list[_State], middle: _State) -> bool:
     )
 
 
-def _read_objects(
-    states: list[_State], middle: _State, mesh: Mesh
-) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray]]:
-    """Return the keys of transforms and of vertices; raises Refused.
+def _read_objects(states: list[_State], middle: _State, exported: Scene) -> tuple[_Keys, _Keys, _Keys]:
+    """Return the keys of transforms, of vertices and of normals; raises Refused.
 
-    They are by the number of the object in `mesh`.
+    They are by the number of the object in `exported`. Normals of a mesh with several users are mixed in object space, as
+    are those of what moves: such an object has keys of its transform, though they may be the same.
     """
-    objects: dict[int, np.ndarray] = {}
-    positions: dict[int, np.ndarray] = {}
-    refusals = []
+    objects: _Keys = {}
+    positions: _Keys = {}
+    normals: _Keys = {}
+    refusals: list[Refusal] = []
+    mesh = exported.mesh
     first = _first_vertices(middle)
+    users = Counter(thing.pointer for thing in middle.things.values())
     for index, (key, thing) in enumerate(middle.things.items()):
         if thing.keys == 1:
             continue
@@ -271,24 +287,64 @@ def _read_objects(
         if shapes is None:
             continue
         faces = mesh.object_index == index
-        if mesh.smooth[faces].any():
-            what = "motion blur of a deforming mesh that is shaded smooth"
-            remedy = "shade it flat, or switch Deformation off in its motion blur settings"
-            refusals.append(Refusal(f"object '{thing.name}'", what, remedy))
         positions[index] = shapes[:, :, np.unique(mesh.triangles[:, faces]) - first[index]]
+        shape = middle.shapes[thing.pointer]
+        refusals += _of_shading(thing, shape, faces, exported)
+        if not mesh.smooth[faces].any():
+            continue
+        if users[thing.pointer] > 1:
+            objects.setdefault(index, np.array([thing.matrix, thing.matrix]))
+        local = _spaced([state.shapes[state.things[key].pointer].normals for state in states], thing.keys)
+        placed = _placed(local, shape, thing.matrix, first[index], mesh)
+        normals[index] = _unit(placed if index in objects else _turned(placed, thing.matrix))
     raise_any(refusals)
-    return objects, positions
+    return objects, positions, normals
+
+
+def _of_shading(thing: _Thing, shape: _Shape, faces: np.ndarray, exported: Scene) -> Iterator[Refusal]:
+    """What of the normals and tangents of a mesh that deforms is not simulated."""
+    owner = f"object '{thing.name}'"
+    if shape.has_own_normals and exported.mesh.smooth[faces].any() and bpy.app.version < _BLURS_OWN_NORMALS:
+        what = "motion blur of a deforming mesh with custom normals, before Blender 5.2"
+        remedy = "clear its custom normals, or switch Deformation off in its motion blur settings"
+        yield Refusal(owner, what, remedy)
+    if any(reads_tangents(exported.materials[k]) for k in np.unique(exported.mesh.material_index[faces])):
+        what = "motion blur of a deforming mesh whose material has a normal map or UV tangents"
+        yield Refusal(owner, what, "switch Deformation off in its motion blur settings")
+
+
+def _placed(normals: np.ndarray, shape: _Shape, matrix: np.ndarray, first: int, mesh: Mesh) -> np.ndarray:
+    """Keys of the normals (k, 3 corners, 3, t) of an object's faces in `mesh`, from its `first` vertex on.
+
+    Faces without area are left out there, and a mirrored object has its corners turned round.
+    """
+    order = [0, 2, 1] if np.linalg.det(matrix[:, :3]) < 0.0 else [0, 1, 2]
+    triangles = first + shape.corners[shape.triangles].T[order]
+    return normals[:, order][..., have_area(mesh.vertices, triangles)]
+
+
+def _turned(normals: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Keys of normals in world space, of those in an object's space."""
+    return np.einsum("ij,kcjt->kcit", normal_matrices(matrix[None, :, :3])[0], normals)
+
+
+def _unit(normals: np.ndarray) -> np.ndarray:
+    """Keys of normals with unit length; one without length stays so."""
+    length = np.linalg.norm(normals, axis=2, keepdims=True)
+    return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)
 
 
 def _keys(values: list[np.ndarray], count: int) -> np.ndarray | None:
-    """Return `count` of the values, equally spaced from the first to the last.
-
-    None where they do not change.
-    """
+    """Return `count` of the values, as `_spaced` does; None where they do not change."""
     if count == 1:
         return None
-    found = np.array(values[:: (len(values) - 1) // (count - 1)])
+    found = _spaced(values, count)
     return None if (found == found[:1]).all() else found
+
+
+def _spaced(values: list[np.ndarray], count: int) -> np.ndarray:
+    """Return `count` of the values, at least 2, equally spaced from the first to the last."""
+    return np.array(values[:: (len(values) - 1) // (count - 1)])
 
 
 def _first_vertices(state: _State) -> list[int]:

@@ -102,7 +102,7 @@ def export_scene(
 
 def _with_motion(scene: Scene, depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:
     """The scene with what moves of it."""
-    moving = replace(scene, motion=read_motion(depsgraph, set_frame, scene.mesh))
+    moving = replace(scene, motion=read_motion(depsgraph, set_frame, scene))
     validate(moving)
     return moving
 

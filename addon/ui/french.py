@@ -158,8 +158,8 @@ FRENCH: dict[str, str] = {
         "Comparer ce qui peut l'être : laisser de côté les pixels montrant des matériaux non pris en charge, et place à leur lumière ailleurs"
     ),
     "Motion blur": "Flou de mouvement",
-    "Compare with the scene's motion blur: objects, the camera and flat meshes that deform; otherwise it is off on both sides": (
-        "Comparer avec le flou de mouvement de la scène : objets, caméra et maillages plats déformés ; sinon désactivé des deux côtés"
+    "Compare with the scene's motion blur: objects, the camera and meshes that deform; otherwise it is off on both sides": (
+        "Comparer avec le flou de mouvement de la scène : objets, caméra et maillages déformés ; sinon désactivé des deux côtés"
     ),
     "Output": "Sortie",
     "Folder for the report, verdict.json and images; // is the folder of this file": (

@@ -106,9 +106,6 @@ ERRORS: dict[str, str] = {
     "The shutter curve is nowhere open, or below 0; raise its points": (
         "La courbe de l'obturateur n'est nulle part ouverte, ou passe sous 0 ; relevez ses points"
     ),
-    "{name}: a smooth mesh that deforms is not supported; shade it flat": (
-        "{name} : un maillage lisse qui se déforme n'est pas pris en charge ; ombrez-le à plat"
-    ),
     "{name}: moves with a scale of 0 at this frame; give it a scale above 0": (
         "{name} : se meut avec une échelle de 0 à cette image ; donnez-lui une échelle supérieure à 0"
     ),

@@ -23,7 +23,12 @@ WHATS: dict[str, str] = {
         "un objectif ou une échelle refusés pendant que l'obturateur est ouvert"
     ),
     "motion blur by the attribute 'velocity'": "le flou de mouvement par l'attribut « velocity »",
-    "motion blur of a deforming mesh that is shaded smooth": "le flou de mouvement d'un maillage lisse qui se déforme",
+    "motion blur of a deforming mesh with custom normals, before Blender 5.2": (
+        "le flou de mouvement d'un maillage qui se déforme et a des normales personnalisées, avant Blender 5.2"
+    ),
+    "motion blur of a deforming mesh whose material has a normal map or UV tangents": (
+        "le flou de mouvement d'un maillage qui se déforme, dont le matériau a une carte de normales ou des tangentes UV"
+    ),
     "motion blur of a deforming mesh whose objects have other Steps or Deformation": (
         "le flou de mouvement d'un maillage qui se déforme, dont les objets ont d'autres Steps ou Deformation"
     ),
@@ -261,8 +266,8 @@ REMEDIES: dict[str, str] = {
     ),
     "set Position to Center on Frame": "réglez Position sur Center on Frame",
     "set Rolling Shutter to None": "réglez Rolling Shutter sur None",
-    "shade it flat, or switch Deformation off in its motion blur settings": (
-        "ombrez-le plat, ou désactivez Deformation dans ses réglages de flou"
+    "clear its custom normals, or switch Deformation off in its motion blur settings": (
+        "effacez ses normales personnalisées, ou désactivez Deformation dans ses réglages de flou"
     ),
     "switch Deformation off in its motion blur settings": "désactivez Deformation dans ses réglages de flou",
     "set Render As of its particles to Object, or do not render it": (

@@ -182,7 +182,7 @@ def _check_unit(owner: str, direction: tuple[float, float, float]) -> None:
 def _check_motion(motion: Motion, mesh: Mesh) -> None:
     """Check that the keys belong to objects that are there.
 
-    Those of objects that deform must have all vertices that the faces use.
+    Those of objects that deform must have all vertices that the faces use, and normals where faces are smooth.
     """
     for what, keys in (("transform", motion.objects), ("vertex positions", motion.positions)):
         for index, values in keys.items():
@@ -191,6 +191,15 @@ def _check_motion(motion: Motion, mesh: Mesh) -> None:
             owner = mesh.objects[index].name
             _demand(len(values) >= 2, owner, f"its {what} has fewer than two keys")
             _check_array(owner, f"its {what} over time", values, (len(values), 3, count), "f")
+    smooth = {index for index in motion.positions if mesh.smooth[mesh.object_index == index].any()}
+    what = f"objects {sorted(smooth)} deform and have smooth faces, and {sorted(motion.normals)} have normals over time"
+    _demand(motion.normals.keys() == smooth, "motion", what)
+    for index, values in motion.normals.items():
+        owner, what = mesh.objects[index].name, "its corner normals over time"
+        shape = len(motion.positions[index]), 3, 3, int((mesh.object_index == index).sum())
+        _check_array(owner, what, values, shape, "f")
+        length = np.einsum("kcit,kcit->kct", values, values)
+        _demand((np.abs(length - 1.0) < _UNIT).all(), owner, f"{what} are not of unit length")
     if motion.camera is not None:
         _demand(len(motion.camera) >= 2, "camera", "its motion has fewer than two keys")
         _check_array("camera", "its motion", motion.camera, (len(motion.camera), 3, 4), "f")

@@ -27,6 +27,18 @@ def interpolate_linearly(keys: np.ndarray, time: float) -> np.ndarray:
     return (1.0 - share) * keys[first] + share * keys[first + 1]
 
 
+def interpolate_directions(keys: np.ndarray, time: float) -> np.ndarray:
+    """Unit vectors (corners, 3, n) at `time`, 0 to 1, between keys (k, corners, 3, n) of unit vectors.
+
+    They are linear between keys, then normalised, as in Cycles' motion_triangle_normals. Between opposite keys, whose
+    middle has no direction, it is the key before.
+    """
+    mixed = interpolate_linearly(keys, time)
+    length = np.linalg.norm(mixed, axis=1, keepdims=True)
+    before = keys[split_interval(len(keys), time)[0]]
+    return np.divide(mixed, length, out=before.astype(mixed.dtype), where=length > 0.0)
+
+
 def decompose(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Decompose a (3, 4) map into a rotation (3, 3) and an upper triangular stretch (3, 3).
 

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import EtalonError
-from .interpolation import interpolate_linearly, interpolate_transforms
+from .interpolation import interpolate_directions, interpolate_linearly, interpolate_transforms
 from .mesh import Mesh
 from .motion import Motion
+from .normals import normal_matrices
 from .scene import Scene
 
 
@@ -18,7 +19,7 @@ def scene_at(scene: Scene, time: float) -> Scene:
     """The scene at the shutter time `time`, 0 to 1; what does not move is shared.
 
     The result has no motion. Raises EtalonError for an object that has no volume, as its vertices cannot be brought
-    back to object space, and for deforming meshes that are shaded smooth.
+    back to object space.
     """
     motion = scene.motion
     if motion is None:
@@ -44,14 +45,16 @@ def _mesh_at(mesh: Mesh, motion: Motion, time: float) -> Mesh:
             after = interpolate_transforms(motion.objects[index], time)
         own = np.unique(mesh.triangles[:, faces])
         if index in motion.positions:
-            if mesh.smooth[faces].any():
-                raise EtalonError(f"{thing.name}: a smooth mesh that deforms is not supported; shade it flat")
             local = interpolate_linearly(motion.positions[index], time)
         else:
             local = _to_object_space(thing.name, before, vertices[:, own])
         vertices[:, own] = after[:, :3] @ local + after[:, 3:]
-        if normals.size and index in motion.objects:
-            normals[:, :, faces] = _turn(normals[:, :, faces], before[:, :3], after[:, :3])
+        if index in motion.normals:
+            mixed = interpolate_directions(motion.normals[index], time)
+            normals[:, :, faces] = _turn(mixed, after[:, :3]) if index in motion.objects else mixed
+        elif normals.size and index in motion.objects:
+            still = _to_object_normals(normals[:, :, faces], before[:, :3])
+            normals[:, :, faces] = _turn(still, after[:, :3])
         objects[index] = replace(thing, world_from_object=after)
     return replace(mesh, vertices=vertices, corner_normals=normals, objects=tuple(objects))
 
@@ -64,12 +67,15 @@ def _to_object_space(name: str, matrix: np.ndarray, points: np.ndarray) -> np.nd
         raise EtalonError(f"{name}: moves with a scale of 0 at this frame; give it a scale above 0") from error
 
 
-def _turn(normals: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Corner normals (3 corners, 3, n) for the linear map (3, 3) `after` instead of `before`.
+def _to_object_normals(normals: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Unit normals (3 corners, 3, n) in the object space of the linear map (3, 3), of those in world space."""
+    local = np.einsum("ji,cjt->cit", matrix, normals)
+    return local / np.linalg.norm(local, axis=1, keepdims=True)
 
-    They are of unit length in object space, and keep the lengths that `after` gives them: what moves is mixed there.
+
+def _turn(local: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Corner normals (3 corners, 3, n) in world space, of unit normals in object space.
+
+    They keep the lengths that the linear map (3, 3) gives them: what moves is mixed in object space.
     """
-    local = np.einsum("ji,cjt->cit", before, normals)
-    local /= np.linalg.norm(local, axis=1, keepdims=True)
-    inverse = np.linalg.inv(after)
-    return np.einsum("ji,cjt->cit", inverse / np.abs(inverse).max(), local)
+    return np.einsum("ij,cjt->cit", normal_matrices(matrix[None])[0], local)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import EtalonError
 from .mesh import Mesh, Object
+from .normals import normal_matrices
 
 UNKNOWN_MEMORY = 8 * 2**30
 """Bytes of memory where the system does not tell."""
@@ -182,9 +183,8 @@ def _fill(mesh: Mesh, group: _Group, instances: list[_Instance], first_vertex: i
 
 
 def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.ndarray, at: slice) -> None:
-    """Corner normals by the cofactor matrix, det(M) M^-T.
+    """Corner normals of the instances.
 
-    It exists for flattened objects, too.
     Cycles mixes an instance's normals in object space, but turns those of a mesh with one user into unit vectors of the
     world first: so the latter are normalised, and the former keep the lengths that their transform gives them.
     """
@@ -192,14 +192,11 @@ def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.nd
     if local.corner_normals is None:
         mesh.corner_normals[:, :, at] = _face_normals(mesh, at)
         return
-    cofactor = np.cross(np.roll(linear, -1, axis=1), np.roll(linear, -2, axis=1)).astype(np.float32)
-    cofactor[mirrored] *= -1.0
-    largest = np.abs(cofactor).max(axis=(1, 2), keepdims=True)
-    np.divide(cofactor, largest, out=cofactor, where=largest > 0.0)
+    turns = normal_matrices(linear).astype(np.float32)
     for corner in range(3):
-        normals = np.matmul(cofactor, local.corner_normals[corner])
+        normals = np.matmul(turns, local.corner_normals[corner])
         if corner:
-            normals[mirrored] = np.matmul(cofactor[mirrored], local.corner_normals[3 - corner])
+            normals[mirrored] = np.matmul(turns[mirrored], local.corner_normals[3 - corner])
         length = np.sqrt(np.einsum("kct,kct->kt", normals, normals))[:, None, :]
         bad = ~(length > 0.0)
         if len(group.instances) == 1:
@@ -220,14 +217,28 @@ def _mirrored_corners(values: np.ndarray, mirrored: np.ndarray) -> np.ndarray:
     return np.where(mirrored[:, None], values[[0, 2, 1]], values)
 
 
-def _edges(mesh: Mesh, at: slice) -> tuple[np.ndarray, np.ndarray]:
-    a, b, c = (np.take(mesh.vertices, mesh.triangles[i, at], axis=1) for i in range(3))
+def have_area(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(t,) whether triangles (3, t) of world vertices (3, v) have an area, and are thus kept when meshes are joined."""
+    found = np.empty(triangles.shape[1], bool)
+    for first in range(0, found.size, _BLOCK):
+        at = slice(first, first + _BLOCK)
+        u, v = _edges(vertices, triangles[:, at])
+        w = v - u
+        normal = np.cross(u, v, axis=0)
+        longest = np.maximum(np.einsum("cn,cn->n", u, u), np.einsum("cn,cn->n", v, v))
+        longest = np.maximum(longest, np.einsum("cn,cn->n", w, w))
+        found[at] = np.sqrt(np.einsum("cn,cn->n", normal, normal)) > _THINNEST * longest
+    return found
+
+
+def _edges(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    a, b, c = (np.take(vertices, triangles[i], axis=1) for i in range(3))
     return b - a, c - a
 
 
 def _face_normals(mesh: Mesh, at: slice) -> np.ndarray:
     """(3, n) unit normals of the triangles; +z for those without area."""
-    normals = np.cross(*_edges(mesh, at), axis=0)
+    normals = np.cross(*_edges(mesh.vertices, mesh.triangles[:, at]), axis=0)
     length = np.sqrt(np.einsum("cn,cn->n", normals, normals))
     up = np.array([[0.0], [0.0], [1.0]])
     return np.where(length > 0.0, normals / np.where(length > 0.0, length, 1.0), up)
@@ -244,15 +255,7 @@ def _log_degenerate(mesh: Mesh, marked: np.ndarray) -> None:
 
 def _without_degenerate(mesh: Mesh) -> Mesh:
     """The mesh without triangles that have no area, each object's count logged."""
-    keep = np.empty(mesh.triangle_count, bool)
-    for first in range(0, keep.size, _BLOCK):
-        at = slice(first, first + _BLOCK)
-        u, v = _edges(mesh, at)
-        w = v - u
-        normal = np.cross(u, v, axis=0)
-        longest = np.maximum(np.einsum("cn,cn->n", u, u), np.einsum("cn,cn->n", v, v))
-        longest = np.maximum(longest, np.einsum("cn,cn->n", w, w))
-        keep[at] = np.sqrt(np.einsum("cn,cn->n", normal, normal)) > _THINNEST * longest
+    keep = have_area(mesh.vertices, mesh.triangles)
     if keep.all():
         return mesh
     _log_degenerate(mesh, ~keep)

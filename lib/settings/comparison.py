@@ -113,7 +113,7 @@ class ComparisonSettings(CompareOptions, Options):
     motion_blur: bool = option(
         False,
         Flag(),
-        "compare with the scene's motion blur: objects, the camera and flat meshes that deform; otherwise it is off on both sides",
+        "compare with the scene's motion blur: objects, the camera and meshes that deform; otherwise it is off on both sides",
         panel=Panel("Motion blur"),
     )
     out: Path | None = option(

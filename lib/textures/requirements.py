@@ -34,7 +34,7 @@ def requirements(materials: Iterable[Material]) -> Requirements:
     generated = False
     for material in materials:
         for kind, uv_map in _reads(material):
-            if kind == "UV":
+            if kind in ("UV", "TANGENT"):
                 uv_maps.add(uv_map)
             elif kind == "ATTRIBUTE":
                 attributes.add(uv_map)
@@ -42,8 +42,13 @@ def requirements(materials: Iterable[Material]) -> Requirements:
     return Requirements(frozenset(uv_maps), generated, frozenset(attributes))
 
 
+def reads_tangents(material: Material) -> bool:
+    """Whether `material` reads tangents along a UV map: through a tangent-space normal map or an anisotropic lobe."""
+    return any(kind == "TANGENT" for kind, _ in _reads(material))
+
+
 def _reads(material: Material) -> Iterator[tuple[str, str]]:
-    """Kinds of coordinates, with the name where the kind is 'UV' or 'ATTRIBUTE'."""
+    """Kinds of coordinates, with the name where the kind is 'UV', 'TANGENT' (along a UV map) or 'ATTRIBUTE'."""
     for lobe in material.lobes:
         roots: list[Expression] = [lobe.weight]
         roots.extend(
@@ -52,7 +57,9 @@ def _reads(material: Material) -> Iterator[tuple[str, str]]:
         for root in roots:
             yield from ((node.kind, node.uv_map) for node in walk(root) if isinstance(node, Coordinates))
             yield from (
-                ("UV", node.uv_map) for node in walk(root) if isinstance(node, NormalMap) and node.space == "TANGENT"
+                ("TANGENT", node.uv_map)
+                for node in walk(root)
+                if isinstance(node, NormalMap) and node.space == "TANGENT"
             )
             yield from (("ATTRIBUTE", node.name) for node in walk(root) if isinstance(node, Attribute))
         if isinstance(lobe.closure, Anisotropic) and lobe.closure.anisotropy != ZERO:
@@ -60,4 +67,4 @@ def _reads(material: Material) -> Iterator[tuple[str, str]]:
 
 
 def _tangent_reads(tangent: Tangent) -> Iterator[tuple[str, str]]:
-    yield ("UV", tangent.uv_map) if tangent.kind == "UV" else ("GENERATED", "")
+    yield ("TANGENT", tangent.uv_map) if tangent.kind == "UV" else ("GENERATED", "")

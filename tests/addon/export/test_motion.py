@@ -153,10 +153,13 @@ def _velocity(studio, square):
     square.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
 
 
-def _smooth(studio, square):
+def _mapped(studio, square):
     bend(square)
-    for face in square.data.polygons:
-        face.use_smooth = True
+    square.data.uv_layers.new(name="uv")
+    tree = square.data.materials[0].node_tree
+    shader, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(tree.nodes.new("ShaderNodeNormalMap").outputs["Normal"], shader.inputs["Normal"])
+    tree.links.new(shader.outputs[0], out.inputs["Surface"])
 
 
 def _mirrored(studio, square):
@@ -174,7 +177,7 @@ def _mirrored(studio, square):
         (_hidden, "an object that appears or vanishes"),
         (_remeshed, "a mesh whose faces change"),
         (_velocity, "by the attribute 'velocity'"),
-        (_smooth, "a deforming mesh that is shaded smooth"),
+        (_mapped, "a deforming mesh whose material has a normal map or UV tangents"),
         (_mirrored, "a scale of 0, or of one that changes its sign"),
     ],
     ids=lambda value: value.__name__.strip("_") if callable(value) else "",

@@ -4,7 +4,12 @@
 import numpy as np
 import pytest
 from etalon.lib.errors import EtalonError
-from etalon.lib.scene.interpolation import decompose, interpolate_transforms, shutter_times
+from etalon.lib.scene.interpolation import (
+    decompose,
+    interpolate_directions,
+    interpolate_transforms,
+    shutter_times,
+)
 from etalon.tests.turns import turned
 from scipy import stats
 
@@ -21,6 +26,22 @@ def test_parts_of_a_motion_are_interpolated_apart():
         np.testing.assert_allclose(found, turned(angle, (x, 2.0, z), (place, 0.0, -angle), axis), atol=1e-12)
     for key, time in zip(keys, (0.0, 0.5, 1.0), strict=True):
         np.testing.assert_allclose(interpolate_transforms(np.array(keys), time), key, atol=1e-12)
+
+
+def test_directions_turn_as_the_chord_between_keys_is_walked():
+    """At the share s of the way between directions at the angle theta, tan = s sin theta / (1 - s + s cos theta)."""
+    angles = 0.3, 1.7, 0.9
+    keys = np.array([(np.sin(a), 0.0, np.cos(a)) for a in angles]).reshape(3, 1, 3, 1)
+    for time, first, share in ((0.1, 0, 0.2), (0.5, 1, 0.0), (0.65, 1, 0.3), (1.0, 1, 1.0)):
+        turn = angles[first + 1] - angles[first]
+        angle = angles[first] + np.arctan2(share * np.sin(turn), 1.0 - share + share * np.cos(turn))
+        found = interpolate_directions(keys, time)[0, :, 0]
+        np.testing.assert_allclose(found, (np.sin(angle), 0.0, np.cos(angle)), atol=1e-12)
+
+
+def test_the_middle_of_opposite_directions_is_the_key_before():
+    keys = np.array([(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]).reshape(2, 1, 3, 1)
+    np.testing.assert_array_equal(interpolate_directions(keys, 0.5)[0, :, 0], (0.0, 0.0, 1.0))
 
 
 def test_a_rotation_takes_the_smaller_angle():

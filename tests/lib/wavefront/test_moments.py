@@ -2,11 +2,13 @@
 """Motion blur against closed forms: how long a point of the image sees what moves."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from etalon.lib.errors import Refused
 from etalon.lib.rendering.replicates import make_renderer
+from etalon.lib.scene.lights import SunLight
 from etalon.lib.scene.motion import Motion
 from etalon.lib.settings.reference import OTHER_ESTIMATORS, RenderOptions
 from etalon.lib.wavefront.moments import count_moments
@@ -86,6 +88,64 @@ def test_a_camera_that_dollies_sees_a_strip_grow(seed):
     pixels = np.arange(-4.0, 4.0)[:, None] / 4.0
     exact = 4.0 * overlap(pixels, pixels + 0.25, -reach, reach).mean(axis=1)
     assert_mean(blurred(one, Motion(camera=keys), seed), exact[None, :, None], precision=0.1, rounding=1e-6)
+
+
+def waving(turns):
+    """A smooth square of which the normals of the left side have the angles `turns` at the keys, the right ones none.
+
+    It slides in its plane, so that nothing but its normals changes what is seen.
+    """
+    square = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
+    square = replace(square, normals=np.repeat([[0.0], [0.0], [1.0]], 4, axis=1))
+    one = scene(
+        square, diffuse(0.5), orthographic(4, 1, 4.0, (0, 0, 5)), lights=(SunLight("sun", SUN, 0.0, (2.0,) * 3),)
+    )
+    left = square.vertices[0] < 0.0
+    keys = [np.array([np.sin(a * left), 0.0 * left, np.cos(a * left)]) for a in turns]
+    normals = np.array([key[:, square.triangles].transpose(1, 0, 2) for key in keys])
+    slid = np.array([square.vertices + np.array([[0.0], [y], [0.0]]) for y in np.linspace(-0.5, 0.5, len(turns))])
+    return one, Motion(positions={0: slid}, normals={0: normals})
+
+
+SUN = (0.6, 0.0, 0.8)
+
+
+def light_of(turns, angle_at):
+    """(4,) light of the pixels of `waving`, by Gauss quadrature over place and time; angle_at(start, stop, share)."""
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    sums = np.zeros(4)
+    for start, stop in pairwise(turns):
+        for share, weight in zip(nodes, weights, strict=True):
+            angle = angle_at(start, stop, share)
+            for pixel in range(4):
+                reach = (pixel + 1.0 + nodes) / 6.0
+                n = np.array([(1.0 - reach) * np.sin(angle), 0.0 * reach, (1.0 - reach) * np.cos(angle) + reach])
+                cosine = np.maximum(SUN @ (n / np.linalg.norm(n, axis=0)), 0.0)
+                sums[pixel] += weight * (weights * cosine).sum() / (len(turns) - 1)
+    return sums * 0.5 / np.pi * 2.0
+
+
+def chord(start, stop, share):
+    """The angle on the chord between two directions."""
+    return start + np.arctan2(share * np.sin(stop - start), 1.0 - share + share * np.cos(stop - start))
+
+
+def test_normals_that_turn_show_the_mean_of_their_cosines(seed):
+    """A square under a distant light, whose normals turn.
+
+    A turn at constant speed, and the normals of the frame, would show other light.
+    """
+    turns = -0.8, 1.2, -0.8
+    one, motion = waving(turns)
+    exact = light_of(turns, chord)
+    found = blurred(one, motion, seed, count=24)
+    assert_mean(found, exact[None, :, None], precision=0.002, rounding=1e-6)
+    error = found.std(axis=0, ddof=1).max() / np.sqrt(24)
+    even = light_of(turns, lambda start, stop, share: start + share * (stop - start))
+    still = light_of((1.2, 1.2), chord)
+    assert np.abs(even - exact).max() > 8.0 * error
+    assert np.abs(still - exact).max() > 8.0 * error
 
 
 def test_moments_share_the_samples_evenly():
