@@ -99,10 +99,13 @@ def _slots(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
 def _smooth(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
     """(t,) whether a face is shaded smooth.
 
-    As in Cycles, sharp edges count only where no face says whether it is sharp.
+    As in Cycles, all are where it reads a normal for each corner: those of a sharp face are the face's, or custom.
+    Else sharp edges count only where no face says whether it is sharp.
     """
     sharp = _attribute(mesh, "sharp_face", "FACE", "BOOLEAN")
-    return np.full(polygon.size, mesh.normals_domain != "FACE") if sharp is None else ~sharp[polygon]
+    if sharp is None or _splits_normals(mesh):
+        return np.full(polygon.size, mesh.normals_domain != "FACE")
+    return ~sharp[polygon]
 
 
 def is_smooth(mesh: bpy.types.Mesh) -> bool:

@@ -146,6 +146,11 @@ def custom(mesh):
     mesh.normals_split_custom_set([(0.1 * i - 0.5, 0.3, 1.0) for i in range(12)])
 
 
+def custom_on_a_sharp_face(mesh):
+    one_sharp_face(mesh)
+    mesh.normals_split_custom_set([(0.1 * i - 0.5, 0.3, 1.0) for i in range(12)])
+
+
 SHADINGS = [
     all_smooth,
     one_sharp_face,
@@ -154,6 +159,7 @@ SHADINGS = [
     only_sharp_edges,
     only_sharp_edges_and_no_word_of_faces,
     custom,
+    custom_on_a_sharp_face,
 ]
 
 

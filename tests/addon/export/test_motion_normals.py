@@ -172,7 +172,6 @@ def test_cycles_shows_the_same_mean_normal(blurred, seed, case):
     ours, theirs = (x.reshape(-1, 4, 2, 4, 2, 3).mean(axis=(2, 4)) for x in (ours, theirs))
     error = np.sqrt(sum(x.var(axis=0, ddof=1) / len(x) for x in (ours, theirs)))
     difference = np.abs(ours.mean(axis=0) - theirs.mean(axis=0))
-    print(case, "worst", (difference - 6 * error).max(), "largest", difference.max(), "error", error.max())
     # Cycles from 5.1 on keeps normals in 2 x 16 bits.
     assert (difference <= 6.0 * error + 2e-4).all()
     assert error.max() < 8e-3
