@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 OVERLAPPING_FACES = "overlapping faces"
 """The check that departures and the scene check name."""
+OVERLAPPING_LIGHTS = "overlapping lights"
+"""The check of area lights in one plane."""
 
 _MOST_NAMES = 3
 

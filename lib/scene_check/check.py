@@ -8,11 +8,13 @@ from collections.abc import Callable
 from ..scene.findings import Finding
 from ..scene.scene import Scene
 from .geometry import find_mirrored, find_overlapping_faces, find_turned_normals
+from .lights import find_overlapping_lights
 from .materials import find_color_normal_maps, find_negative_colors
 from .shadows import find_shadows_apart
 
 CHECKS: tuple[Callable[[Scene], Finding | None], ...] = (
     find_overlapping_faces,
+    find_overlapping_lights,
     find_color_normal_maps,
     find_turned_normals,
     find_negative_colors,

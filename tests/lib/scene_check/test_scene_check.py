@@ -93,6 +93,30 @@ def test_mirrored_objects_are_counted_and_named():
     assert (found.check, found.what) == ("negative scale", "1 object is mirrored by a negative scale: 'Left shoe'.")
 
 
+PANEL = AreaLight("Panel", (0.0, 0.0, 3.0), (2.0, 0, 0), (0, -2.0, 0), (0, 0, -1.0), "RECTANGLE", (1.0,) * 3, np.pi)
+
+
+@pytest.mark.parametrize(
+    ("other", "area"),
+    [
+        ({}, "4"),
+        ({"center": (1.0, 0.0, 3.0)}, "2"),
+        ({"center": (2.0, 0.0, 3.0)}, None),  # side by side
+        ({"center": (0.0, 0.0, 3.00001)}, None),
+        ({"edge_v": (0, 2.0, 0), "normal": (0, 0, 1.0)}, None),  # back to back
+        ({"radiance": (0.0,) * 3}, None),
+        ({"shape": "ELLIPSE"}, "3.14"),
+        ({"edge_u": (2**0.5, 2**0.5, 0), "edge_v": (2**0.5, -(2**0.5), 0)}, "3.31"),  # an octagon
+    ],
+)
+def test_area_lights_that_overlap_in_one_plane_are_named_with_their_area(other, area):
+    """The areas are those of the plane's geometry: 8 (sqrt 2 - 1) of two squares at 45 degrees."""
+    found = checked(scenes.floor(), lights=(PANEL, replace(PANEL, name="Second", **other)))
+    said = {} if area is None else {"overlapping lights": f"'Panel' and 'Second' ({area} m²)"}
+    assert found.keys() == said.keys()
+    assert all(text in found[check] for check, text in said.items())
+
+
 def test_findings_of_the_export_come_last():
     told = Finding("soft falloff", "Soft falloff of 1 light is off on both sides: 'Lamp'.", "E.", "R.")
     scene = replace(scenes.scene([scenes.floor(), scenes.floor()], scenes.diffuse(0.8), CAMERA), findings=(told,))
