@@ -34,6 +34,9 @@ from .tuning import give_back_memory
 # Below this many paths the interpreter's share of a tile outweighs what a second thread saves: each bounce costs a few milliseconds for
 # each material, however few paths meet it, and threads take turns at that.
 SMALLEST_TILE = 32768
+# Where each thread can have so many paths at once, it has no smaller tiles: 15 materials in tiles of 32,768 paths need half as much
+# processor time again.
+AMPLE_TILE = 65536
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,15 @@ def tiles(pixels: int, samples: int, paths: int) -> Iterator[Tile]:
     for first in range(0, pixels, wide):
         for start in range(0, samples, depth):
             yield Tile(first, min(first + wide, pixels), start, min(start + depth, samples))
+
+
+def interleave(index: np.ndarray, width: int, parts: int) -> np.ndarray:
+    """Pixels in another order, so that each of `parts` equal parts has every `parts`-th of their strips.
+
+    Strips have `width` pixels. Parts of one image then cost about as much as each other, whatever it shows where.
+    """
+    strip = np.arange(index.size) // width % parts
+    return index[np.argsort(strip.astype(np.uint16), kind="stable")]
 
 
 _Done = tuple[Tile, PixelSums, StageClock, int]
@@ -145,6 +157,8 @@ class ReferenceRenderer:
         stages: dict[str, float] = {}
         rays = 0
         work = list(tiles(index.size, samples, self._tile_paths(index.size * samples)))
+        if 1 < len(work) < 4 * self.options.threads:  # too few for threads to wait for none
+            index = interleave(index, shape[1], len(work))
 
         def run(tile: Tile) -> _Done:
             return tile, *self._run(index[tile.first : tile.last], tile, sampler)
@@ -200,9 +214,10 @@ class ReferenceRenderer:
     def _tile_paths(self, paths: int) -> int:
         """Paths in a tile: as in the options, or fewer.
 
-        Small images still give every thread several tiles.
+        Every thread has several tiles, or one where these would be small.
         """
-        return min(self.options.tile_paths, max(paths // (4 * self.options.threads), SMALLEST_TILE))
+        several, one = paths // (4 * self.options.threads), -(-paths // self.options.threads)
+        return min(self.options.tile_paths, max(several, min(one, AMPLE_TILE), SMALLEST_TILE))
 
     def _run(
         self, index: np.ndarray, tile: Tile, sampler: SobolSampler | RandomSampler

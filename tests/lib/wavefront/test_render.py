@@ -11,7 +11,7 @@ from etalon.lib.progress import Progress
 from etalon.lib.scene.lights import AreaLight, PointLight
 from etalon.lib.scene.materials import Diffuse, Glossy
 from etalon.lib.settings.reference import Options
-from etalon.lib.wavefront.render import ReferenceRenderer, tiles
+from etalon.lib.wavefront.render import ReferenceRenderer, interleave, tiles
 from etalon.tests.chi2 import sidak
 from etalon.tests.replicates import assert_same, blocks, replicates
 from etalon.tests.scenes import Constant, color, diffuse, floor, icosphere, material, perspective, scene, transparent
@@ -69,7 +69,7 @@ def test_more_samples_than_a_tile_holds(seed):
     np.testing.assert_allclose(parted.radiance, whole.radiance, rtol=1e-12)
 
 
-@pytest.mark.parametrize("tile_paths", [50, 4096])
+@pytest.mark.parametrize("tile_paths", [50, 200, 4096])
 def test_a_part_is_the_image_in_that_part(tile_paths, seed):
     renderer = ReferenceRenderer(stage(), Options(seed=seed, threads=2, tile_paths=tile_paths))
     windows = Windows((9, 13), ((2, 1, 6, 2), (6, 2, 12, 8)))
@@ -87,6 +87,15 @@ def test_tiles_cover_every_sample_once(pixels, samples, paths):
         seen[tile.first : tile.last, tile.start : tile.stop] += 1
         assert (tile.last - tile.first) * (tile.stop - tile.start) <= paths
     assert np.all(seen == 1)
+
+
+@pytest.mark.parametrize(("width", "height", "parts"), [(13, 9, 3), (480, 270, 2), (7, 31, 5), (4, 3, 7)])
+def test_parts_of_interleaved_pixels_share_the_rows_among_them(width, height, parts):
+    index = interleave(np.arange(width * height, dtype=np.int32), width, parts)
+    assert np.array_equal(np.sort(index), np.arange(width * height))
+    if height % parts == 0:
+        for part in np.split(index, parts):
+            assert np.array_equal(np.diff(np.unique(part // width)), np.full(height // parts - 1, parts))
 
 
 def test_a_renderer_repeats_itself_and_nobody_else(seed):
