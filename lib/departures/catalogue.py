@@ -13,7 +13,7 @@ from ..film.light_passes import Family, LightPass, direct, indirect
 from ..scattering.subsurface import BY_DISK
 from ..scene.converters import Curves
 from ..scene.expressions import ColorRamp
-from ..scene.findings import OVERLAPPING_FACES
+from ..scene.findings import OVERLAPPING_FACES, OVERLAPPING_LIGHTS
 from ..scene.layers import BeneathLayer
 from ..scene.materials import Glass, Subsurface
 from ..scene.scene import Scene
@@ -22,6 +22,7 @@ from .relevance import (
     closures_of,
     disperses,
     has_faces_in_one_plane,
+    has_lights_in_one_plane,
     has_materials_in_one_plane,
     has_narrow_spread,
     has_rough_diffuse,
@@ -55,7 +56,8 @@ class Departure:
     `statement` says what Cycles does and what is right; `source` is the file in Cycles' tree, `versions` the Blender releases that depart
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
-    `by_rounding`: rounding decides how much of it acts, so that Cycles may lie anywhere between none and all of its effect.
+    `by_rounding`: rounding, or how Cycles weighs light samples, decides how much of it acts, so that Cycles may lie anywhere between none
+    and all of its effect.
     `finding` is the check of the scene check that says what in the scene calls for it, where that is a fault of the scene.
     `passes` are the light passes that it can act on. `forms` are the releases, in order, from which on it has another form.
     """
@@ -291,6 +293,15 @@ DEPARTURES: tuple[Departure, ...] = (
         relevant=has_materials_in_one_plane,
         by_rounding=True,
         finding=OVERLAPPING_FACES,
+    ),
+    Departure(
+        "lights in one plane",
+        "Where area lights overlap in one plane, scattered rays meet only one of them, and the part of the others' light that light samples "
+        "leave to these rays is lost. That part depends on Cycles' densities; at most all light of the others is lost.",
+        "kernel/light/light.h",
+        relevant=has_lights_in_one_plane,
+        by_rounding=True,
+        finding=OVERLAPPING_LIGHTS,
     ),
     Departure(
         "corrected glossy normal",

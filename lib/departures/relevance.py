@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..scene.expressions import EnvironmentTexture, Expression, ImageTexture
+from ..scene.light_overlaps import find_light_overlaps
 from ..scene.lights import AreaLight
 from ..scene.materials import Closure, Diffuse, Emission, Glass, Microfacets, Refraction
 from ..scene.scene import Scene
@@ -99,6 +100,11 @@ def has_materials_in_one_plane(scene: Scene) -> bool:
     """Whether faces of two materials overlap."""
     mesh = scene.mesh
     return bool(np.not_equal(*mesh.material_index[mesh.overlaps.pairs]).any())
+
+
+def has_lights_in_one_plane(scene: Scene) -> bool:
+    """Whether area lights overlap."""
+    return bool(find_light_overlaps(scene.lights))
 
 
 def has_narrow_spread(scene: Scene) -> bool:

@@ -152,8 +152,9 @@ def _rounded(comparison: Comparison, why: Explanation) -> list[str]:
     where = plural(count, "region") if count == whole else f"{count} of the {whole} regions that differ"
     names = {name for names, here in zip(why.causes, why.rounded, strict=True) if here for name in names}
     return [
-        f"Explained by the scene: {listed(tuple(sorted(names)))}. Rounding in single precision decides which rays are affected. In {where}, "
-        f"{comparison.candidate.name} lies between the reference with this departure and the reference without it."
+        f"Explained by the scene: {listed(tuple(sorted(names)))}. Rounding in single precision, or how Cycles weighs light samples, "
+        f"decides how much of it acts. In {where}, {comparison.candidate.name} lies between the reference with this departure and the "
+        "reference without it."
     ]
 
 

@@ -4,8 +4,8 @@
 Rounding decides how much of such a departure acts.
 Faces in one plane hide each other's light in as many rays as single precision happens to put on the wrong side. No set
 of departures reproduces that, and none has to: such a scene has no value of its own there. Rounding is named as the
-reason in a region whose difference lies, in all channels, between zero and what the departure does in full, within the
-tolerance and the noise. This is a finding about the scene, not a claim with a level.
+reason in a region whose difference lies, in all channels, between zero and what the departures do in full, within the
+tolerance and the noise. Area lights in one plane are like that: Cycles' densities decide how much of their light is lost. This is a finding about the scene, not a claim with a level.
 
 Effects of fewer than two pairs have no known noise. They are left out, so that they hide none that is known.
 """
@@ -34,8 +34,10 @@ def rounded_regions(search: Attribution, sides: Sides, left: np.ndarray) -> tupl
     if not sets:
         return frozenset(), none
     effects = {names: search.moments(names) for names in sets}
-    low = np.minimum(0.0, np.min([effect.mean for effect in effects.values()], axis=0))
-    high = np.maximum(0.0, np.max([effect.mean for effect in effects.values()], axis=0))
+    # Each may act in part or in full where the others do. What they do together is rendered only where it may be the cause.
+    alone = np.array([effect.mean for names, effect in effects.items() if len(names) == 1])
+    low = np.min([np.minimum(alone, 0.0).sum(axis=0), *(effect.mean for effect in effects.values())], axis=0)
+    high = np.max([np.maximum(alone, 0.0).sum(axis=0), *(effect.mean for effect in effects.values())], axis=0)
     variance = [m.variance / m.count for m in (sides.candidate, sides.reference, *effects.values())]
     allowed = search.test.tolerance * sides.scale
     slack = allowed + _ERRORS * np.sqrt(np.sum(variance, axis=0))

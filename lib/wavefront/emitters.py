@@ -81,7 +81,12 @@ class Emitters:
             index = near[at]
             density = light.pdf(gather(start, at), gather(direction, at), distance[at])
             arriving = gather(radiance, at) * gather(paths.throughput, index)
-            arriving *= self._weight(paths.pdf[index], k, density, _at(paths.cell, index))
+            weight = self._weight(paths.pdf[index], k, density, _at(paths.cell, index))
+            if kernel.coplanar_lights is not None:
+                # What light samples of it bring is taken away here as well: in the mean, nothing is left.
+                place = gather(start, at) + gather(direction, at) * distance[at]
+                weight = weight - kernel.coplanar_lights.hides(k, place)
+            arriving *= weight
             if kernel.media is not None and paths.medium is not None and travelled is not None:
                 # What is between the last face and here is not yet in the throughput.
                 arriving *= kernel.media.transmittance(paths.medium[index], distance[at] - travelled[index])

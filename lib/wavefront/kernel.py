@@ -37,6 +37,7 @@ from .bodies import Bodies, exit_materials, objects_entered
 from .casters import Casters
 from .catchers import catching_faces
 from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
+from .coplanar_lights import LIGHTS_IN_ONE_PLANE, CoplanarLights
 from .direction import Directions
 from .emissive import EmissiveMesh, places_on
 from .emitter_names import EmitterNames, name_emitters
@@ -125,6 +126,8 @@ class Kernel:
         self.other_faces = (
             CoplanarFaces(scene.mesh, of_two_materials=True) if OTHER_FACE in options.departures else None
         )
+        of_lights = [light for light, _ in objects], [sampler for _, sampler in objects]
+        self.coplanar_lights = CoplanarLights(*of_lights) if LIGHTS_IN_ONE_PLANE in options.departures else None
         self.one_sided = not lit_from_below and not any(m.transmits for m in self.materials)
 
     def _add_bodies(self, mesh: Mesh) -> None:

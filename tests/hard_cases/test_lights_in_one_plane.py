@@ -19,19 +19,33 @@ LIGHT = AreaLight(
 )
 
 
-def irradiance(x):
-    """The irradiance at the origin by a square of radiance 1 that is centred above (x, 0): cos^2 / d^2 over it."""
+def irradiance(left, right):
+    """The irradiance at the origin by a rectangle of radiance 1 above left <= x <= right: cos^2 / d^2 over it."""
     node, weight = roots_legendre(64)
-    across, along = np.meshgrid(x + 0.5 * SIZE * node, 0.5 * SIZE * node)
+    half = 0.5 * (right - left)
+    across, along = np.meshgrid(left + half * (1.0 + node), 0.5 * SIZE * node)
     squared = across**2 + along**2 + HEIGHT**2
-    return (np.outer(weight, weight) * HEIGHT**2 / squared**2).sum() * (0.5 * SIZE) ** 2
+    return (np.outer(weight, weight) * HEIGHT**2 / squared**2).sum() * half * 0.5 * SIZE
+
+
+def shown(places, seed, **options):
+    """Replicates of a point of a floor under lights that are centred above the x in `places`."""
+    lights = tuple(replace(LIGHT, name=str(k), center=(x, 0.0, HEIGHT)) for k, x in enumerate(places))
+    camera = scenes.orthographic(1, 1, 1e-3, (0.0, 0.0, 1.0))
+    scene = scenes.scene(scenes.floor(), scenes.diffuse(ALBEDO), camera, lights)
+    return replicates(scene, 16, 256, seed=seed, **options)
 
 
 @pytest.mark.parametrize("direct", ["mis", "bsdf", "lights"])
 @pytest.mark.parametrize("places", [(0.0, 0.0), (0.0, 0.5 * SIZE), (0.0, 0.0, 0.0)])
 def test_lights_in_one_plane_add_up(places, direct, seed):
-    lights = tuple(replace(LIGHT, name=str(k), center=(x, 0.0, HEIGHT)) for k, x in enumerate(places))
-    camera = scenes.orthographic(1, 1, 1e-3, (0.0, 0.0, 1.0))
-    scene = scenes.scene(scenes.floor(), scenes.diffuse(ALBEDO), camera, lights)
-    images = replicates(scene, 16, 256, direct=direct, seed=seed)
-    assert_mean(images, ALBEDO / np.pi * sum(map(irradiance, places)), precision=5e-3)
+    both = sum(irradiance(x - 0.5 * SIZE, x + 0.5 * SIZE) for x in places)
+    assert_mean(shown(places, seed, direct=direct), ALBEDO / np.pi * both, precision=5e-3)
+
+
+@pytest.mark.parametrize("direct", ["mis", "bsdf"])
+@pytest.mark.parametrize("places", [(0.0, 0.0), (0.0, 0.5 * SIZE), (0.0, 0.0, 0.0)])
+def test_with_the_departure_they_shine_as_the_area_that_they_cover(places, direct, seed):
+    union = irradiance(min(places) - 0.5 * SIZE, max(places) + 0.5 * SIZE)
+    images = shown(places, seed, direct=direct, departures=frozenset({"lights in one plane"}))
+    assert_mean(images, ALBEDO / np.pi * union, precision=2e-2)

@@ -65,6 +65,27 @@ def test_in_a_tilted_plane_cycles_lies_between_none_and_all_of_the_departure(lit
     assert 0.1 * plain < shown < 0.9 * plain
 
 
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize("lean", [(0.0, 0.0, 0.0), (0.5, 0.2, 0.1)])
+def test_under_lights_in_one_plane_cycles_lies_between_none_and_all_of_the_departure(lit, lean):
+    """How Cycles weighs light samples decides how much is lost, and in a tilted plane rounding, too."""
+    bpy.data.objects.remove(bpy.data.objects["sun"])
+    lit.quad("floor", 8.0)
+    panel = bpy.data.lights.new("panel", "AREA")
+    panel.size, panel.energy = 4.0, 200.0
+    for name in ("first", "second"):
+        placed = lit.add(name, panel)
+        placed.location.z, placed.rotation_euler = 2.0, lean
+    names = frozenset({"lights in one plane"})
+    plain, departed, shown = reference(lit).mean(), reference(lit, names).mean(), lit.cycles(16).mean()
+    assert departed == pytest.approx(0.5 * plain, rel=0.02)
+    assert 1.05 * departed < shown < 0.98 * plain
+    assert (
+        findings(lit)["overlapping lights"]
+        == "Area lights share a plane and an area of it: 'first' and 'second' (16 m²)."
+    )
+
+
 def test_settings_that_are_set_aside_are_named(studio):
     smooth, flat = studio.quad("smooth"), studio.quad("flat", z=1.0)
     smooth.data.shade_smooth()

@@ -201,6 +201,16 @@ def rug():
     return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,))
 
 
+def panels():
+    """A floor under two area lights, of which one covers a half of the other in its plane."""
+    first = AreaLight(
+        "first", (0.0, 0.0, 2.0), (2.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.0, 0.0, -1.0), "RECTANGLE", (1.0,) * 3, np.pi
+    )
+    lights = first, replace(first, name="second", center=(1.0, 0.0, 2.0), radiance=(2.0, 1.0, 1.0))
+    camera = scenes.orthographic(2, 2, 2.0, (0.0, 0.0, 1.0))
+    return scenes.scene(scenes.floor(), scenes.diffuse(0.8, 0.6, 0.4), camera, lights)
+
+
 def wax():
     """A thick bright body that light scatters inside of, in a white world."""
     coat = scenes.material(Subsurface(scenes.color(0.95), scenes.color(0.05), Constant(0.5)))
@@ -246,6 +256,7 @@ SCENES = {
     films: (5e-3, 1024, set()),
     curved: (5e-3, 64, set()),
     rug: (1e-2, 64, set()),
+    panels: (1e-2, 256, set()),
     decal: (1e-2, 64, set()),
     wax: (1e-2, 256, set()),
 }
