@@ -23,7 +23,7 @@ from etalon.tests.addon.export.test_motion import animate, exported
 from etalon.tests.conftest import unknown_cycles
 from mathutils import Euler, Matrix
 
-TURNED = Euler((0.2, -0.3, 0.4)).to_matrix().to_4x4() @ Matrix.Diagonal((0.7, 1.2, 1.6, 1.0))
+TURNED = Euler((0.2, -0.3, 0.4)).to_matrix().to_4x4() @ Matrix.Diagonal((0.4, 1.2, 2.4, 1.0))
 MIRRORED = TURNED @ Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0))
 
 
@@ -56,6 +56,16 @@ def deforming(studio, shade=all_smooth, matrix=None):
     return thing
 
 
+def share(studio, thing, matrix):
+    """Two instances of `thing` in place of it, one of them out of sight."""
+    inner = bpy.data.collections.new("inner")
+    studio.scene.collection.objects.unlink(thing)
+    inner.objects.link(thing)
+    for name, place in (("one", (0, 0, 0)), ("two", (9, 0, 0))):
+        group = studio.add(name, None, Matrix.Translation(place) @ matrix)
+        group.instance_type, group.instance_collection = "COLLECTION", inner
+
+
 def vertex_normals(thing, value):
     """(3, v) unit normals of the vertices of `folded` by the angles of its faces.
 
@@ -83,6 +93,26 @@ def test_normals_at_the_keys_are_those_of_the_deformed_faces(blurred):
         mesh = scene_at(scene, time).mesh
         expected = vertex_normals(thing, time)[:, mesh.triangles].transpose(1, 0, 2)
         np.testing.assert_allclose(mesh.corner_normals, expected, atol=1e-5)
+
+
+def test_normals_are_mixed_in_the_world_for_one_user_and_in_the_object_for_two(blurred):
+    """As in Cycles, which turns a mesh with one user into the world first."""
+    thing = deforming(blurred, matrix=TURNED)
+    alone = exported(blurred).motion
+    assert not alone.objects
+    turn = np.linalg.inv(np.array(thing.matrix_world)[:3, :3]).T
+    thing.matrix_world = Matrix()
+    share(blurred, thing, TURNED)
+    scene = exported(blurred)
+    assert list(scene.motion.objects) == list(scene.motion.normals) == [0, 1]
+    faces = scene.mesh.triangles[:, scene.mesh.object_index == 0]
+    for key, value in enumerate((0.0, 0.5, 1.0)):
+        local = vertex_normals(thing, value)
+        world = turn @ local
+        world /= np.linalg.norm(world, axis=0)
+        for motion, expected in ((scene.motion, local), (alone, world)):
+            # Blender takes the angles by an arc cosine with an error of up to 7e-5.
+            np.testing.assert_allclose(motion.normals[0][key], expected[:, faces].transpose(1, 0, 2), atol=1e-4)
 
 
 def test_faces_without_area_are_left_out_of_the_normals(blurred):
@@ -156,9 +186,9 @@ def test_cycles_shows_the_same_mean_normal(blurred, seed, case):
         pytest.skip("custom normals are refused before Blender 5.2")
     shade, matrix, shared, moving = CASES[case]
     blurred.plain = blurred.probe_material("ShaderNodeNewGeometry", "Normal", offset=2.0)
-    thing = deforming(blurred, shade, matrix)
+    thing = deforming(blurred, shade, None if shared else matrix)
     if shared:
-        blurred.add("twin", thing.data, Matrix.Translation((9, 0, 0)))
+        share(blurred, thing, matrix)
     if moving:
         start = np.array(thing.rotation_euler)
         animate(thing, "rotation_euler", *(tuple(start + 0.3 * k * np.array([1.0, 0.5, -1.0])) for k in (-1, 0, 1)))
