@@ -10,7 +10,7 @@ from etalon.lib.scene.materials import WeightedClosure
 from etalon.lib.textures.fold import inputs, walk
 from etalon.tests.addon.export.nodes.node_cells import glowing, node, prepare, quad, rendered, through_emission
 from etalon.tests.addon.export.test_ray_visibility import stage
-from etalon.tests.addon.export.test_visibility import apart, shader, square
+from etalon.tests.addon.export.test_visibility import FEW_SAMPLES, apart, shader, square
 from mathutils import Matrix
 
 
@@ -170,7 +170,7 @@ def test_occluded_colours_are_those_of_cycles(studio, change):
         bpy.data.objects.remove(bpy.data.objects[name])
     change(studio)
     aware = studio.export()
-    found = apart(studio, aware, blind(aware))
+    found = apart(studio, aware, blind(aware), samples=FEW_SAMPLES)
     assert found[0] < 1.5
     assert found[1] > 5.0
 

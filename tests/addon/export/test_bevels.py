@@ -9,7 +9,7 @@ import pytest
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.materials import WeightedClosure
 from etalon.lib.textures.fold import inputs, walk
-from etalon.tests.addon.export.test_visibility import apart, below_a_sky, shader, square
+from etalon.tests.addon.export.test_visibility import FEW_SAMPLES, SAMPLES, apart, below_a_sky, shader, square
 from mathutils import Euler, Matrix
 
 
@@ -176,7 +176,7 @@ def test_bevels_are_those_of_cycles(studio, make):
     """And the comparison notices where nothing is bevelled, less on a smooth box and in a rough mirror."""
     make(studio)
     aware = studio.export()
-    found = apart(studio, aware, blind(aware))
+    found = apart(studio, aware, blind(aware), samples=SAMPLES if make in FAINT else FEW_SAMPLES)
     assert found[0] < 1.5
     assert found[1] > (2.0 if make in FAINT else 5.0)
 

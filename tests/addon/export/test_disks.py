@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from etalon.lib.scattering.subsurface import BY_DISK
 from etalon.lib.scene.materials import Diffuse, Subsurface
-from etalon.tests.addon.export.test_visibility import apart, below_a_sky, shader, square
+from etalon.tests.addon.export.test_visibility import FEW_SAMPLES, apart, below_a_sky, shader, square
 from mathutils import Euler, Matrix
 
 pytestmark = pytest.mark.compares_with_cycles
@@ -99,7 +99,7 @@ def test_light_leaves_by_disks_as_in_cycles(studio, make):
     """And the comparison notices light that leaves where it enters."""
     make(studio)
     aware = studio.export()
-    found = apart(studio, aware, blind(aware))
+    found = apart(studio, aware, blind(aware), samples=FEW_SAMPLES)
     assert found[0] < 1.5
     assert found[1] > 5.0
 

@@ -20,7 +20,7 @@ from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.test_ray_visibility import stage
-from etalon.tests.addon.export.test_visibility import REPLICATES, SAMPLES, shader, square
+from etalon.tests.addon.export.test_visibility import FEW_SAMPLES, REPLICATES, SAMPLES, shader, square
 from mathutils import Euler, Matrix
 
 UPRIGHT = Euler((np.pi / 2, 0, 0)).to_matrix().to_4x4()
@@ -118,9 +118,9 @@ CASES = {
 }
 
 
-def blocks(side):
+def blocks(side, samples=SAMPLES):
     """Means (replicates, blocks, 3) of blocks of pixels."""
-    return means(np.array([side.render(k, SAMPLES).radiance for k in range(REPLICATES)]))
+    return means(np.array([side.render(k, samples).radiance for k in range(REPLICATES)]))
 
 
 def means(images, size=8):
@@ -153,13 +153,13 @@ def test_what_is_beside_catchers_is_as_in_cycles(studio, case):
     bpy.data.objects.remove(things[1])
     unaware = studio.export()
     CASES[case](studio)
-    theirs = blocks(CyclesRenderer(studio.scene, threads=1))
-    aware = blocks(ReferenceRenderer(studio.export(), Options(threads=1)))
+    theirs = blocks(CyclesRenderer(studio.scene, threads=1), FEW_SAMPLES)
+    aware = blocks(ReferenceRenderer(studio.export(), Options(threads=1)), FEW_SAMPLES)
     if "glass" in case:  # here the mistake is to leave out more than Cycles does
         (card,) = objects("card")
         card.is_shadow_catcher, card.hide_render = False, True
         unaware = studio.export()
-    blind = blocks(ReferenceRenderer(unaware, Options(threads=1)))
+    blind = blocks(ReferenceRenderer(unaware, Options(threads=1)), FEW_SAMPLES)
     assert distance(aware, theirs) < 1.5
     assert distance(blind, theirs) > 5.0
 

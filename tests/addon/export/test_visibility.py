@@ -16,6 +16,8 @@ from etalon.lib.wavefront.render import ReferenceRenderer
 from mathutils import Euler, Matrix
 
 REPLICATES, SAMPLES = 4, 64
+FEW_SAMPLES = 32
+"""Where a scene is blind to what is tested, its image is so far off that these are enough to see it."""
 
 
 def shader(name, kind, **values):
@@ -114,23 +116,23 @@ def test_collections_that_are_indirect_only_hide_from_the_camera(studio):
             assert (shown > 0.5) == (found > 0.5) == (not indirect), name
 
 
-def apart(studio, *exported):
+def apart(studio, *exported, samples=SAMPLES):
     """How far images of the exported scenes are from Cycles', in blocks of 8 x 8.
 
     Images have 48 x 32 pixels. Root mean squares of standard errors.
     """
-    theirs = blocks(CyclesRenderer(studio.scene, threads=1))
-    return [off(reference_of(one), theirs) for one in exported]
+    theirs = blocks(CyclesRenderer(studio.scene, threads=1), samples)
+    return [off(reference_of(one, samples), theirs) for one in exported]
 
 
-def blocks(side):
+def blocks(side, samples=SAMPLES):
     """The means of blocks of 8 x 8 pixels in each replicate."""
-    images = np.array([side.render(k, SAMPLES).radiance for k in range(REPLICATES)])
+    images = np.array([side.render(k, samples).radiance for k in range(REPLICATES)])
     return images.reshape(REPLICATES, 4, 8, 6, 8, 3).mean(axis=(2, 4))
 
 
-def reference_of(exported):
-    return blocks(ReferenceRenderer(exported, Options(threads=1)))
+def reference_of(exported, samples=SAMPLES):
+    return blocks(ReferenceRenderer(exported, Options(threads=1)), samples)
 
 
 def off(ours, theirs):
