@@ -70,6 +70,9 @@ def headline(comparison: Comparison, ranked: list[RankedRegion]) -> Phrase:
     verdict = comparison.verdict
     if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
         return _light(comparison) or _difference(ranked)
+    explained = [region for region in ranked if region.outcome is Outcome.EXPLAINED]
+    if explained:  # others are open
+        return _difference(explained)
     if not math.isfinite(verdict.bound):
         return Phrase(NOTHING)
     bound = format_bound(verdict.bound)

@@ -40,7 +40,8 @@ def whole_picture(comparison: Comparison) -> str:
     head = f"{comparison.scene}: {verdict.outcome.value}."
     bound, outcome = float(verdict.bounds[0]), verdict.outcomes[0]
     limit = format_percent(verdict.tolerance, sign=False)
-    if verdict.outcome in (Outcome.EQUIVALENT, Outcome.UNDECIDED) and math.isfinite(verdict.bound):
+    agrees = verdict.outcome in (Outcome.EQUIVALENT, Outcome.UNDECIDED) and not verdict.count(Outcome.EXPLAINED)
+    if agrees and math.isfinite(verdict.bound):
         sure = f"with {format_percent(verdict.confidence, sign=False)} confidence"
         rest = "" if verdict.outcome is Outcome.EQUIVALENT else f"; whether to within {limit} is not known yet"
         return f"{head} {candidate} agrees with {reference} to within {format_bound(verdict.bound)} everywhere, {sure}{rest}."

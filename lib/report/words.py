@@ -37,7 +37,7 @@ def title(comparison: Comparison) -> str:
     limit = f"{format_percent(verdict.tolerance, sign=False)}"
     total = region_total(comparison)
     count = verdict.count(Outcome.DIFFERENT) + verdict.count(Outcome.EXPLAINED)
-    if verdict.outcome is Outcome.DIFFERENT:
+    if verdict.outcome is Outcome.DIFFERENT or (count and verdict.outcome is Outcome.UNDECIDED):
         most = f"; nowhere by more than {format_bound(verdict.bound)}" if np.isfinite(verdict.bound) else ""
         return f"{names[0]} differs from {names[1]} by more than {limit} in {count} of {plural(total, 'region')}{most}."
     why = comparison.explanation
@@ -58,7 +58,7 @@ def sentences(comparison: Comparison) -> tuple[str, ...]:
     unchecked = describe_unchecked(comparison.blender)
     if unchecked:
         said.append(unchecked)
-    if verdict.outcome in (Outcome.DIFFERENT, Outcome.EXPLAINED):
+    if verdict.count(Outcome.DIFFERENT) or verdict.count(Outcome.EXPLAINED):
         said.append("Furthest off: " + "; ".join(_region(comparison, k) for k in furthest(comparison)) + ".")
     said += pass_sentences(comparison)
     said += cause_sentences(comparison)

@@ -5,8 +5,12 @@ from dataclasses import replace
 
 import pytest
 from etalon.lib.report.document import document
+from etalon.lib.report.headline import headline
+from etalon.lib.report.ranking import rank_regions
 from etalon.lib.report.summary import describe_box, next_step, summarize
+from etalon.lib.report.words import sentences
 from etalon.lib.scene.findings import OVERLAPPING_FACES, Finding
+from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, comparison_of, made
 
 
@@ -43,6 +47,21 @@ def test_an_explained_difference_names_its_cause():
     *_, third = summary("explained")
     assert third.startswith("Next: nothing is wrong in your scene.")
     assert "(known)" in third
+
+
+def test_what_is_explained_while_other_regions_are_open_is_no_agreement():
+    """No text speaks of agreement up to a bound where regions are shown to differ."""
+    found = comparison_of("explained")
+    outcomes = found.verdict.outcomes.copy()
+    outcomes[-1] = Outcome.UNDECIDED
+    found = replace(found, verdict=replace(found.verdict, outcome=Outcome.UNDECIDED, outcomes=outcomes))
+    first, second, _ = summarize(found)
+    assert first.startswith("Test: UNDECIDED. The whole picture is 2.")
+    assert " differ by more than 1 %, most of all material Test (+5" in second
+    said = sentences(found)
+    assert said[0].startswith("Cycles differs from the reference by more than 1 % in ")
+    assert any(one.startswith("Furthest off: material Test +5") for one in said)
+    assert str(headline(found, rank_regions(found))).startswith("Differs by +5")
 
 
 def test_noise_is_placed_and_its_remedy_is_a_time():
