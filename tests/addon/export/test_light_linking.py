@@ -10,7 +10,7 @@ import pytest
 from etalon.lib.errors import Refused
 from etalon.lib.scene.links import EVERY_SET, Links
 from etalon.tests.addon.export.test_ray_visibility import stage
-from etalon.tests.addon.export.test_visibility import apart, shader
+from etalon.tests.addon.export.test_visibility import FEW_SAMPLES, apart, shader
 from mathutils import Matrix
 
 
@@ -82,7 +82,7 @@ def test_what_is_linked_is_lit_as_in_cycles(studio, case):
         bpy.data.objects.remove(bpy.data.objects["pane"])
     unaware = studio.export()
     CASES[case]()
-    aware, blind = apart(studio, studio.export(), unaware)
+    aware, blind = apart(studio, studio.export(), unaware, samples=FEW_SAMPLES)
     assert aware < 1.5
     assert blind > 1.9
 
