@@ -5,7 +5,9 @@ Rounding decides how much of such a departure acts.
 Faces in one plane hide each other's light in as many rays as single precision happens to put on the wrong side. No set
 of departures reproduces that, and none has to: such a scene has no value of its own there. Rounding is named as the
 reason in a region whose difference lies, in all channels, between zero and what the departures do in full, within the
-tolerance and the noise. Area lights in one plane are like that: Cycles' densities decide how much of their light is lost. This is a finding about the scene, not a claim with a level.
+tolerance and the noise.
+This is a finding about the scene, not a claim with a level. Area lights in one plane are like that: Cycles' densities
+decide how much of their light is lost.
 
 Effects of fewer than two pairs have no known noise. They are left out, so that they hide none that is known.
 """
