@@ -26,7 +26,7 @@ from ..lib.comparison.memory import require_memory
 from ..lib.comparison.parts import PassChoice, asked_parts, choose_passes, fit_memory
 from ..lib.comparison.run import Stop, TimedRun
 from ..lib.comparison.sides import Replicates
-from ..lib.comparison.size import choose_divisor
+from ..lib.comparison.size import choose_divisor, images_of_search
 from ..lib.comparison.unsupported import find_unsupported_light
 from ..lib.effects.light_sources import has_one_light
 from ..lib.errors import EtalonError, Refusal, Refused
@@ -117,7 +117,7 @@ def _with_parts(
     parts = asked_parts(reference, replace(settings, passes=choice.passes))
     sides: tuple[ReferenceRenderer, Renderer] = reference.with_passes(parts), candidate.with_passes(parts)
     if settings.size == "auto" and settings.samples is None:
-        divisor = choose_divisor(sides, reference.scene.camera, run)
+        divisor = choose_divisor(sides, reference.scene.camera, run, images_of_search(alternatives(reference)))
     if divisor > 1:
         sides = _shrink(reference.scene, *sides, divisor)
     size = sides[0].scene.camera.width, sides[0].scene.camera.height

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.comparison.run import TimedRun
-from etalon.lib.comparison.size import SMALL, TINY, choose_divisor
+from etalon.lib.comparison.size import LEAST_PAIRS, SMALL, TINY, choose_divisor, images_of_search
+from etalon.lib.departures.catalogue import Departure
 from etalon.lib.film.rendering import Rendering
 from etalon.lib.progress import NO_PROGRESS
 from etalon.lib.scene.camera import smaller_camera
@@ -30,12 +32,12 @@ class Timed:
         return Rendering(np.zeros((1, 1, 3)), np.zeros((1, 1), int), 0.0)
 
 
-def chosen(monkeypatch, width, height, seconds, per=1e-6):
+def chosen(monkeypatch, width, height, seconds, per=1e-6, searched=0):
     clock = Clock()
     monkeypatch.setattr(module, "time", clock)
     camera = orthographic(width, height, 1.0, (0.0, 0.0, 1.0))
     sides = Timed(clock, per), Timed(clock, per)
-    return choose_divisor(sides, camera, TimedRun(seconds, NO_PROGRESS)), clock.now - 100.0
+    return choose_divisor(sides, camera, TimedRun(seconds, NO_PROGRESS), searched), clock.now - 100.0
 
 
 @pytest.mark.parametrize(
@@ -74,6 +76,21 @@ def test_eight_replicates_come_before_the_size(monkeypatch):
     assert chosen(monkeypatch, 256, 144, 15.0, per=3e-5)[0] == 2  # 10 x 2 sides x 37 k pixels take 22 s
     found, _ = chosen(monkeypatch, 1920, 1080, 15.0, per=1e-3)
     assert 1920 * 1080 / found**2 <= TINY < 1920 * 1080 / (found // 2) ** 2
+
+
+@pytest.mark.parametrize("searched", [0, 6, 18, 60])
+def test_the_images_of_a_search_for_causes_fit_into_its_time(monkeypatch, searched):
+    """A quarter of a minute, for images of 130 k pixels that take 2 s each."""
+    found, spent = chosen(monkeypatch, 480, 270, 60.0, per=1.5e-5, searched=searched)
+    needed = searched * (0.1 + 1.5e-5 * 480 * 270 / found**2)
+    assert needed <= 0.25 * (60.0 - spent)
+    assert (found == 1) == (searched <= 6)
+
+
+def test_a_search_is_planned_for_where_rounding_makes_a_difference():
+    names = [Departure("a", "", ""), Departure("b", "", ""), Departure("c", "", "", by_rounding=True)]
+    assert images_of_search(Alternatives(tuple(names[:2]), Painter)) == 0
+    assert images_of_search(Alternatives(tuple(names), Painter)) == LEAST_PAIRS * 4
 
 
 class Slow(Painter):
