@@ -92,7 +92,9 @@ def next_step(comparison: Comparison) -> str:
         return "Next: run it again and let it finish; it was cancelled."
     faults = scene_faults(comparison)
     if faults:
-        return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}"
+        more = [fault.check for fault in faults[1:]]
+        also = f" The scene check names {listed(tuple(more))}, too." if more else ""
+        return f"Next: repair the scene, then compare again. {faults[0].what} {faults[0].remedy}{also}"
     if verdict.outcome is Outcome.EQUIVALENT:
         return "Next: nothing is left to do."
     why = comparison.explanation

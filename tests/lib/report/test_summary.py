@@ -9,7 +9,7 @@ from etalon.lib.report.headline import headline
 from etalon.lib.report.ranking import rank_regions
 from etalon.lib.report.summary import describe_box, next_step, summarize
 from etalon.lib.report.words import sentences
-from etalon.lib.scene.findings import OVERLAPPING_FACES, Finding
+from etalon.lib.scene.findings import OVERLAPPING_FACES, OVERLAPPING_LIGHTS, Finding
 from etalon.lib.verdict.outcome import Outcome
 from etalon.tests.lib.report.comparisons import BRIGHTER, CASES, PLAN, comparison_of, made
 
@@ -115,3 +115,17 @@ def test_a_fault_of_the_scene_is_named_with_its_remedy():
     )
     other = made(other=BRIGHTER, effects={"known": 0.05})
     assert "nothing is wrong in your scene" in next_step(replace(other, findings=(finding,)))
+
+
+def test_another_fault_of_the_scene_is_named_by_its_check():
+    faces = Finding(OVERLAPPING_FACES, "Faces share a plane.", "They hide light.", "Move one.")
+    lights = Finding(OVERLAPPING_LIGHTS, "Area lights share a plane.", "Light is lost.", "Move one.")
+    found = made(other=BRIGHTER, effects={"known": 0.05}, finding=OVERLAPPING_FACES)
+    why = found.explanation
+    other = replace(why.departures[0], name="other", finding=OVERLAPPING_LIGHTS)
+    why = replace(why, departures=(*why.departures, other), chosen=(*why.chosen, "other"))
+    said = next_step(replace(found, findings=(faces, lights), explanation=why))
+    assert said == (
+        "Next: repair the scene, then compare again. Faces share a plane. Move one. "
+        "The scene check names overlapping lights, too."
+    )
