@@ -12,7 +12,7 @@ from etalon.lib.film.exr import read_exr
 PLAN = """
 out = "{out}"
 per_process = {turns}
-scenes = ["glossy_spheres", "cornell_glossy", "nothing.blend"]
+scenes = ["lambert_analytic", "cornell_glossy", "nothing.blend"]
 [options]
 samples = 4
 replicates = 2

@@ -253,22 +253,29 @@ for number, line in enumerate(sys.stdin):
 
 def test_a_process_that_was_told_to_end_runs_no_other_comparison(folder):
     (folder / "stand_in.py").write_text(ORDERED)
-    assert run(write_plan(folder, [0, 1])) == 2
+    path = write_plan(folder, [0, 1])
+    path.write_text(f"per_process = 20\n{path.read_text()}")
+    assert run(path) == 2
     assert [status for status, _ in statuses(folder).values()] == ["ended", "ended"]
     assert [number for _, number in calls(folder)] == [0, 0]
 
 
-def test_the_processes_of_a_batch_serve_until_memory_is_limited(folder, verdict_json):
-    """With `memory` in the plan's limits each comparison has a process of its own; otherwise one serves all."""
+@pytest.mark.parametrize(
+    ("entry", "limits", "numbers"),
+    [
+        ("", "", [0, 0, 0]),
+        ("per_process = 2", "", [0, 1, 0]),
+        ("per_process = 20", "", [0, 1, 2]),
+        ("per_process = 20", '[limits]\nmemory = "8 GB"', [0, 0, 0]),
+    ],
+)
+def test_a_process_serves_as_many_comparisons_as_the_plan_says(folder, verdict_json, entry, limits, numbers):
+    """Where it says nothing, and with `memory` in its limits, each comparison has a process of its own."""
     (folder / "stand_in.py").write_text(ORDERED.replace(' | {"stopped": "cancelled"}', ""))
     path = write_plan(folder, [0, 1, 2])
+    path.write_text(f"{entry}\n{path.read_text()}\n{limits}\n")
     assert run(path) == 3
-    assert [number for _, number in calls(folder)] == [0, 1, 2]
-    (folder / "calls.txt").unlink()
-    path = write_plan(folder, [3, 4])
-    path.write_text(f'{path.read_text()}\n[limits]\nmemory = "8 GB"\n')
-    assert run(path) == 3
-    assert [number for _, number in calls(folder)] == [0, 0]
+    assert [number for _, number in calls(folder)] == numbers
 
 
 def test_scenes_that_took_longest_go_first(folder):
