@@ -2,7 +2,7 @@
 """Every sampler against its density, over a grid of cases.
 
 The grid has distributions, roughness, anisotropy, angles, strategies and lights. One level for all of it: a right
-sampler fails the whole grid once in a thousand runs of new seeds. The default run takes a fixed tenth, chosen by name;
+sampler fails the whole grid once in a thousand runs of new seeds. The default run takes a fixed twentieth, chosen by name;
 the rest is marked slow. Expected counts come from quadrature in the sampler's own warped domain.
 """
 
@@ -293,13 +293,13 @@ def p_value(case, rng, distort=lambda value: value):
 
 
 def of_the_default_run(name):
-    return zlib.crc32(name.encode()) % 10 == 0
+    return zlib.crc32(name.encode()) % 20 == 0
 
 
-def test_the_grid_is_large_and_a_tenth_of_it_runs():
+def test_the_grid_is_large_and_a_twentieth_of_it_runs():
     assert len(GRID) >= 1000
     share = sum(map(of_the_default_run, GRID)) / len(GRID)
-    assert 0.07 < share < 0.13
+    assert 0.035 < share < 0.065
     for kind in (Normals, Lobe, Interfaces, Cloth, Towards, World):
         assert any(of_the_default_run(name) and isinstance(case, kind) for name, case in GRID.items())
 

@@ -36,6 +36,7 @@ def shown(places, seed, **options):
     return replicates(scene, 16, 256, seed=seed, **options)
 
 
+@pytest.mark.grid(2)
 @pytest.mark.parametrize("direct", ["mis", "bsdf", "lights"])
 @pytest.mark.parametrize("places", [(0.0, 0.0), (0.0, 0.5 * SIZE), (0.0, 0.0, 0.0)])
 def test_lights_in_one_plane_add_up(places, direct, seed):
@@ -43,6 +44,7 @@ def test_lights_in_one_plane_add_up(places, direct, seed):
     assert_mean(shown(places, seed, direct=direct), ALBEDO / np.pi * both, precision=5e-3)
 
 
+@pytest.mark.grid(2)
 @pytest.mark.parametrize("direct", ["mis", "bsdf"])
 @pytest.mark.parametrize("places", [(0.0, 0.0), (0.0, 0.5 * SIZE), (0.0, 0.0, 0.0)])
 def test_with_the_departure_they_shine_as_the_area_that_they_cover(places, direct, seed):

@@ -68,7 +68,7 @@ def cases():
             yield pytest.param(make, chosen, id=f"{make.__name__}: {' + '.join(chosen)}", marks=marks)
 
 
-@pytest.mark.grid(3)
+@pytest.mark.grid(6)
 @pytest.mark.parametrize(("make", "names"), list(cases()))
 def test_attribution_names_exactly_what_was_planted(make, names, seed):
     found = judged(make, planted(make, names, seed))

@@ -31,7 +31,7 @@ CYCLES_LOSES_ALL = (
 )
 
 
-@pytest.mark.grid(3)
+@pytest.mark.grid(6)
 @EVERY
 def test_last_digits(name):
     case = measure(FUNCTIONS[name], 30)
