@@ -24,6 +24,7 @@ from .relevance import (
     has_faces_in_one_plane,
     has_lights_in_one_plane,
     has_materials_in_one_plane,
+    has_motion,
     has_narrow_spread,
     has_rough_diffuse,
     has_rough_facets,
@@ -302,6 +303,12 @@ DEPARTURES: tuple[Departure, ...] = (
         relevant=has_lights_in_one_plane,
         by_rounding=True,
         finding=OVERLAPPING_LIGHTS,
+    ),
+    Departure(
+        "shutter ends",
+        "With motion blur the shutter opens after 0.2 % of its time and closes 0.6 % before its end.",
+        "util/math_cdf.cpp",
+        relevant=has_motion,
     ),
     Departure(
         "corrected glossy normal",

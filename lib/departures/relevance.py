@@ -107,6 +107,11 @@ def has_lights_in_one_plane(scene: Scene) -> bool:
     return bool(find_light_overlaps(scene.lights))
 
 
+def has_motion(scene: Scene) -> bool:
+    """Whether anything moves while the shutter is open."""
+    return scene.motion is not None
+
+
 def has_narrow_spread(scene: Scene) -> bool:
     """Whether an area light has a spread for which Cycles takes a series."""
     return any(isinstance(light, AreaLight) and 0.0 < light.spread <= NARROW for light in scene.lights)

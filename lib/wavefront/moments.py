@@ -11,7 +11,7 @@ so their variance says how far the image is off.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 from time import perf_counter
 
 import numpy as np
@@ -27,6 +27,9 @@ from ..scene.scene import Scene
 Render = Callable[[Scene, int, int, Progress], Rendering]
 """Renders a scene that stands still: scene, seed, samples per pixel, progress."""
 
+SHUTTER_ENDS = "shutter ends"
+"""The departure that leaves out the first and the last moments of the shutter's time."""
+
 MOMENTS = 16
 """Moments of a replicate, at most: each builds what rays are traced against anew."""
 
@@ -36,25 +39,44 @@ def count_moments(samples: int) -> int:
     return max(count for count in range(1, MOMENTS + 1) if samples % count == 0)
 
 
-def draw_moments(shutter: np.ndarray | None, seed: int, replicate: int, count: int) -> np.ndarray:
+def table_times(u: np.ndarray) -> np.ndarray:
+    """Shutter times (n,) of uniforms (n,), as Cycles draws them for a flat curve: a departure.
+
+    Its table of 256 entries has 255 / 256 of the time for the middle of each, and is read from the middle of the first entry to that of
+    the last. See docs/findings/shutter_ends.md.
+    """
+    last, entries = 255.0, 256.0
+    return last * (last * u + 0.5) / entries**2
+
+
+def draw_moments(
+    shutter: np.ndarray | None, seed: int, replicate: int, count: int, departures: Set[str] = frozenset()
+) -> np.ndarray:
     """(count,) shutter times of a replicate, one in each of `count` strata of equal weight."""
     jitter = np.random.default_rng(int(stream_key(seed, replicate, SHUTTER))).random(count)
-    return shutter_times(shutter, (np.arange(count) + jitter) / count)
+    u = (np.arange(count) + jitter) / count
+    return table_times(u) if SHUTTER_ENDS in departures else shutter_times(shutter, u)
 
 
 def render_moments(
-    scene: Scene, seed: int, replicate: int, samples: int, progress: Progress, render: Render
+    scene: Scene,
+    seed: int,
+    replicate: int,
+    samples: int,
+    progress: Progress,
+    render: Render,
+    departures: Set[str] = frozenset(),
 ) -> Rendering:
     """Return the mean of what `render` returns at the moments of a replicate.
 
-    `samples` are per pixel in all.
+    `samples` are per pixel in all. Of the `departures` one is about the moments.
 
     Each moment has a seed of its own: the same points at all of them would not average out.
     """
     begin, count = perf_counter(), count_moments(samples)
     shutter = None if scene.motion is None else scene.motion.shutter
     done = []
-    for k, time in enumerate(draw_moments(shutter, seed, replicate, count)):
+    for k, time in enumerate(draw_moments(shutter, seed, replicate, count, departures)):
         own = int(stream_key(seed, replicate, SHUTTER, k))
         part = progress.within(k / count, (k + 1) / count)
         done.append(render(scene_at(scene, time), own, samples // count, part))

@@ -140,7 +140,9 @@ class ReferenceRenderer:
             still = ReferenceRenderer(scene, options, like=self.kernel, passes=self.passes)
             return still.render(replicate, count, part, windows)
 
-        return render_moments(self.scene, self.options.seed, replicate, samples, progress, render)
+        return render_moments(
+            self.scene, self.options.seed, replicate, samples, progress, render, self.options.departures
+        )
 
     def _render_still(self, replicate: int, samples: int, progress: Progress, windows: Windows | None) -> Rendering:
         """A replicate of a scene in which nothing moves."""

@@ -23,6 +23,7 @@ from etalon.lib.scene.images import Image
 from etalon.lib.scene.layers import BeneathLayer
 from etalon.lib.scene.lights import AreaLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Emission, Glass, Material, Metallic, Subsurface, WeightedClosure
+from etalon.lib.scene.motion import Motion
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
@@ -217,6 +218,18 @@ def wax():
     return scenes.scene(scenes.cube(), coat, scenes.orthographic(1, 1, 0.5, (0.0, 0.0, 5.0)), world=1.0)
 
 
+def trail():
+    """The edge of a surface that glows, which moves over the image while the shutter is open."""
+    moved = np.array([np.eye(4)[:3], np.eye(4)[:3]])
+    moved[1, 0, 3] = 4.0
+    scene = scenes.scene(
+        scenes.quad((-9, -9, 0), (7, 0, 0), (0, 18, 0)),
+        scenes.emission(1.0),
+        scenes.orthographic(4, 1, 4.0, (0.0, 0.0, 5.0)),
+    )
+    return replace(scene, motion=Motion(objects={0: moved}))
+
+
 class Cached:
     """A renderer that remembers its replicates, so that cases share what they have in common."""
 
@@ -259,6 +272,7 @@ SCENES = {
     panels: (1e-2, 256, set()),
     decal: (1e-2, 64, set()),
     wax: (1e-2, 256, set()),
+    trail: (1e-2, 64, set()),
 }
 
 

@@ -22,10 +22,22 @@ from etalon.lib.scene.lights import SunLight
 from etalon.lib.settings.reference import Options
 from etalon.lib.verdict.causes import Role, State
 from etalon.lib.verdict.outcome import Outcome
+from etalon.lib.wavefront.moments import SHUTTER_ENDS
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.lib.wavefront.subsurface import SHORT_WALKS
 from etalon.tests import scenes
-from etalon.tests.lib.departures.planted_scenes import SCENES, early, furnace, judged, masking, planted, rug, slope, wax
+from etalon.tests.lib.departures.planted_scenes import (
+    SCENES,
+    early,
+    furnace,
+    judged,
+    masking,
+    planted,
+    rug,
+    slope,
+    trail,
+    wax,
+)
 
 # Of the scene with most departures, pairs of neighbours, in a circle; all at once are a test of their own.
 # Of the default run: these pairs and all alone, but for those that take longest; the others are slow tests.
@@ -56,7 +68,8 @@ def neighbours(names):
 def cases():
     """Each scene's departures, alone and in pairs."""
     for make in SCENES:
-        if make is wax:  # walks take too long to tell this one from noise; test_short_walks.py has its proof
+        # It would take too long to tell these from noise; test_short_walks.py and test_moments.py have their proofs.
+        if make in (wax, trail):
             continue
         names = [d.name for d in relevant(make(), masking(make))]
         pairs = list(combinations(names, 2))
@@ -151,7 +164,7 @@ def test_a_departure_of_another_blender_is_refused():
 
 
 def test_every_switch_is_planted_or_has_a_proof_without_noise():
-    assert {name for case in cases() for name in case.values[1]} == SWITCHES - {SHORT_WALKS}
+    assert {name for case in cases() for name in case.values[1]} == SWITCHES - {SHORT_WALKS, SHUTTER_ENDS}
 
 
 def test_nothing_is_named_where_nothing_was_planted(seed):
