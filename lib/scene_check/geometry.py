@@ -6,12 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..plural import plural
-from ..scene.findings import OVERLAPPING_FACES, Finding, list_names
+from ..scene.findings import OVERLAPPING_FACES, Finding, list_areas, list_names
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..vectors import cross, dot
-
-_MOST_PAIRS = 3
 
 
 def find_overlapping_faces(scene: Scene) -> Finding | None:
@@ -28,12 +26,10 @@ def find_overlapping_faces(scene: Scene) -> Finding | None:
     for (a, b), area in zip(pairs.T, np.bincount(which.reshape(-1), overlaps.area), strict=True):
         names = scene.mesh.objects[a].name, scene.mesh.objects[b].name
         areas[names] = areas.get(names, 0.0) + float(area)
-    largest = sorted(areas.items(), key=lambda item: -item[1])
-    shown = "; ".join(f"{_of(names)} ({area:.3g} m²)" for names, area in largest[:_MOST_PAIRS])
-    more = f"; and {len(largest) - _MOST_PAIRS} more pairs of objects" if len(largest) > _MOST_PAIRS else ""
+    pairs_of_objects = [(_of(names), area) for names, area in areas.items()]
     return Finding(
         OVERLAPPING_FACES,
-        f"Faces share a plane and an area of it: {shown}{more}.",
+        f"Faces share a plane and an area of it: {list_areas(pairs_of_objects, 'pair of objects', 'pairs of objects')}.",
         "Cycles has such faces hide all light from each other; the reference treats them as one surface.",
         "Move one of each pair by a millimetre, or delete it.",
     )

@@ -109,11 +109,13 @@ def caught_pixels(kernel: Kernel, samples: int = 16) -> np.ndarray:
 def bare_pixels(kernel: Kernel, samples: int = 4) -> np.ndarray:
     """The pixels (height, width) in which no camera ray meets a face: they show the world alone.
 
-    There are none where there are volumes, or objects that move while the shutter is open.
+    There are none where there are volumes, objects that move while the shutter is open, or lamps that camera rays can meet: a
+    small one is met as seldom as a caustic.
     """
     camera = kernel.scene.camera
     met = np.zeros(camera.width * camera.height, bool)
-    if kernel.media is not None or kernel.plan.needs(Effect.MOTION_BLUR):
+    shows_lamps = any(kernel.sight.shows[k] for k, _ in kernel.meetable)
+    if kernel.media is not None or shows_lamps or kernel.plan.needs(Effect.MOTION_BLUR):
         return met.reshape(camera.height, camera.width)
     sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)
     for tile in tiles(met.size, samples, TILE_PATHS):

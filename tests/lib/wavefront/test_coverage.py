@@ -4,6 +4,8 @@
 import numpy as np
 import pytest
 from etalon.lib.effects.plan import make_plan
+from etalon.lib.scene.lights import SphereLight
+from etalon.lib.scene.rays import CAMERA, SCATTERED
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.coverage import bare_pixels, coverage, join_bands
 from etalon.lib.wavefront.kernel import Kernel
@@ -107,3 +109,12 @@ def test_bare_pixels_show_no_face(seed):
     the_scene = scene([part], [material(name="one")], orthographic(6, 2, 6.0, (0.0, 0.0, 1.0)))
     bare = bare_pixels(Kernel(the_scene, make_plan(the_scene), Options(seed=seed)))
     assert bare.tolist() == [[False] * 4 + [True] * 2] * 2
+
+
+@pytest.mark.parametrize(("rays", "bare"), [(SCATTERED, True), (SCATTERED | CAMERA, False)])
+def test_where_the_camera_can_meet_a_lamp_no_pixel_is_bare(seed, rays, bare):
+    """Next to no ray meets a lamp of a millimetre."""
+    lamp = SphereLight("lamp", (2.5, 0.5, -1.0), 1e-3, (1e6,) * 3, rays=rays)
+    part = quad((-3.0, -1.0, 0.0), (3.0, 0.0, 0.0), (0.0, 2.0, 0.0))
+    the_scene = scene(part, diffuse(0.5), orthographic(6, 2, 6.0, (0.0, 0.0, 1.0)), lights=(lamp,))
+    assert bare_pixels(Kernel(the_scene, make_plan(the_scene), Options(seed=seed))).any() == bare
