@@ -14,6 +14,7 @@ import sys
 import tempfile
 import threading
 from contextlib import ExitStack
+from typing import NoReturn
 
 from ...lib.batch.process import AHEAD, ANSWER, LEASH
 from ...lib.exit_codes import ExitCode
@@ -101,10 +102,10 @@ def gather_temporary_files() -> None:
     atexit.register(_temporary.close)
 
 
-def leave() -> None:
-    """End this process at once, and remove its temporary files.
+def leave(code: int = ExitCode.INTERRUPTED) -> NoReturn:
+    """End this process at once with that exit code, and remove its temporary files.
 
-    It serves where Blender may be half initialised.
+    Blender may be half initialised. Whoever wrote to standard output has flushed it.
     """
     _temporary.close()
-    os._exit(ExitCode.INTERRUPTED)
+    os._exit(code)

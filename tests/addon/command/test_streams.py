@@ -7,6 +7,7 @@ Streams are closed, full and broken, have few characters, and get control charac
 import errno
 import io
 import json
+import os
 import subprocess
 import sys
 
@@ -132,7 +133,22 @@ sys.exit(supervised.main())
 """
 
 
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """A command that has loaded Blender, and the folder that it had for temporary files."""
+    folder = tmp_path_factory.mktemp("temporary")
+    environment = os.environ | {"TMPDIR": str(folder)}
+    return subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, env=environment), folder
+
+
 @posix
-def test_what_blender_prints_as_the_process_ends_does_not_follow_the_answer():
-    done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, check=True)
+def test_what_blender_prints_as_the_process_ends_does_not_follow_the_answer(ended):
+    done, _ = ended
+    assert done.returncode == 0
     assert "glossy_spheres" in str(json.loads(done.stdout))
+
+
+@posix
+def test_a_command_that_has_loaded_blender_leaves_no_temporary_file(ended):
+    _, folder = ended
+    assert list(folder.iterdir()) == []
