@@ -8,21 +8,37 @@ import importlib.util
 import io
 import re
 import sys
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path, PureWindowsPath
 
 import pytest
+from etalon.lib.batch.plan import read_plan
+
+
+@contextmanager
+def script(name):
+    """A script of this folder as a module; it is not part of the package."""
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    try:
+        yield module
+    finally:
+        del sys.modules[spec.name]
 
 
 @pytest.fixture(scope="module")
 def corpus():
-    place = Path(__file__).with_name("fetch.py")
-    spec = importlib.util.spec_from_file_location("corpus_fetch", place)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+    with script("fetch") as module:
+        yield module
+
+
+@pytest.fixture(scope="module")
+def drawing(corpus):
+    with script("draw") as module:
+        yield module
 
 
 def test_the_list_has_a_hundred_scenes_of_twenty_repositories(corpus):
@@ -53,3 +69,25 @@ def test_a_file_with_another_hash_is_not_kept(corpus, monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
     assert corpus.fetch(file, tmp_path) is None
     assert (tmp_path / file.place).is_file()
+
+
+def test_a_draw_of_fewer_begins_a_draw_of_more(drawing):
+    listed = [str(file.place) for file in drawing.read_list()]
+    drawn = drawing.draw(30)
+    assert len(set(drawn)) == 30
+    assert set(drawn) <= set(listed)
+    assert drawn != sorted(drawn)
+    assert drawing.draw(12) == drawn[:12]
+
+
+def test_a_batch_reads_the_plan_of_a_draw(drawing, tmp_path):
+    scenes = drawing.draw(3)
+    for scene in scenes:
+        (tmp_path / scene).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / scene).touch()
+    drawing.write_plan(scenes, tmp_path / "drawn.toml")
+    plan = read_plan(tmp_path / "drawn.toml")
+    plan.require_scenes(())
+    assert [*plan.scenes] == scenes
+    assert plan.options == ("--time=60",)
+    assert [v.values for v in plan.variations] == [(480,), (270,), (100,)]
