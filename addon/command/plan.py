@@ -17,6 +17,7 @@ from ...lib.exit_codes import ExitCode
 from ...lib.files.atomic import replace_file
 from ...lib.plain_text import one_line
 from ...lib.plural import plural
+from ...lib.progress import Progress
 from ...lib.report.scene_check import scene_check_lines
 from ...lib.scene import archive
 from ...lib.scene.scene import Scene
@@ -24,9 +25,9 @@ from ...lib.scene_check.check import check_scene
 from ...lib.settings.commands import PlanOutput
 from ...lib.settings.common import Target, Terminal
 from ...lib.settings.words import write_changes
-from .console import print_json
+from .console import bar, interruptible, print_json
 from .exported import read_scene
-from .survey import as_csv, as_json, as_text, survey
+from .survey import as_csv, as_json, as_text, find_files, survey
 
 
 def run(target: Target, settings: PlanOutput, terminal: Terminal) -> int:
@@ -69,15 +70,21 @@ def _facts(target: Target) -> dict[str, Any]:
 
 
 def _run_folder(folder: Path, target: Target, settings: PlanOutput, terminal: Terminal) -> int:
-    """Print which of the folder's files can be compared, and what stops the others."""
+    """Print which of the folder's files can be compared, and what stops the others.
+
+    Ctrl-C, or an order to end, leaves the table of those that were read.
+    """
     if settings.save is not None:
         raise EtalonError(f"{settings.save}: --save keeps one scene; give a file in place of the folder {folder}")
-    files = list(survey(folder, write_changes(replace(target, scene=None))))
+    found = find_files(folder)
+    with interruptible() as interrupted, bar(folder.name, terminal) as shown:
+        progress = Progress(shown.report, interrupted)
+        files = list(survey(found, folder, write_changes(replace(target, scene=None)), progress))
     if settings.csv is not None:
         with replace_file(settings.csv) as beside:
             beside.write_text(as_csv(files), encoding="utf-8")
-    print(as_json(folder, files) if terminal.json else as_text(files))
-    return ExitCode.DONE
+    print(as_json(folder, files, len(found)) if terminal.json else as_text(files, len(found)))
+    return ExitCode.DONE if len(files) == len(found) else ExitCode.INTERRUPTED
 
 
 def plan_text(scene: Scene, plan: Plan) -> str:

@@ -11,13 +11,16 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ...lib.batch.asked import ask_plan
-from ...lib.errors import EtalonError, Refusal
+from ...lib.errors import Cancelled, EtalonError, Refusal
 from ...lib.exit_codes import ExitCode
 from ...lib.plain_text import one_line, spreadsheet_cell
+from ...lib.plural import plural
+from ...lib.progress import Progress
 from ...lib.refusals import group_refusals
 
 PASSES, REFUSED, FAILED = "passes", "refused", "failed"
@@ -59,17 +62,22 @@ def find_files(folder: Path) -> list[Path]:
     return found
 
 
-def survey(folder: Path, options: Sequence[str]) -> Iterator[Surveyed]:
-    """Yield every file of `folder` as it is done, in order.
+def survey(files: Sequence[Path], folder: Path, options: Sequence[str], progress: Progress) -> Iterator[Surveyed]:
+    """Yield every one of the `files` below `folder` as it is done, in order.
 
-    Each is read in a process of its own: one that crashes is a row like the others.
+    Each is read in a process of its own: one that crashes is a row like the others. When asked to stop, what is being
+    read is given up, and what was finished is yielded.
     """
     with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 4)) as pool:
-        yield from pool.map(lambda path: _read(path, str(path.relative_to(folder)), options), find_files(folder))
+        reading = [pool.submit(_read, path, str(path.relative_to(folder)), options, progress) for path in files]
+        for done, one in enumerate(reading, 1):
+            with suppress(Cancelled):
+                yield one.result()
+            progress.report(done / len(files))
 
 
-def _read(path: Path, name: str, options: Sequence[str]) -> Surveyed:
-    answer = ask_plan(str(path.resolve()), options)
+def _read(path: Path, name: str, options: Sequence[str], progress: Progress) -> Surveyed:
+    answer = ask_plan(str(path.resolve()), options, progress)
     if answer.found is None:
         return Surveyed(name, REFUSED if answer.code == ExitCode.BAD_INPUT else FAILED, error=answer.error)
     if answer.code == ExitCode.BAD_INPUT:
@@ -92,12 +100,14 @@ def count_reasons(files: Sequence[Surveyed]) -> list[tuple[str, int, int]]:
     return [(kind, count, alone[kind]) for kind, count in every.most_common()]
 
 
-def as_text(files: Sequence[Surveyed]) -> str:
-    """A row a file, and what blocks, for a terminal."""
-    width = max(len(one.file) for one in files)
+def as_text(files: Sequence[Surveyed], found: int) -> str:
+    """A row a file, and what blocks, for a terminal; of `found` files these were read."""
+    width = max((len(one.file) for one in files), default=0)
     lines = [f"{one.file:{width}}  {one.state:7}  {'; '.join(one.reasons)}".rstrip() for one in files]
     passing = sum(one.state == PASSES for one in files)
-    lines += ["", f"{passing} of {len(files)} files can be compared."]
+    lines += ["", f"{passing} of {plural(len(files), 'file')} can be compared."]
+    if len(files) < found:
+        lines.append(f"It was interrupted: {found - len(files)} of {plural(found, 'file')} were not read.")
     counted = count_reasons(files)
     if counted:
         lines += ["", "files  alone  what stops them"]
@@ -105,11 +115,12 @@ def as_text(files: Sequence[Surveyed]) -> str:
     return "\n".join(map(one_line, lines))
 
 
-def as_json(folder: Path, files: Sequence[Surveyed]) -> str:
+def as_json(folder: Path, files: Sequence[Surveyed], found: int) -> str:
     """The same as JSON."""
     rows = [{**asdict(one), "reasons": one.reasons} for one in files]
     counted = [{"reason": kind, "files": count, "alone": alone} for kind, count, alone in count_reasons(files)]
-    return json.dumps({"folder": str(folder), "files": rows, "reasons": counted}, indent=2)
+    figures = {"folder": str(folder), "found": found, "files": rows, "reasons": counted}
+    return json.dumps(figures, indent=2)
 
 
 def as_csv(files: Sequence[Surveyed]) -> str:

@@ -6,17 +6,23 @@ It runs in a process of its own: a scene that crashes Blender is an answer like 
 
 from __future__ import annotations
 
+import contextlib
 import json
 import subprocess
+import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 from ..exit_codes import ExitCode
+from ..progress import NO_PROGRESS, Progress
 from .process import end, etalon_command, own_errors, start
 
 # A scene that takes longer than so many seconds to load and export is given up.
 PATIENCE = 600.0
+# Seconds between two questions whether it is to end.
+_INTERVAL = 0.2
 
 
 @dataclass(frozen=True)
@@ -31,26 +37,42 @@ class Answer:
     error: str = ""
 
 
-def ask_plan(target: str, options: Sequence[str], patience: float = PATIENCE) -> Answer:
+def ask_plan(
+    target: str, options: Sequence[str], progress: Progress = NO_PROGRESS, patience: float = PATIENCE
+) -> Answer:
     """Have `etalon plan` read the scene `target`, a path or a reference scene.
 
-    It may take at most `patience` seconds.
+    It may take at most `patience` seconds, and ends with this process. Raises Cancelled when asked to stop.
     """
+    progress.check()
     command = [*etalon_command(), "plan", target, "--json", *options]
-    process = start(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    try:
-        out, err = process.communicate(timeout=patience)
-    except subprocess.TimeoutExpired:
-        end(process)
+    with (
+        start(command, leash=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process,
+        ThreadPoolExecutor(2) as readers,
+    ):
+        try:
+            out, err = (readers.submit(pipe.read) for pipe in (process.stdout, process.stderr))
+            latest = time.monotonic() + patience
+            while process.poll() is None and time.monotonic() < latest:
+                progress.check()
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(_INTERVAL)
+            late = process.poll() is None
+        finally:
+            end(process)
+    if late:
         return Answer(process.returncode, None, f"took longer than {patience:.0f} s")
-    finally:
-        end(process)
+    return _read(process.returncode, out.result(), err.result())
+
+
+def _read(code: int, out: str, err: str) -> Answer:
+    """The answer of a process that ended with `code` and wrote these texts."""
     try:
-        return Answer(process.returncode, json.loads(out))
+        return Answer(code, json.loads(out))
     except ValueError:
         pass
-    if process.returncode == ExitCode.BAD_INPUT:
+    if code == ExitCode.BAD_INPUT:
         said = (own_errors(err) or ["refused without a word"])[-1]
     else:
-        said = f"Blender ended with code {process.returncode} while it read the file"
-    return Answer(process.returncode, None, said)
+        said = f"Blender ended with code {code} while it read the file"
+    return Answer(code, None, said)

@@ -6,6 +6,7 @@ It finds what each scene has, and which comparisons the journal lacks.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -108,8 +109,14 @@ def _ask(plan: BatchPlan, scenes: Sequence[str], hashes: Hashes, progress: Progr
     if not scenes:
         return
     progress.begin("reading the scenes")
+    stop = threading.Event()
+    asking = Progress(is_cancelled=stop.is_set)
     with ThreadPoolExecutor(max_workers=2) as pool:
-        answers = list(pool.map(lambda scene: ask_plan(plan.target(scene), plan.asked), scenes))
+        try:
+            answers = list(pool.map(lambda scene: ask_plan(plan.target(scene), plan.asked, asking), scenes))
+        except BaseException:  # Ctrl-C does not wait for large files
+            stop.set()
+            raise
     for scene, answer in zip(scenes, answers, strict=True):
         if answer.found is None:
             raise EtalonError(f"{scene}: {answer.error.removeprefix(f'{scene}: ')}")

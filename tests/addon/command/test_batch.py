@@ -22,7 +22,7 @@ tolerance = ["1%", "2%"]
 def plan(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        "etalon.lib.batch.prepare.ask_plan", lambda target, words: type("A", (), {"found": {}, "error": ""})
+        "etalon.lib.batch.prepare.ask_plan", lambda target, words, progress: type("A", (), {"found": {}, "error": ""})
     )
     (tmp_path / "plan.toml").write_text(PLAN)
     return tmp_path

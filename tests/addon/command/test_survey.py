@@ -4,13 +4,16 @@
 import csv
 import io
 import json
+import threading
 from dataclasses import replace
 
 import bpy
 import pytest
-from etalon.addon.command import cli
+from etalon.addon.command import cli, survey
 from etalon.addon.command.survey import FAILED, PASSES, REFUSED, Surveyed, as_csv, as_text, count_reasons, find_files
+from etalon.lib.batch.asked import Answer
 from etalon.lib.errors import EtalonError, Refusal, Refused
+from etalon.lib.progress import Progress
 from etalon.lib.refusals import describe_refusals, group_refusals, is_for_command_line
 
 SKINS = [
@@ -74,7 +77,7 @@ def test_reasons_are_counted_over_files_whatever_their_names():
         ("scene: Simplify", 1, 0),
         ("Blender ended with code -11 while it read the file", 1, 1),
     ]
-    assert "1 of 4 files can be compared." in as_text(files)
+    assert "1 of 4 files can be compared." in as_text(files, 4)
     rows = list(csv.reader(io.StringIO(as_csv(files))))
     assert [row[1] for row in rows[1:]] == [PASSES, REFUSED, REFUSED, FAILED]
     assert len(rows[3][4].splitlines()) == 2
@@ -100,3 +103,24 @@ def test_files_are_read_one_by_one_and_a_damaged_one_is_a_row(capfd, tmp_path):
     assert found["files"][2]["triangles"] == 12
     assert {row["reason"] for row in found["reasons"]} >= {"scene: Simplify"}
     assert len((tmp_path / "files.csv").read_text().splitlines()) == 4
+    assert found["found"] == 3
+
+
+def test_what_was_read_before_an_interruption_is_kept(monkeypatch, tmp_path):
+    """The second file is still being read when Ctrl-C comes, and the third waits."""
+    stopped = threading.Event()
+
+    def answer(path, options, progress):
+        if not path.endswith("a.blend"):
+            stopped.wait()
+        progress.check()
+        return Answer(0, {"triangles": 12, "lights": 1})
+
+    monkeypatch.setattr(survey, "ask_plan", answer)
+    paths = [tmp_path / f"{name}.blend" for name in "abc"]
+    progress = Progress(lambda share: stopped.set(), stopped.is_set)
+    files = list(survey.survey(paths, tmp_path, (), progress))
+    assert [one.file for one in files] == ["a.blend"]
+    *_, last = as_text(files, 3).splitlines()
+    assert last == "It was interrupted: 2 of 3 files were not read."
+    assert "0 of 0 files can be compared." in as_text([], 3)
