@@ -294,6 +294,20 @@ class WeightedClosure:
 
 
 @dataclass(frozen=True)
+class Displacement:
+    """How far a material moves the vertices of its faces.
+
+    `offset` is a value, the length along the vertex's normal, or with `is_vector` a colour, the vector itself. Both are lengths of
+    `space`: 'OBJECT' or 'WORLD'; or the vector has components along tangent (of the active UV map), normal and bitangent, in the
+    object's lengths: 'TANGENT'. It is evaluated once, when a scene is made (lib/surfaces/displacement.py).
+    """
+
+    offset: Expression
+    space: str = "OBJECT"
+    is_vector: bool = False
+
+
+@dataclass(frozen=True)
 class Material:
     """A material as the user named it; no lobes means black.
 
@@ -301,7 +315,7 @@ class Material:
     lobes, paths end there, and what they would have brought is missing from their pixels. It is `passive` where it can only send on
     light that it receives: it does not emit, and its faces stay where they are. Shadow rays pass through what is transparent of
     it only with `transparent_shadows`. `volume` fills what the faces of an object enclose, None: nothing does. Faces that are `only_bounds`
-    of it let light pass as if they were not there.
+    of it let light pass as if they were not there. The vertices of the scene's mesh are where `displacement` moved them.
     """
 
     name: str
@@ -311,3 +325,4 @@ class Material:
     volume: Volume | None = None
     only_bounds: bool = False
     passive: bool = False
+    displacement: Displacement | None = None

@@ -35,6 +35,7 @@ class LocalMesh:
     positions (3, v) float32; triangles (3, t) int32; slot (t,) int32, the material slot as stored; smooth (t,) bool;
     corner_normals (3 corners, 3, t) float32, or None when no face is smooth; uvs: map name -> (3 corners, 2, t) float32;
     generated (3, v) float32, or None when nobody asks; attributes: name -> (3 corners, 6, t) float32.
+    `displaced`: a material may move vertices of it.
     """
 
     positions: np.ndarray
@@ -45,6 +46,7 @@ class LocalMesh:
     uvs: dict[str, np.ndarray]
     generated: np.ndarray | None
     attributes: dict[str, np.ndarray]
+    displaced: bool = False
 
 
 @dataclass(frozen=True)
@@ -185,10 +187,12 @@ def _fill(mesh: Mesh, group: _Group, instances: list[_Instance], first_vertex: i
 def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.ndarray, at: slice) -> None:
     """Corner normals of the instances.
 
-    Cycles mixes an instance's normals in object space, but turns those of a mesh with one user into unit vectors of the
-    world first: so the latter are normalised, and the former keep the lengths that their transform gives them.
+    Cycles mixes an instance's normals in object space, as those of a mesh that is displaced, but turns those of another mesh with
+    one user into unit vectors of the world first: so the latter are normalised, and the former keep the lengths that their
+    transform gives them.
     """
     local = group.local
+    mixed_in_world = len(group.instances) == 1 and not local.displaced
     if local.corner_normals is None:
         mesh.corner_normals[:, :, at] = _face_normals(mesh, at)
         return
@@ -199,7 +203,7 @@ def _fill_normals(mesh: Mesh, group: _Group, linear: np.ndarray, mirrored: np.nd
             normals[mirrored] = np.matmul(turns[mirrored], local.corner_normals[3 - corner])
         length = np.sqrt(np.einsum("kct,kct->kt", normals, normals))[:, None, :]
         bad = ~(length > 0.0)
-        if len(group.instances) == 1:
+        if mixed_in_world:
             np.divide(normals, length, out=normals, where=~bad)
         flat = normals.transpose(1, 0, 2).reshape(3, -1)
         if bad.any():

@@ -27,7 +27,7 @@ class Requirements:
 def requirements(materials: Iterable[Material]) -> Requirements:
     """Return what `materials` read.
 
-    They read through their textures and through the tangents of anisotropic lobes.
+    They read through their textures, also those of their displacement, and through the tangents of anisotropic lobes.
     """
     uv_maps: set[str] = set()
     attributes: set[str] = set()
@@ -49,21 +49,27 @@ def reads_tangents(material: Material) -> bool:
 
 def _reads(material: Material) -> Iterator[tuple[str, str]]:
     """Kinds of coordinates, with the name where the kind is 'UV', 'TANGENT' (along a UV map) or 'ATTRIBUTE'."""
+    if material.displacement is not None:
+        yield from _reads_of(material.displacement.offset)
+        if material.displacement.space == "TANGENT":
+            yield "UV", ""
     for lobe in material.lobes:
-        roots: list[Expression] = [lobe.weight]
-        roots.extend(
-            v for v in (getattr(lobe.closure, f.name) for f in fields(lobe.closure)) if isinstance(v, Expression)
-        )
-        for root in roots:
-            yield from ((node.kind, node.uv_map) for node in walk(root) if isinstance(node, Coordinates))
-            yield from (
-                ("TANGENT", node.uv_map)
-                for node in walk(root)
-                if isinstance(node, NormalMap) and node.space == "TANGENT"
-            )
-            yield from (("ATTRIBUTE", node.name) for node in walk(root) if isinstance(node, Attribute))
+        yield from _reads_of(lobe.weight)
+        for value in (getattr(lobe.closure, f.name) for f in fields(lobe.closure)):
+            if isinstance(value, Expression):
+                yield from _reads_of(value)
         if isinstance(lobe.closure, Anisotropic) and lobe.closure.anisotropy != ZERO:
             yield from _tangent_reads(lobe.closure.tangent)
+
+
+def _reads_of(root: Expression) -> Iterator[tuple[str, str]]:
+    for node in walk(root):
+        if isinstance(node, Coordinates):
+            yield node.kind, node.uv_map
+        elif isinstance(node, NormalMap) and node.space == "TANGENT":
+            yield "TANGENT", node.uv_map
+        elif isinstance(node, Attribute):
+            yield "ATTRIBUTE", node.name
 
 
 def _tangent_reads(tangent: Tangent) -> Iterator[tuple[str, str]]:
