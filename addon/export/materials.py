@@ -12,14 +12,14 @@ from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.layers import BeneathLayer
-from ...lib.scene.materials import Diffuse, Emission, Material, Specular, Transparent, WeightedClosure
+from ...lib.scene.materials import Diffuse, Displacement, Emission, Material, Specular, Transparent, WeightedClosure
 from ...lib.scene.rays import COUNTS, RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
 from ...lib.scene.volumes import Volume
 from ...lib.scene.world import World
 from ...lib.textures.fold import Folder, inputs, is_constant, walk
 from ...lib.wavefront.refuse import misused_rays
-from .nodes.displacement import read_bump, refuse_beside_bump
+from .nodes.displacement import read_bump, read_displacement, refuse_beside_bump
 from .nodes.images import OCCLUSION_DISTANCE, ImageTable
 from .nodes.shaders import make_shader_reader, make_volume_reader
 from .nodes.tree import Scope, TreeReader, valid_link
@@ -58,8 +58,9 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     owner = f"material '{material.name}'"
     refuse_undeclared(owner, "material", material, refusals)
     refuse_undeclared(owner, "material.cycles", material.cycles, refusals)
-    bump_only = material.displacement_method == "BUMP"
-    read = _read_tree(material.node_tree, owner, False, images, refusals, bump_only, material.pass_index)
+    read = _read_tree(
+        material.node_tree, owner, False, images, refusals, material.displacement_method, material.pass_index
+    )
     lobes, volume = read.lobes, read.volume
     flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
     _refuse_flags(owner, flags, "its emission", refusals)
@@ -74,6 +75,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
         transparent_shadows=material.use_transparent_shadow or volume is not None,
         volume=volume,
         only_bounds=volume is not None and not read.has_surface,
+        displacement=read.displacement,
     )
 
 
@@ -128,7 +130,7 @@ def _uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
 
 
 class _Tree(NamedTuple):
-    """The lobes of a surface or world, and its volume if one is linked.
+    """The lobes of a surface or world, and its volume and displacement if linked.
 
     It also says whether there is any lobe that Cycles would keep.
     """
@@ -136,6 +138,7 @@ class _Tree(NamedTuple):
     lobes: list[WeightedClosure]
     has_surface: bool
     volume: Volume | None
+    displacement: Displacement | None = None
 
 
 def _read_tree(
@@ -144,7 +147,7 @@ def _read_tree(
     is_world: bool,
     images: ImageTable,
     refusals: list[Refusal],
-    bump_only: bool = False,
+    method: str = "",
     pass_index: int = 0,
 ) -> _Tree:
     output = tree.get_output_node("CYCLES")
@@ -154,12 +157,18 @@ def _read_tree(
     values = TreeReader(owner, is_world, images, refusals, VALUES, pass_index)
     values.check(output, scope)
     surface, displacement = output.inputs["Surface"], output.inputs.get("Displacement")
+    moved = None
     if displacement is not None and valid_link(displacement):
-        bump = read_bump(values, displacement, scope) if bump_only else None
-        if bump is None:
-            what = f"displacement (node '{output.name}', socket 'Displacement')"
-            refusals.append(Refusal(owner, what, "unlink Displacement, or choose Bump Only and a Displacement node"))
-        values.surface_normal = bump
+        what, before = f"displacement (node '{output.name}', socket 'Displacement')", len(refusals)
+        remedy = "choose Displacement Only or Bump Only"
+        if method == "BUMP":
+            values.surface_normal = read_bump(values, displacement, scope)
+            remedy = "unlink Displacement, or link a Displacement node"
+        elif method == "DISPLACEMENT":
+            moved = read_displacement(values, displacement, scope)
+            remedy = "unlink Displacement, or link a Displacement or Vector Displacement node"
+        if moved is None and values.surface_normal is None and len(refusals) == before:
+            refusals.append(Refusal(owner, what, remedy))
     lobes = make_shader_reader(values).lobes(surface, scope)
     volume = read_volume(make_volume_reader(values), output.inputs["Volume"], scope)
     if values.surface_normal is not None:
@@ -169,7 +178,7 @@ def _read_tree(
             values.refuse(node, where, ", output 'Alpha', whose links lead nowhere,", "unlink Alpha")
     # Cycles drops emission that gives no light, and takes what is left of the surface for unlinked.
     dark = bool(lobes) and all(isinstance(lobe.closure, Emission) and adds_nothing(lobe) for lobe in lobes)
-    return _Tree(lobes, values.trace(surface, scope).linked and not dark, volume)
+    return _Tree(lobes, values.trace(surface, scope).linked and not dark, volume, moved)
 
 
 def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int, int]:

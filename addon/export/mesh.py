@@ -12,6 +12,7 @@ from ...lib.errors import SceneError
 from ...lib.plural import plural
 from ...lib.scene.mesh import FARTHEST, near
 from ...lib.scene.placements import LocalMesh
+from ...lib.surfaces.displacement import Normals
 from .mesh_attributes import read_attribute
 
 
@@ -103,7 +104,7 @@ def _smooth(mesh: bpy.types.Mesh, polygon: np.ndarray) -> np.ndarray:
     Else sharp edges count only where no face says whether it is sharp.
     """
     sharp = _attribute(mesh, "sharp_face", "FACE", "BOOLEAN")
-    if sharp is None or _splits_normals(mesh):
+    if sharp is None or splits_normals(mesh):
         return np.full(polygon.size, mesh.normals_domain != "FACE")
     return ~sharp[polygon]
 
@@ -123,12 +124,22 @@ def read_normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarra
 
     The triangles have the mesh's `corners` (t, 3) and vertices `triangles` (3, t).
     """
-    if _splits_normals(mesh):
+    if splits_normals(mesh):
         return _picked(_read(mesh.corner_normals, "vector", np.float32, 3), corners)
     return _picked(_read(mesh.vertex_normals, "vector", np.float32, 3), triangles.T)
 
 
-def _splits_normals(mesh: bpy.types.Mesh) -> bool:
+def read_undisplaced_normals(mesh: bpy.types.Mesh, local: LocalMesh) -> Normals:
+    """The normals along which a mesh that was read as `local` is displaced."""
+    normals = read_normals(mesh, read_corners(mesh), local.triangles)
+    if not splits_normals(mesh):
+        return Normals(normals)
+    polygon = _read(mesh.loop_triangle_polygons, "value", np.int32)
+    sharp = _attribute(mesh, "sharp_face", "FACE", "BOOLEAN")
+    return Normals(normals, np.zeros(polygon.size, bool) if sharp is None else sharp[polygon])
+
+
+def splits_normals(mesh: bpy.types.Mesh) -> bool:
     """Whether Cycles reads a normal for each corner.
 
     Before Blender 5.2, sharp faces alone did not make it do so.

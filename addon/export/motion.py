@@ -302,13 +302,17 @@ def _read_objects(states: list[_State], middle: _State, exported: Scene) -> tupl
 
 
 def _of_shading(thing: _Thing, shape: _Shape, faces: np.ndarray, exported: Scene) -> Iterator[Refusal]:
-    """What of the normals and tangents of a mesh that deforms is not simulated."""
+    """What of a deforming mesh's normals, tangents and displacement is not simulated."""
     owner = f"object '{thing.name}'"
     if shape.has_own_normals and exported.mesh.smooth[faces].any() and bpy.app.version < _BLURS_OWN_NORMALS:
         what = "motion blur of a deforming mesh with custom normals, before Blender 5.2"
         remedy = "clear its custom normals, or switch Deformation off in its motion blur settings"
         yield Refusal(owner, what, remedy)
-    if any(reads_tangents(exported.materials[k]) for k in np.unique(exported.mesh.material_index[faces])):
+    materials = [exported.materials[k] for k in np.unique(exported.mesh.material_index[faces])]
+    if any(material.displacement is not None for material in materials):
+        what = "motion blur of a deforming mesh that a material displaces"
+        yield Refusal(owner, what, "switch Deformation off in its motion blur settings")
+    if any(reads_tangents(material) for material in materials):
         what = "motion blur of a deforming mesh whose material has a normal map or UV tangents"
         yield Refusal(owner, what, "switch Deformation off in its motion blur settings")
 

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import bpy
@@ -24,6 +25,7 @@ from ...lib.textures.requirements import requirements
 from ...lib.textures.skipped_tiles import skipped_tiles
 from ...lib.wavefront.refuse import refuse_combinations
 from .camera import read_camera
+from .displacement import Displacer, User, find_undisplaceable
 from .holdouts import hold_out, is_catcher, is_holdout
 from .lights import read_light
 from .links import LinkTable
@@ -70,9 +72,9 @@ def export_scene(
     refuse_missing(depsgraph, refusals)
     links = LinkTable(depsgraph, refusals)
     lights = _read_things(depsgraph, materials, links, refusals)
-    _check_attributes(depsgraph, materials)
+    _check_meshes(depsgraph, materials)
     raise_any(refusals)
-    mesh = _read_meshes(depsgraph, materials, links)
+    mesh = _read_meshes(depsgraph, materials, links, images)
     if mesh.triangle_count == 0:
         raise EtalonError(f"{scene.name}: the scene has no faces to render; add an object with a surface")
     _check_tiles(mesh, materials)
@@ -140,8 +142,8 @@ class MaterialTable:
         held_out = is_holdout(instance, layer)
         return np.array([self._index(self._override or material, held_out) for material in slots], np.int32)
 
-    def refuse_attribute(self, index: int, refusal: Refusal) -> None:
-        """Refuse an attribute that the material `index` reads.
+    def refuse_on_mesh(self, index: int, refusal: Refusal) -> None:
+        """Refuse what the material `index` asks of a mesh.
 
         Where only parts are compared, the material is left out instead.
         """
@@ -173,7 +175,8 @@ class MaterialTable:
         if not refusals:
             return read
         what = ", ".join(dict.fromkeys(refusal.what.strip(" ,") for refusal in refusals))
-        return Material(material.name, (), what, passive=is_passive(material))
+        passive = is_passive(material, is_placed=read.displacement is not None)
+        return Material(material.name, (), what, passive=passive, displacement=read.displacement)
 
 
 def _read_things(
@@ -198,14 +201,18 @@ def _read_things(
     return tuple(lights)
 
 
+def _check_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> None:
+    """Refuse what materials ask of meshes and the export cannot give."""
+    _check_attributes(depsgraph, materials)
+    _check_displacement(depsgraph, materials)
+
+
 def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> None:
     """Refuse attributes of meshes that a material of the mesh reads and the export cannot."""
     seen: set[tuple[int, tuple[int, ...]]] = set()
-    for instance in depsgraph.object_instances:
+    for instance in _mesh_instances(depsgraph):
         thing = instance.object
         mesh = thing.data
-        if not instance.show_self or not isinstance(mesh, bpy.types.Mesh) or is_invisible(instance):
-            continue
         slots = tuple(materials.of_slots(instance, depsgraph.view_layer_eval).tolist())
         if (mesh.as_pointer(), slots) in seen:
             continue
@@ -214,12 +221,33 @@ def _check_attributes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) 
             for name in sorted(requirements([materials.materials[index]]).attributes):
                 found = unreadable(faces_of(thing), name)
                 if found is not None:
-                    materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", *found))
+                    materials.refuse_on_mesh(index, Refusal(f"mesh '{mesh.name}'", *found))
             volume = materials.materials[index].volume
             for name in volume.attributes if volume is not None else ():
                 if name in faces_of(thing).attributes:
                     what = f"attribute '{name}', by which a heterogeneous volume varies,"
-                    materials.refuse_attribute(index, Refusal(f"mesh '{mesh.name}'", what, "rename it"))
+                    materials.refuse_on_mesh(index, Refusal(f"mesh '{mesh.name}'", what, "rename it"))
+
+
+def _mesh_instances(depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.DepsgraphObjectInstance]:
+    """Every instance of a mesh that some ray may meet."""
+    for instance in depsgraph.object_instances:
+        if instance.show_self and isinstance(instance.object.data, bpy.types.Mesh) and not is_invisible(instance):
+            yield instance
+
+
+def _check_displacement(depsgraph: bpy.types.Depsgraph, materials: MaterialTable) -> None:
+    """Refuse displacement of meshes for which it is not simulated."""
+    if not any(material.displacement for material in materials.materials):
+        return
+    users: dict[int, list[User]] = defaultdict(list)
+    for instance in _mesh_instances(depsgraph):
+        slots = tuple(materials.of_slots(instance, depsgraph.view_layer_eval).tolist())
+        user = User(instance.object, slots, tuple(materials.materials[k] for k in slots))
+        users[instance.object.data.as_pointer()].append(user)
+    for of_one_mesh in users.values():
+        for index, refusal in list(find_undisplaceable(of_one_mesh)):
+            materials.refuse_on_mesh(index, refusal)
 
 
 def _check_tiles(mesh: Mesh, materials: MaterialTable) -> None:
@@ -227,26 +255,30 @@ def _check_tiles(mesh: Mesh, materials: MaterialTable) -> None:
     for index, number in list(skipped_tiles(mesh, materials.materials)):
         what = f"tile {number} of an image, which faces reach over without a corner in it (Cycles does not load it),"
         remedy = "cut the faces at the tiles' borders"
-        materials.refuse_attribute(index, Refusal(f"material '{materials.materials[index].name}'", what, remedy))
+        materials.refuse_on_mesh(index, Refusal(f"material '{materials.materials[index].name}'", what, remedy))
 
 
-def _read_meshes(depsgraph: bpy.types.Depsgraph, materials: MaterialTable, links: LinkTable) -> Mesh:
-    """Every instance of every mesh; each mesh is read once, with what the materials ask of it."""
+def _read_meshes(
+    depsgraph: bpy.types.Depsgraph, materials: MaterialTable, links: LinkTable, images: ImageTable
+) -> Mesh:
+    """Every instance of every mesh.
+
+    Each mesh is read once, with what the materials ask of it, and then displaced.
+    """
     needed = requirements(materials.materials)
-    placements = Placements()
+    placements, displace = Placements(), Displacer(materials.materials, images.images)
     read: dict[int, LocalMesh] = {}
-    for instance in depsgraph.object_instances:
+    for instance in _mesh_instances(depsgraph):
         thing = instance.object
         mesh = thing.data
-        if not instance.show_self or not isinstance(mesh, bpy.types.Mesh) or is_invisible(instance):
-            continue
         # Addresses of evaluated meshes hold for as long as the depsgraph does.
         key = mesh.as_pointer()
         if key not in read:
             read[key] = read_mesh(faces_of(thing), thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
             layer = depsgraph.view_layer_eval
-            placements.add(_object(instance, layer, links), read[key], materials.of_slots(instance, layer))
+            item, slots = _object(instance, layer, links), materials.of_slots(instance, layer)
+            placements.add(item, displace(read[key], thing, item, slots), slots)
     return placements.join(needed.uv_maps, needed.generated, needed.attributes)
 
 

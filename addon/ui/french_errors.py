@@ -99,6 +99,9 @@ ERRORS: dict[str, str] = {
     "{name}: {defect} of vertices not finite or beyond {limit}; repair the mesh or the modifier that made it": (
         "{name} : {defect} de sommets non finies ou au-delà de {limit} ; réparez le maillage ou son modificateur"
     ),
+    "{name}: {defect} of displaced vertices not finite or beyond {limit}; change the displacement of its materials": (
+        "{name} : {defect} de sommets déplacés non finies ou au-delà de {limit} ; changez le déplacement de ses matériaux"
+    ),
     "{name}: faces of its mesh use corners that are not there; remove the object, or make its mesh anew": (
         "{name} : des faces du maillage utilisent des coins absents ; supprimez l'objet ou refaites son maillage"
     ),

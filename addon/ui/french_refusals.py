@@ -103,6 +103,26 @@ WHATS: dict[str, str] = {
     "what lets light straight through": "ce qui laisse passer la lumière tout droit",
     "a world that depends on the direction": "un monde qui dépend de la direction",
     "{what} beside a displacement": "{what} à côté d'un déplacement",
+    "{what} in a displacement": "{what} dans un déplacement",
+    "displacement of a mesh with custom normals or sharp edges, before Blender 5.2": (
+        "le déplacement d'un maillage aux normales personnalisées ou aux arêtes vives, avant Blender 5.2"
+    ),
+    "displacement of smooth faces without area": "le déplacement de faces lisses sans aire",
+    "the displacement of '{name}', which depends on the object, of a mesh with several users,": (
+        "le déplacement de « {name} », qui dépend de l'objet, d'un maillage à plusieurs utilisateurs"
+    ),
+    "displacement in tangent space of a mesh without a UV map": (
+        "le déplacement en espace tangent d'un maillage sans carte UV"
+    ),
+    "the displacement of '{name}' on a mesh whose users have other materials,": (
+        "le déplacement de « {name} » sur un maillage dont les utilisateurs ont d'autres matériaux"
+    ),
+    "a normal map or UV tangents of '{name}' on a displaced mesh, before Blender 5.2": (
+        "une carte de normales ou des tangentes UV de « {name} » sur un maillage déplacé, avant Blender 5.2"
+    ),
+    "motion blur of a deforming mesh that a material displaces": (
+        "le flou de mouvement d'un maillage qui se déforme et qu'un matériau déplace"
+    ),
     "ambient occlusion in {place}": "l'occlusion ambiante dans {place}",
     "a Bevel node in {place}": "un nœud Bevel dans {place}",
     "Pixel Size of a Wireframe node in {place}": "l'option Pixel Size d'un nœud Wireframe dans {place}",
@@ -199,6 +219,14 @@ REMEDIES: dict[str, str] = {
     "choose the strategy visible": "choisissez la stratégie visible",
     "link it to the Normal of a BSDF, or unlink it": "reliez-le à la Normal d'un BSDF, ou retirez son lien",
     "choose Displaced": "choisissez Displaced",
+    "choose Displacement Only or Bump Only": "choisissez Displacement Only ou Bump Only",
+    "bake it to an image, or unlink it": "précalculez-le dans une image, ou retirez ce lien",
+    "clear them and shade it smooth or flat": "effacez-les et ombrez-le lisse ou plat",
+    "give it a UV map": "donnez-lui une carte UV",
+    "make its mesh single-user": "rendez son maillage mono-utilisateur",
+    "make its mesh single-user, or choose Object Space": "rendez son maillage mono-utilisateur, ou choisissez Object Space",
+    "merge its vertices by distance, or shade it flat": "fusionnez ses sommets par distance, ou ombrez-le plat",
+    "unlink the Normal Map node or Tangent": "retirez le lien du nœud Normal Map ou de Tangent",
     "choose Henyey-Greenstein": "choisissez Henyey-Greenstein",
     "choose another": "choisissez-en une autre",
     "choose another projection": "choisissez une autre projection",
@@ -294,8 +322,9 @@ REMEDIES: dict[str, str] = {
         "reliez-la à un facteur d'une couleur diffuse, ou retirez son lien"
     ),
     "unlink the Light Path node": "retirez le lien du nœud Light Path",
-    "unlink Displacement, or choose Bump Only and a Displacement node": (
-        "retirez le lien de Displacement, ou choisissez Bump Only et un nœud Displacement"
+    "unlink Displacement, or link a Displacement node": "retirez le lien de Displacement, ou liez-y un nœud Displacement",
+    "unlink Displacement, or link a Displacement or Vector Displacement node": (
+        "retirez le lien de Displacement, ou liez-y un nœud Displacement ou Vector Displacement"
     ),
     "unlink Displacement, or use a Bump node": "retirez le lien de Displacement, ou utilisez un nœud Bump",
     "switch the holdout off": "désactivez le cache (holdout)",

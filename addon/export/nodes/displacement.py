@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacement that only bumps (the material's setting Bump Only).
+"""Displacement: a bump of the whole surface, or a move of the vertices.
 
-It turns the normal of the whole surface.
+The material's setting is Bump Only or Displacement Only.
 """
 
 from __future__ import annotations
@@ -12,9 +12,24 @@ import bpy
 
 from ....lib.errors import Refusal
 from ....lib.scene import expressions as ex
-from ....lib.scene.materials import WeightedClosure
+from ....lib.scene.converters import VectorMath
+from ....lib.scene.materials import Displacement, WeightedClosure
 from ....lib.textures.fold import Folder, walk
-from .tree import Scope, TreeReader, valid_link
+from .tree import Scope, Source, TreeReader, valid_link
+
+# What has no value at a vertex, or not the same one in Cycles: there is no ray, no pixel and no face there.
+_NOT_AT_VERTICES = {
+    ex.NormalMap: "a Normal Map node",
+    ex.Bump: "a Bump node",
+    ex.Bevel: "a Bevel node",
+    ex.AmbientOcclusion: "an Ambient Occlusion node",
+    ex.Wireframe: "a Wireframe node",
+    ex.RayFlag: "a Light Path node",
+    ex.RayCount: "a Light Path node",
+    ex.FresnelFactor: "a Fresnel node",
+    ex.LayerWeight: "a Layer Weight node",
+    ex.Tile: "a tiled image",
+}
 
 
 def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) -> ex.Expression | None:
@@ -24,15 +39,59 @@ def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) ->
     object's space or in the world's.
     """
     source = values.trace(socket, scope)
-    node = source.socket.node
-    if not source.linked or node.bl_idname != "ShaderNodeDisplacement" or valid_link(node.inputs["Normal"]):
+    if not _is_along_normal(source):
         return None
-    values.check(node, source.scope)
-    height, middle, scale = (values.read(node.inputs[name], source.scope) for name in ("Height", "Midlevel", "Scale"))
-    raised = ex.Math("MULTIPLY", ex.Math("SUBTRACT", height, middle, ex.ZERO), scale, ex.ZERO)
-    if node.space == "OBJECT":
+    raised = _read_length(values, source)
+    if source.socket.node.space == "OBJECT":
         raised = ex.Math("MULTIPLY", raised, ex.NormalScale(), ex.ZERO)
     return Folder()(ex.Bump(raised, ex.ONE, ex.ONE))
+
+
+def read_displacement(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) -> Displacement | None:
+    """Read how a Displacement or Vector Displacement node moves vertices.
+
+    It is linked to `socket`. None where something else is, or where something of it is refused.
+    """
+    source, refused = values.trace(socket, scope), len(values.refusals)
+    node = source.socket.node
+    if _is_along_normal(source):
+        found = Displacement(Folder()(_read_length(values, source)), node.space)
+    elif source.linked and node.bl_idname == "ShaderNodeVectorDisplacement":
+        found = Displacement(Folder()(_read_vector(values, source)), node.space, is_vector=True)
+    else:
+        return None
+    for what in sorted({_has_no_value(part) for part in walk(found.offset)} - {""}):
+        values.refusals.append(Refusal(values.owner, f"{what} in a displacement", "bake it to an image, or unlink it"))
+    return found if len(values.refusals) == refused else None
+
+
+def _is_along_normal(source: Source) -> bool:
+    """Whether a Displacement node along the surface's own normal is linked."""
+    node = source.socket.node
+    return source.linked and node.bl_idname == "ShaderNodeDisplacement" and not valid_link(node.inputs["Normal"])
+
+
+def _read_length(values: TreeReader, source: Source) -> ex.Expression:
+    """Read the length along the normal that a Displacement node gives, in its own space."""
+    node = source.socket.node
+    values.check(node, source.scope)
+    height, middle, scale = (values.read(node.inputs[name], source.scope) for name in ("Height", "Midlevel", "Scale"))
+    return ex.Math("MULTIPLY", ex.Math("SUBTRACT", height, middle, ex.ZERO), scale, ex.ZERO)
+
+
+def _read_vector(values: TreeReader, source: Source) -> ex.Expression:
+    """Read the vector that a Vector Displacement node gives, in its own space."""
+    node = source.socket.node
+    values.check(node, source.scope)
+    vector, middle, scale = (values.read(node.inputs[name], source.scope) for name in ("Vector", "Midlevel", "Scale"))
+    above = VectorMath("SUBTRACT", vector, ex.ValueToColor(middle), ex.BLACK, ex.ONE)
+    return VectorMath("SCALE", above, ex.BLACK, ex.BLACK, scale)
+
+
+def _has_no_value(part: ex.Expression) -> str:
+    if isinstance(part, ex.Coordinates) and part.kind == "INCOMING":
+        return "Incoming of a Geometry node"
+    return _NOT_AT_VERTICES.get(type(part), "")
 
 
 def refuse_beside_bump(owner: str, lobes: list[WeightedClosure]) -> Iterator[Refusal]:

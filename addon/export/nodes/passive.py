@@ -36,17 +36,18 @@ _PASSIVE = frozenset(
 ) | {"NodeGroupInput", "NodeReroute"}
 
 
-def is_passive(material: bpy.types.Material) -> bool:
+def is_passive(material: bpy.types.Material, is_placed: bool = False) -> bool:
     """Whether a material only sends on light that it receives.
 
-    It does so from faces where the mesh has them. Linked colours are taken to be at most 1. Nodes of unknown kinds
-    may do anything.
+    It does so from faces where the mesh has them, or where its displacement moves them if that `is_placed` by the export, too.
+    Linked colours are taken to be at most 1. Nodes of unknown kinds may do anything.
     """
     if material.node_tree is None:
         return False
     output = material.node_tree.get_output_node("CYCLES")
     displacement = None if output is None else output.inputs.get("Displacement")
-    if displacement is not None and valid_link(displacement) and material.displacement_method != "BUMP":
+    is_moved = displacement is not None and valid_link(displacement) and material.displacement_method != "BUMP"
+    if is_moved and not is_placed:
         return False
     return all(_sends_on(node) for node in _nodes(material.node_tree))
 

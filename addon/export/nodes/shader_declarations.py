@@ -132,6 +132,9 @@ SHADER_DECLARATIONS: Mapping[str, Declaration] = {
     "ShaderNodeTangent": Declaration(
         properties={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("X", "Y", "Z"), "uv_map": None}
     ),
+    "ShaderNodeVectorDisplacement": Declaration(
+        reads=("Vector", "Midlevel", "Scale"), properties={"space": ("OBJECT", "TANGENT", "WORLD")}
+    ),
     "ShaderNodeVolumeAbsorption": Declaration(reads=("Color", "Density")),
     "ShaderNodeVolumeCoefficients": Declaration(
         reads=("Absorption Coefficients", "Scatter Coefficients", "Emission Coefficients", "Anisotropy"),

@@ -11,6 +11,8 @@ from etalon.addon.export import export_scene
 from etalon.addon.export.render_depsgraph import with_render_depsgraph
 from etalon.addon.host.quiet import quiet
 from etalon.lib.film.exr import read_exr
+from etalon.lib.surfaces.surface import SurfacePoints
+from etalon.lib.vectors import normalize
 from etalon.tests.conftest import unknown_cycles
 
 # What Cycles' table of its pixel filter adds to the centre, in pixels, right and up.
@@ -198,3 +200,19 @@ def rays():
 @pytest.fixture
 def hits():
     return first_hits
+
+
+@pytest.fixture
+def _normal_of_unit_length(monkeypatch):
+    """From Blender 5.2 on Cycles normalises the interpolated normal.
+
+    It does so before it adds the tangents; MikkTSpace leaves both as they are.
+    """
+    if bpy.app.version >= (5, 2, 0):
+        plain = SurfacePoints.tangent_frame
+
+        def unit(self, uv_map):
+            tangent, sign, normal = plain(self, uv_map)
+            return tangent, sign, normalize(normal)
+
+        monkeypatch.setattr(SurfacePoints, "tangent_frame", unit)

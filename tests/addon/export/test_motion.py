@@ -11,6 +11,7 @@ from etalon.addon import job
 from etalon.addon.cycles.renderer import CyclesRenderer, neutral
 from etalon.addon.host.quiet import quiet
 from etalon.lib.errors import EtalonError, Refused
+from etalon.lib.scene.moment import scene_at
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
@@ -162,6 +163,23 @@ def _mapped(studio, square):
     tree.links.new(shader.outputs[0], out.inputs["Surface"])
 
 
+def _displaced(studio, square, height=1.0):
+    material = studio.probe_material("ShaderNodeNewGeometry", "Position")
+    tree = material.node_tree
+    (out,) = (node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
+    moves = tree.nodes.new("ShaderNodeDisplacement")
+    for name, value in (("Height", height), ("Midlevel", 0.0), ("Scale", 1.0)):
+        moves.inputs[name].default_value = value
+    tree.links.new(moves.outputs["Displacement"], out.inputs["Displacement"])
+    material.displacement_method = "DISPLACEMENT"
+    square.data.materials[0] = material
+
+
+def _displaced_and_bent(studio, square):
+    bend(square)
+    _displaced(studio, square)
+
+
 def _mirrored(studio, square):
     animate(square, "scale", (-1.0, 1.0, 1.0), (-1.0, 1.0, 1.0), (2.0, 1.0, 1.0))
 
@@ -178,6 +196,7 @@ def _mirrored(studio, square):
         (_remeshed, "a mesh whose faces change"),
         (_velocity, "by the attribute 'velocity'"),
         (_mapped, "a deforming mesh whose material has a normal map or UV tangents"),
+        (_displaced_and_bent, "a deforming mesh that a material displaces"),
         (_mirrored, "a scale of 0, or of one that changes its sign"),
     ],
     ids=lambda value: value.__name__.strip("_") if callable(value) else "",
@@ -192,6 +211,16 @@ def test_what_is_not_simulated_is_refused_by_name(studio, moving, change, what):
     assert (studio.scene.frame_current, studio.scene.frame_subframe) == before
     with quiet():
         assert change is _hidden or job.export(studio.scene).motion is None
+
+
+def test_a_displaced_mesh_moves_as_it_is(studio, moving):
+    """A square that faces +z, 1 above the ground, is raised by 0.25 while it moves."""
+    _displaced(studio, moving, height=0.25)
+    scene = exported(studio)
+    for time, at in ((0.0, (0.25, 0.5)), (1.0, (0.75, 1.5))):
+        found = scene_at(scene, time).mesh.vertices[:, 4:]
+        expected = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float).T + np.array(at)[:, None]
+        np.testing.assert_allclose(found, np.vstack([expected, np.full(4, 1.25)]), atol=1e-5)
 
 
 def test_partial_comparisons_refuse_it():

@@ -20,6 +20,7 @@ from etalon.tests.addon.export.nodes.node_cells import glowing, node
 
 BESIDE = {
     "ShaderNodeDisplacement",
+    "ShaderNodeVectorDisplacement",
     "ShaderNodeTangent",
     "ShaderNodeOutputMaterial",
     "ShaderNodeOutputWorld",

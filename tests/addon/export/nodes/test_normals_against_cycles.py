@@ -12,7 +12,6 @@ import pytest
 from etalon.lib.surfaces.surface import SurfacePoints, SurfaceTables
 from etalon.lib.textures.evaluate import Evaluator
 from etalon.lib.textures.images import ImageSet
-from etalon.lib.vectors import normalize
 from etalon.tests.addon.export.nodes.node_cells import glowing, node
 from mathutils import Euler, Matrix
 
@@ -148,22 +147,6 @@ def seen(studio, scene, expression, rays, hits):
     assert met.sum() > 200
     got = np.broadcast_to(Evaluator(points, ImageSet(scene.images))(expression), position.shape)
     return image[:, met] - OFFSET, got
-
-
-@pytest.fixture
-def _normal_of_unit_length(monkeypatch):
-    """From Blender 5.2 on Cycles normalises the interpolated normal.
-
-    It does so before it adds the tangents; MikkTSpace leaves both as they are.
-    """
-    if bpy.app.version >= (5, 2, 0):
-        plain = SurfacePoints.tangent_frame
-
-        def unit(self, uv_map):
-            tangent, sign, normal = plain(self, uv_map)
-            return tangent, sign, normalize(normal)
-
-        monkeypatch.setattr(SurfacePoints, "tangent_frame", unit)
 
 
 @pytest.mark.usefixtures("_normal_of_unit_length")
