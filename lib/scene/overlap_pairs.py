@@ -30,43 +30,33 @@ def overlap_in_plane(first: np.ndarray, second: np.ndarray, depth: np.ndarray) -
 def overlap_area(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Area (n,) that triangles (3 corners, 2, n) share.
 
-    The first is clipped by the edges of the second (Sutherland and Hodgman 1974).
+    Where the second one is the triangle 0 <= x <= 1 - y, it is the integral of max(0, min(x, 1 - y)) dy along the edges
+    of the first one, where these have 0 <= y <= 1 (Green's theorem).
     """
-    polygon, clip = _turned(first), _turned(second)
+    along, across = second[1] - second[0], second[2] - second[0]
+    doubled = _cross(along, across)
+    scale = np.divide(1.0, doubled, out=np.zeros_like(doubled), where=doubled != 0.0)
+    corners = [corner - second[0] for corner in first]
+    x, y = [_cross(corner, across) * scale for corner in corners], [_cross(along, corner) * scale for corner in corners]
+    within = [np.clip(values, 0.0, 1.0) for values in y]
+    area = np.zeros_like(doubled)
     for k in range(3):
-        start, edge = clip[k], clip[(k + 1) % 3] - clip[k]
-        height = np.stack([_cross(edge, corner - start) for corner in polygon])
-        following, next_height = np.roll(polygon, -1, axis=0), np.roll(height, -1, axis=0)
-        inside = height >= 0.0
-        crosses = inside != (next_height >= 0.0)
-        share = np.divide(height, height - next_height, out=np.zeros_like(height), where=crosses)
-        crossing = polygon + share[:, None] * (following - polygon)
-        polygon = _filled(np.stack([polygon, crossing], 1), np.stack([inside, crosses], 1))
-    following = np.roll(polygon, -1, axis=0)
-    # About one of its corners, so that far from the origin nothing is lost.
-    origin = polygon[:1]
-    return 0.5 * np.abs(_cross((polygon - origin).swapaxes(0, 1), (following - origin).swapaxes(0, 1)).sum(axis=0))
+        j = (k + 1) % 3
+        rise, run = y[j] - y[k], x[j] - x[k]
+        slope = np.divide(run, rise, out=np.zeros_like(rise), where=rise != 0.0)
+        start, end = x[k] + (within[k] - y[k]) * slope, x[j] + (within[j] - y[j]) * slope
+        beyond = _mean_above(start - 1.0 + within[k], end - 1.0 + within[j])
+        area += (within[j] - within[k]) * (_mean_above(start, end) - beyond)
+    return np.abs(area * doubled)
+
+
+def _mean_above(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The mean (n,) of max(0, t) over t from `start` to `end` (n,)."""
+    above, above_end = np.maximum(start, 0.0), np.maximum(end, 0.0)
+    length = end - start
+    share = np.divide(above_end - above, length, out=np.ones_like(length), where=length != 0.0)
+    return 0.5 * (above + above_end) * share
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[0] * b[1] - a[1] * b[0]
-
-
-def _turned(triangles: np.ndarray) -> np.ndarray:
-    """The triangles (3, 2, n), counter-clockwise."""
-    clockwise = _cross(triangles[1] - triangles[0], triangles[2] - triangles[0]) < 0.0
-    return np.where(clockwise, triangles[[0, 2, 1]], triangles)
-
-
-def _filled(points: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """The polygon of the points (m, 2 kinds, 2, n) that are `there` (m, 2, n).
-
-    Each other point takes the place of the one before it.
-    """
-    slots = 2 * points.shape[0]
-    points, there = points.reshape(slots, *points.shape[2:]), there.reshape(slots, *there.shape[2:])
-    number = np.where(there, np.arange(there.shape[0])[:, None], -1)
-    latest = np.maximum.accumulate(number, axis=0)
-    latest = np.where(latest < 0, number.max(axis=0), latest)  # before the first comes the last
-    filled = np.take_along_axis(points, np.maximum(latest, 0)[:, None], axis=0)
-    return np.where(there.any(axis=0), filled, 0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of boxes in a plane that overlap, for many planes at once.
+"""Pairs of boxes about triangles that overlap, for many planes at once.
 
 A sweep finds them in small groups, a grid in large ones.
 """
@@ -12,38 +12,40 @@ from dataclasses import dataclass
 import numpy as np
 
 _SMALL = 24
-_PAIRS_AT_ONCE = 1 << 18
+_PAIRS_AT_ONCE = 1 << 16
 # Levels of the grid for each power of two of the boxes' size.
 _LEVELS = 2
+# Cells with more boxes than this, on average, are searched by height.
+_LONG = 4
+# Steps of height that are told apart in a column of the grid.
+_HEIGHT_BITS = 30
+_ALL_LOWEST = 0b1111
 
 Pairs = Iterator[tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
 class Boxes:
-    """Boxes in planes: the group (m,) int that each is in, sorted, and its sides (m,)."""
+    """Boxes about triangles: two axes in their plane, and the height above a plane that their group shares.
+
+    `group` (m,) int, sorted; `lowest` (m,) uint8: bits, see Rows; `low` and `high` (3 axes, m).
+    """
 
     group: np.ndarray
-    left: np.ndarray
+    lowest: np.ndarray
     low: np.ndarray
-    right: np.ndarray
     high: np.ndarray
 
     def at(self, index: np.ndarray) -> Boxes:
         """The boxes at `index`, as copies."""
-        return Boxes(*(values[index] for values in vars(self).values()))
-
-    def overlap(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Whether boxes overlap, (n,) bool."""
-        hit = np.take(self.left, first) < np.take(self.right, second)
-        hit &= np.take(self.left, second) < np.take(self.right, first)
-        hit &= np.take(self.low, first) < np.take(self.high, second)
-        hit &= np.take(self.low, second) < np.take(self.high, first)
-        return hit
+        return Boxes(*(np.take(values, index, axis=-1) for values in vars(self).values()))
 
 
 def near_pairs(boxes: Boxes) -> Pairs:
-    """Pairs (k,), (k,) of overlapping boxes of one group, each pair once, in batches."""
+    """Pairs (k,), (k,) of overlapping boxes of one group, in batches.
+
+    Of two triangles that share several groups, only the one in which each bit is set for either gives their pair.
+    """
     if boxes.group.size == 0:
         return
     edges = np.flatnonzero(np.append(True, boxes.group[1:] != boxes.group[:-1]))
@@ -63,16 +65,16 @@ def _sweep(boxes: Boxes) -> Pairs:
         step += 1
         active = active[active + step < boxes.group.size]
         active = active[boxes.group[active] == boxes.group[active + step]]
-        hit = np.flatnonzero(boxes.overlap(active, active + step))
-        if hit.size:
-            yield active[hit], active[hit] + step
+        first, second = _overlapping(boxes, active, boxes, active + step)
+        if first.size:
+            yield first, second
 
 
 def _grid(boxes: Boxes) -> Pairs:
     """Each box against those in cells near it, of its size and of each larger one."""
     if boxes.group.size == 0:
         return
-    extent = np.maximum(np.maximum(boxes.right - boxes.left, boxes.high - boxes.low), 1e-300)
+    extent = np.maximum((boxes.high - boxes.low)[:2].max(axis=0), 1e-300)
     level = np.ceil(_LEVELS * np.log2(extent)).astype(np.int64)
     group = np.cumsum(np.append(False, boxes.group[1:] != boxes.group[:-1]))
     for one in np.unique(level):
@@ -81,22 +83,24 @@ def _grid(boxes: Boxes) -> Pairs:
         within = np.flatnonzero((level <= one) & has_level[group])
         cell, rows = _cells(boxes, within, group, 2.0 ** (float(one) / _LEVELS))
         own = level[within] == one
-        entries = _Table(within[own], cell[own])
-        finer, their_cell = within[~own], cell[~own]
+        entries = _Table(boxes, within[own], cell[own])
         # A box reaches at most one cell beyond that of its lower corner, so those that overlap lie in 3 x 3 cells;
         # between boxes of one level half of these give each pair once.
         offsets = [dx * rows + dy for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
-        for offset in offsets:
-            if offset >= 0:
-                yield from _joined(boxes, entries, entries.box, entries.cell + offset, halved=offset == 0)
-        if (
-            entries.box.size < finer.size
-        ):  # all nine at once: the few into nine cells each, so that the many are looked up once
-            spread = _Table(np.tile(entries.box, 9), np.concatenate([entries.cell - offset for offset in offsets]))
-            yield from _joined(boxes, spread, finer, their_cell, halved=False)
-        elif finer.size:
+        yield from entries.within_cells()
+        for offset in offsets[5:]:
+            yield from entries.joined(entries.boxes, entries.index, entries.cell + offset)
+        finer, their_cell = within[~own], cell[~own]
+        if finer.size == 0:
+            continue
+        asking = boxes.at(finer)
+        if entries.index.size < finer.size:
+            # All nine at once: the few into nine cells each, so that the many are looked up once.
+            spread = np.concatenate([entries.cell - offset for offset in offsets])
+            yield from _Table(boxes, np.tile(entries.index, 9), spread).joined(asking, finer, their_cell)
+        else:
             for offset in offsets:
-                yield from _joined(boxes, entries, finer, their_cell + offset, halved=False)
+                yield from entries.joined(asking, finer, their_cell + offset)
 
 
 def _cells(boxes: Boxes, index: np.ndarray, group: np.ndarray, size: float) -> tuple[np.ndarray, int]:
@@ -104,48 +108,93 @@ def _cells(boxes: Boxes, index: np.ndarray, group: np.ndarray, size: float) -> t
 
     Each group numbers its own cells. Also returns the number of cells in a column.
     """
-    x = np.floor(boxes.left[index] / size).astype(np.int64)
-    y = np.floor(boxes.low[index] / size).astype(np.int64)
+    x, y = (np.floor(low[index] / size).astype(np.int64) for low in boxes.low[:2])
     columns, rows = int(np.ptp(x)) + 3, int(np.ptp(y)) + 3
     return (group[index] * columns + (x - x.min() + 1)) * rows + (y - y.min() + 1), rows
 
 
 class _Table:
-    """Boxes (n,) sorted by the cell (n,) that each is in.
+    """Boxes (n,) sorted by the cell (n,) that each is in, and where cells are long, there by height.
 
-    It knows where each cell that has any box begins.
+    It knows where the run of each cell that has any box begins.
     """
 
-    def __init__(self, box: np.ndarray, cell: np.ndarray) -> None:
+    def __init__(self, boxes: Boxes, index: np.ndarray, cell: np.ndarray) -> None:
         order = np.argsort(cell, kind="stable")
-        self.box, self.cell = box[order], cell[order]
-        self._starts = np.flatnonzero(np.append(True, self.cell[1:] != self.cell[:-1]))
-        self._counts = np.diff(np.append(self._starts, self.cell.size))
+        cell = cell[order]
+        starts = np.flatnonzero(np.append(True, cell[1:] != cell[:-1]))
+        self._starts, self._ends = starts, np.append(starts[1:], cell.size)
+        self._numbers = cell[starts]
+        self._run = np.repeat(np.arange(starts.size), self._ends - starts)
+        self._key = None
+        if cell.size > _LONG * starts.size:
+            bottom, top = boxes.low[2, index[order]], boxes.high[2, index[order]]
+            self._thickness = np.maximum.reduceat(top - bottom, starts)
+            self._lowest = bottom.min()
+            self._step = max(float(np.ptp(bottom)), 1e-300) / 2.0**_HEIGHT_BITS
+            key = self._keys(self._run, bottom)
+            by_height = np.argsort(key, kind="stable")
+            self._key, order = key[by_height], order[by_height]
+        self.index, self.cell = index[order], cell
+        self.boxes = boxes.at(self.index)
 
-    def find(self, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Which of the cells (k,) have boxes, where these begin, and how many there are."""
-        at = np.searchsorted(self.cell[self._starts], cell)
-        at = np.minimum(at, self._starts.size - 1)
-        found = np.flatnonzero(self.cell[self._starts[at]] == cell)
-        return found, self._starts[at[found]], self._counts[at[found]]
+    def _keys(self, run: np.ndarray, height: np.ndarray) -> np.ndarray:
+        """Numbers that order boxes by the run of their cell, and then by height."""
+        steps = (height - (self._lowest - self._step)) / self._step
+        np.clip(steps, 0.0, 2.0**_HEIGHT_BITS + 2.0, out=steps)
+        return (run << (_HEIGHT_BITS + 1)) + steps.astype(np.int64)
+
+    def within_cells(self) -> Pairs:
+        """Those that overlap others of their own cell, each pair once."""
+        own = np.arange(self.cell.size)
+        return self._tested(self.boxes, self.index, own, own + 1, self._end(self._run, self.boxes.high[2]))
+
+    def joined(self, asking: Boxes, index: np.ndarray, cell: np.ndarray) -> Pairs:
+        """The boxes `asking`, with their `index` (k,), and those in `cell` (k,) that they overlap."""
+        run = np.minimum(np.searchsorted(self._numbers, cell), self._numbers.size - 1)
+        found = np.flatnonzero(self._numbers[run] == cell)
+        run = run[found]
+        start, end = self._start(run, asking.low[2, found]), self._end(run, asking.high[2, found])
+        return self._tested(asking, index, found, start, end)
+
+    def _start(self, run: np.ndarray, bottom: np.ndarray) -> np.ndarray:
+        """Where boxes begin in each `run` (k,) that may reach above `bottom` (k,)."""
+        if self._key is None:
+            return self._starts[run]
+        return np.searchsorted(self._key, self._keys(run, bottom - self._thickness[run]))
+
+    def _end(self, run: np.ndarray, top: np.ndarray) -> np.ndarray:
+        """Where boxes end in each `run` (k,) that may begin below `top` (k,)."""
+        if self._key is None:
+            return self._ends[run]
+        return np.searchsorted(self._key, self._keys(run, top), "right")
+
+    def _tested(
+        self, asking: Boxes, index: np.ndarray, number: np.ndarray, start: np.ndarray, end: np.ndarray
+    ) -> Pairs:
+        """Those of `asking` at `number` (k,), each with the boxes from `start` to `end` (k,) that it overlaps."""
+        some = np.flatnonzero(end > start)
+        number, start, count = number[some], start[some], (end - start)[some]
+        total = np.cumsum(count)
+        begin = 0
+        while begin < count.size:
+            before = total[begin - 1] if begin else 0
+            last = max(int(np.searchsorted(total, before + _PAIRS_AT_ONCE, "right")), begin + 1)
+            n = count[begin:last]
+            first = np.repeat(number[begin:last], n)
+            second = np.repeat(start[begin:last] - np.cumsum(n) + n, n) + np.arange(first.size)
+            first, second = _overlapping(asking, first, self.boxes, second)
+            if first.size:
+                yield index[first], self.index[second]
+            begin = last
 
 
-def _joined(boxes: Boxes, entries: _Table, asking: np.ndarray, cell: np.ndarray, halved: bool) -> Pairs:
-    """The boxes `asking` (k,) with those entries in `cell` (k,) that they overlap."""
-    found, start, count = entries.find(cell)
-    asking = asking[found]
-    total = np.cumsum(count)
-    begin = 0
-    while begin < count.size:
-        before = total[begin - 1] if begin else 0
-        end = max(int(np.searchsorted(total, before + _PAIRS_AT_ONCE, "right")), begin + 1)
-        n = count[begin:end]
-        first = np.repeat(asking[begin:end], n)
-        second = entries.box[np.repeat(start[begin:end] - np.cumsum(n) + n, n) + np.arange(first.size)]
-        hit = boxes.overlap(first, second)
-        if halved:
-            hit &= first < second
-        index = np.flatnonzero(hit)
-        if index.size:
-            yield first[index], second[index]
-        begin = end
+def _overlapping(one: Boxes, first: np.ndarray, other: Boxes, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The pairs of boxes (n,), (n,) that overlap, in the group that gives their pair."""
+    for k in range(3):
+        hit = np.take(one.low[k], first) < np.take(other.high[k], second)
+        hit &= np.take(other.low[k], second) < np.take(one.high[k], first)
+        left = np.flatnonzero(hit)
+        first, second = first[left], second[left]
+    left = np.flatnonzero((np.take(one.lowest, first) | np.take(other.lowest, second)) == _ALL_LOWEST)
+    return first[left], second[left]

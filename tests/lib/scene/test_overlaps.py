@@ -4,8 +4,12 @@
 Nothing else is found.
 """
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
+from etalon.lib.scene.overlap_pairs import overlap_area, overlap_in_plane
+from etalon.lib.scene.overlap_planes import find_planes, share_a_plane
 from etalon.lib.scene.overlaps import find_overlaps
 
 
@@ -144,3 +148,117 @@ def test_what_was_found_for_one_mesh_is_not_said_of_another():
     again = find_overlaps(*flat)
     assert again is not first
     assert np.array_equal(again.pairs, first.pairs)
+
+
+def all_pairs(vertices, triangles):
+    """The plain definition: of each two triangles, whether they overlap as seen along an axis and share a plane."""
+    corners = vertices[:, triangles].transpose(1, 0, 2)
+    planes = find_planes(corners, vertices.mean(axis=1))
+    first, second = np.triu_indices(triangles.shape[1], 1)
+    kept = planes.resolved[first] & planes.resolved[second]
+    first, second = first[kept], second[kept]
+    axis = np.argmax(np.abs(planes.normal), axis=0)[first]
+    sides = []
+    for triangle in (first, second):
+        seen = corners[:, np.array([(axis + 1) % 3, (axis + 2) % 3]), triangle]
+        along, across = seen[1] - seen[0], seen[2] - seen[0]
+        sides.append(np.where(along[0] * across[1] < along[1] * across[0], seen[[0, 2, 1]], seen))
+    kept = overlap_in_plane(*sides, np.maximum(planes.tolerance[first], planes.tolerance[second]))
+    first, second = first[kept], second[kept]
+    kept = share_a_plane(corners.reshape(9, -1).T, planes, first, second)
+    return np.array([first[kept], second[kept]])
+
+
+def lattice_triangles(rng, count):
+    """Triangles (count, 2, 3) with corners on lattices of three sizes.
+
+    Many share edges, end in the middle of another one's edge, are copies, or have no area.
+    """
+    return rng.integers(0, 5, (count, 2, 3)) * rng.choice([0.25, 1.0, 4.0], (count, 1, 1))
+
+
+@pytest.mark.parametrize("distance", [0.0, 30.0, 1000.0])
+@pytest.mark.parametrize("planes", [2, 30])
+def test_search_finds_the_pairs_of_all_pairs_of_lattice_triangles(rng, planes, distance):
+    """In planes of any tilt, far from the origin, where single precision moves corners off their lattice."""
+    count = 480 // planes
+    origin = distance * rng.normal(size=3)
+    frames = [plane_frame(rng) for _ in range(planes)]
+    mesh = joined(*(as_mesh(lattice_triangles(rng, count), axes, origin + base) for axes, base in frames))
+    expected = all_pairs(*mesh)
+    assert expected.shape[1] > 100
+    assert np.array_equal(find_overlaps(*mesh).pairs, expected)
+
+
+@pytest.mark.parametrize("distance", [0.0, 30.0])
+@pytest.mark.parametrize("tilt", [0.0, 2.0**-12, 2.0**-8])
+def test_search_finds_the_pairs_of_all_pairs_in_stacks_of_sheets(rng, tilt, distance):
+    """Sheets above each other that are nearly parallel, each of them twice."""
+    frame, base = plane_frame(rng)
+    normal = np.cross(*frame.T)
+    meshes = []
+    for k in range(15):
+        slope = frame + tilt * rng.normal(size=2) * normal[:, None]
+        sheet = lattice_triangles(rng, 16), slope, distance * normal + base + 0.01 * k * normal
+        meshes += [as_mesh(*sheet), as_mesh(*sheet)]
+    mesh = joined(*meshes)
+    expected = all_pairs(*mesh)
+    assert expected.shape[1] > 100
+    assert np.array_equal(find_overlaps(*mesh).pairs, expected)
+
+
+def test_search_finds_the_pairs_of_all_pairs_of_slivers_whose_planes_are_hardly_resolved(rng):
+    """Far from a corner, such a plane may lie a thousand times farther off than the corner itself may."""
+    frame, base = plane_frame(rng)
+    normal = np.cross(*frame.T)
+    meshes = []
+    for height in rng.uniform(0.0, 1e-3, 150):
+        length, width = rng.uniform(0.2, 1.0), rng.uniform(1e-3, 3e-3)
+        sliver = np.array([[[0.0, length, 0.5 * length], [0.0, 0.0, width]]]) + rng.uniform(0.0, [[[0.8], [1e-3]]])
+        meshes.append(as_mesh(sliver, frame, base + height * normal))
+    mesh = joined(*meshes)
+    expected = all_pairs(*mesh)
+    assert expected.shape[1] > 100
+    assert np.array_equal(find_overlaps(*mesh).pairs, expected)
+
+
+def test_search_finds_the_pairs_of_all_pairs_in_a_plane_along_the_axes(rng):
+    """Edges along the axes, where boxes of neighbours touch exactly."""
+    flat = lattice_triangles(rng, 400)
+    mesh = as_mesh(flat, np.eye(3)[:, :2], np.zeros(3))
+    assert np.array_equal(find_overlaps(*mesh).pairs, all_pairs(*mesh))
+
+
+def clipped_area(first, second):
+    """The exact area that two triangles (2, 3) of whole numbers share, by Sutherland and Hodgman's clipping."""
+    polygon, clip = ([tuple(map(Fraction, corner)) for corner in one.T.tolist()] for one in (first, second))
+
+    def side(a, b, p):
+        return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+
+    if side(*clip) == 0:
+        return 0.0
+    if side(*clip) < 0:
+        clip.reverse()
+    for k in range(3):
+        a, b, kept = clip[k], clip[(k + 1) % 3], []
+        for p, q in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+            here, there = side(a, b, p), side(a, b, q)
+            if here >= 0:
+                kept.append(p)
+            if here * there < 0:
+                kept.append(tuple(s + here / (here - there) * (t - s) for s, t in zip(p, q, strict=True)))
+        polygon = kept
+    turns = zip(polygon, polygon[1:] + polygon[:1], strict=True)
+    return float(abs(sum(p[0] * q[1] - p[1] * q[0] for p, q in turns)) / 2)
+
+
+@pytest.mark.parametrize("largest", [3, 40, 1000])
+def test_area_of_two_triangles_is_that_of_their_clipped_polygon(rng, largest):
+    """Also where they share edges and corners, are turned over, or have no area."""
+    first, second = rng.integers(0, largest + 1, (2, 600, 2, 3))
+    second[:50], second[50:100, :, :2] = first[:50, :, ::-1], first[50:100, :, 1:]
+    expected = [clipped_area(*pair) for pair in zip(first, second, strict=True)]
+    area = overlap_area(*(one.transpose(2, 1, 0).astype(float) for one in (first, second)))
+    assert np.count_nonzero(expected) > 100
+    assert area == pytest.approx(np.array(expected), rel=1e-9, abs=1e-12 * largest**2)
