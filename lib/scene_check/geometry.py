@@ -21,9 +21,11 @@ def find_overlapping_faces(scene: Scene) -> Finding | None:
     if not overlaps.count:
         return None
     areas: dict[tuple[str, str], float] = {}
-    owners = np.sort(scene.mesh.object_index[overlaps.pairs], axis=0)
-    pairs, which = np.unique(owners, axis=1, return_inverse=True)
-    for (a, b), area in zip(pairs.T, np.bincount(which.reshape(-1), overlaps.area), strict=True):
+    one, other = scene.mesh.object_index[overlaps.pairs].astype(np.int64)
+    # One number for each two objects: such are sorted fast, and there may be millions.
+    count = len(scene.mesh.objects)
+    both, which = np.unique(np.minimum(one, other) * count + np.maximum(one, other), return_inverse=True)
+    for a, b, area in zip(*np.divmod(both, count), np.bincount(which, overlaps.area), strict=True):
         names = scene.mesh.objects[a].name, scene.mesh.objects[b].name
         areas[names] = areas.get(names, 0.0) + float(area)
     pairs_of_objects = [(_of(names), area) for names, area in areas.items()]
