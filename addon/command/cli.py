@@ -21,7 +21,7 @@ from ...lib.settings.common import Target
 from ...lib.version import VERSION
 from ...lib.wavefront.tuning import tune_process
 from ..host.libraries import explain_import
-from ..host.own_process import Orders, gather_temporary_files, is_ahead, watch_leash
+from ..host.own_process import Orders, gather_temporary_files, is_ahead, is_fork_server, watch_leash
 from .arguments import check_words, make_parser, read_arguments, read_words
 from .scene_choice import require_scene
 from .streams import dependable_streams
@@ -53,6 +53,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Every error that a user can cause is one line on standard error.
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    if is_fork_server():
+        from ..host.fork_server import fork_as_asked
+
+        fork_as_asked()
     return _serve(words[0]) if is_ahead() else _answer(words)
 
 

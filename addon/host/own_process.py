@@ -16,7 +16,7 @@ import threading
 from contextlib import ExitStack
 from typing import NoReturn
 
-from ...lib.batch.process import AHEAD, ANSWER, LEASH
+from ...lib.batch.process import AHEAD, ANSWER, FORKS, LEASH
 from ...lib.exit_codes import ExitCode
 from ...lib.files.ownership import temporary_folder
 
@@ -42,6 +42,11 @@ def watch_leash() -> None:
 def is_ahead() -> bool:
     """Whether the process that started this one tells it its words later."""
     return os.environ.get(LEASH) == AHEAD
+
+
+def is_fork_server() -> bool:
+    """Whether the process that started this one asks it to fork others."""
+    return os.environ.get(LEASH) == FORKS
 
 
 class Orders:

@@ -10,10 +10,12 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 
 from ..memory import resident_memory
 from .comparer import Comparer
+from .forks import ForkServer
 
 Command = Callable[[list[str]], list[str]]
 """The command line that runs words of `etalon` in one of the Blenders."""
@@ -24,12 +26,22 @@ _MOST_MEMORY = 1.5e9
 class Ahead:
     """The processes of comparisons that begin in order, `count` of them side by side.
 
-    `commands` has one entry for each comparison, and `kinds` names the Blender of each. A process runs up to `turns` comparisons of one
-    Blender. One that crashes takes no other comparison with it: those before it are done, and those after it get another process.
+    `commands` has one entry for each comparison, and `kinds` names the Blender of each; `forks` has the fork servers of those Blenders that
+    have one. A process runs up to `turns` comparisons of one Blender. One that crashes takes no other comparison with it: those before it are
+    done, and those after it get another process.
     """
 
-    def __init__(self, name: str, commands: Sequence[Command], kinds: Sequence[str], count: int, turns: int) -> None:
+    def __init__(
+        self,
+        name: str,
+        commands: Sequence[Command],
+        kinds: Sequence[str],
+        count: int,
+        turns: int,
+        forks: Mapping[str, ForkServer] = MappingProxyType({}),
+    ) -> None:
         self._name, self._commands, self._kinds, self._count, self._turns = name, commands, kinds, count, turns
+        self._forks = forks
         self._waiting: defaultdict[str, list[Comparer]] = defaultdict(list)
         self._begun: set[int] = set()
         self._lock = threading.Lock()
@@ -90,4 +102,9 @@ class Ahead:
                 self._waiting[wanted].append(process)
 
     def _start(self, number: int) -> Comparer:
-        return Comparer(self._commands[number]([self._name]), ahead=True)
+        command, forks = self._commands[number]([self._name]), self._forks.get(self._kinds[number])
+        if forks is not None:
+            # Where the server is gone, as systems end one when memory runs out, processes begin from nothing.
+            with contextlib.suppress(ConnectionError):
+                return Comparer(command, ahead=True, forks=forks)
+        return Comparer(command, ahead=True)

@@ -16,7 +16,8 @@ import threading
 import time
 from pathlib import Path
 
-from .process import ANSWER, end, send, start
+from .forks import ForkServer
+from .process import AHEAD, ANSWER, LEASH, Process, end, send, start
 
 # A process that waits ends once its standard input is closed; one that still loads does so first. In seconds.
 _PATIENCE = 10.0
@@ -28,24 +29,27 @@ class Comparer:
     `turns` counts the comparisons that it was given, and `is_free` says whether it waits for another one.
     """
 
-    def __init__(self, command: list[str], temporary: Path | None = None, ahead: bool = False) -> None:
+    def __init__(
+        self,
+        command: list[str],
+        temporary: Path | None = None,
+        ahead: bool = False,
+        forks: ForkServer | None = None,
+    ) -> None:
         """Start `command`, an `etalon compare`; started `ahead`, it gets its words from `give`.
 
-        Its temporary files go to the folder `temporary`, as `start` says. Raises OSError.
+        Its temporary files go to the folder `temporary`, as `start` says. With `forks`, it is forked there instead.
+        Raises OSError.
         """
         self.turns, self.is_free = 0, ahead
         self._answer = secrets.token_hex(16)
-        self.process = start(
-            command,
-            temporary,
-            leash=True,
-            ahead=ahead,
-            variables={ANSWER: self._answer} if ahead else {},
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            encoding="utf-8",
-            errors="replace",
-        )
+        variables = {ANSWER: self._answer} if ahead else {}
+        self.process: Process
+        if forks is not None:
+            self.process = forks.fork({LEASH: AHEAD, **variables})
+        else:
+            pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
+            self.process = start(command, temporary, leash=True, ahead=ahead, variables=variables, **pipes)
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._errors: list[str] = []
         self._reader = threading.Thread(target=self._read, name="errors", daemon=True)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
 from .comparer import Comparer
-from .process import OURS, last_lines, own_errors
+from .process import OURS, Process, last_lines, own_errors
 
 VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
 
@@ -114,7 +113,7 @@ def _wait(comparer: Comparer, limits: Limits) -> tuple[int, str, str]:
     return *ended, over
 
 
-def _is_over(process: subprocess.Popen[str], limits: Limits, seconds: float) -> str:
+def _is_over(process: Process, limits: Limits, seconds: float) -> str:
     """Which limit a process has reached, or ''."""
     if limits.is_ending():
         return "it was ended with the command"

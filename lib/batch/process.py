@@ -10,16 +10,45 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, Protocol
 
 LEASH = "ETALON_LEASH"
 """The variable of the environment that tells another `etalon` to end when its standard input does."""
 AHEAD = "ahead"
 """The value of LEASH with which another `etalon` loads Blender, and then runs its command for each line of words that it reads."""
+FORKS = "forks"
+"""The value of LEASH with which another `etalon` loads no Blender, and forks such processes on request."""
 ANSWER = "ETALON_ANSWER"
 """The variable with the word that begins the line in which such an `etalon` says how a command has ended."""
 OURS = "etalon: "
 """What Étalon says on standard error begins so."""
+
+
+class Process(Protocol):
+    """What a batch uses of a process: a subprocess.Popen, or a ForkedProcess."""
+
+    @property
+    def pid(self) -> int:
+        """Its number, which is that of its process group, too."""
+        ...
+
+    @property
+    def stdin(self) -> IO[str] | None:
+        """What it reads, or None."""
+
+    @property
+    def stderr(self) -> IO[str] | None:
+        """Where it writes errors, or None."""
+
+    def poll(self) -> int | None:
+        """Its exit code, or None while it runs."""
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end; returns its exit code."""
+        ...
+
+    def kill(self) -> None:
+        """End it at once."""
 
 
 def find_blender() -> str | None:
@@ -69,7 +98,7 @@ def start(
     return subprocess.Popen(command, text=True, env=environment, start_new_session=True, **pipes)
 
 
-def send(process: subprocess.Popen[str], line: str) -> None:
+def send(process: Process, line: str) -> None:
     """Write `line` to the process's standard input at once.
 
     Raises OSError if nobody reads it any more. Python ignores SIGPIPE and gets that error; inside Blender the signal
@@ -101,7 +130,7 @@ def last_lines(text: str, most: int = 3) -> str:
     return "; ".join([line for line in lines if line][-most:])
 
 
-def end(process: subprocess.Popen[str]) -> None:
+def end(process: Process) -> None:
     """End a process and its children at once, and wait until they have ended."""
     if process.poll() is None:
         if sys.platform == "win32":

@@ -11,8 +11,9 @@ import math
 import re
 import threading
 import time
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -23,6 +24,7 @@ from ..plural import plural
 from ..progress import NO_PROGRESS, Progress
 from .ahead import Ahead, Command
 from .comparison import FINISHED, Limits, run_comparison
+from .forks import ForkServer, can_fork
 from .journal import Entry
 from .plan import BatchPlan, Unit
 from .prepare import Batch, How, Tell, prepare
@@ -30,6 +32,8 @@ from .process import etalon_command
 from .remote import run_on_cluster
 from .results import End, Results, outcome_of, read_row, write_results
 
+# The command of a comparison.
+_NAME = "compare"
 # What a comparison takes beside its time budget, in seconds: to start Blender, to read the scene, to write the report.
 _START = 10.0
 # So many comparisons are handed to a scheduler at once; each waits in a thread.
@@ -102,8 +106,11 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
     # What the comparisons before it have left in a process is no part of a comparison's memory.
     turns = batch.plan.per_process if batch.plan.memory_limit is None else 1
     kinds = [batch.units[key].blender or "" for key in missing]
-    ahead = Ahead("compare", [_command(batch, key) for key in missing], kinds, jobs, turns)
-    with closing(ahead), ThreadPoolExecutor(max_workers=jobs) as pool:
+    with (
+        _fork_servers(batch, kinds) as forks,
+        closing(Ahead(_NAME, [_command(batch, key) for key in missing], kinds, jobs, turns, forks)) as ahead,
+        ThreadPoolExecutor(max_workers=jobs) as pool,
+    ):
         waiting = [
             pool.submit(_run_unit, batch, key, ahead, number, stop, progress) for number, key in enumerate(missing)
         ]
@@ -125,6 +132,17 @@ def _run_missing(batch: Batch, tell: Tell, progress: Progress) -> None:
                 if future.exception() is None:
                     batch.journal.write(future.result())
             raise
+
+
+@contextmanager
+def _fork_servers(batch: Batch, kinds: Sequence[str]) -> Iterator[dict[str, ForkServer]]:
+    """The fork server of the Blender at hand, if several comparisons, of `kinds`, need that and it can have one."""
+    here = [kind for kind in kinds if kind not in batch.how.hosts]
+    if batch.how.cluster is not None or len(here) < 2 or not can_fork():
+        yield {}
+        return
+    with closing(ForkServer([*etalon_command(), _NAME])) as server:
+        yield dict.fromkeys(here, server)
 
 
 def _longest_first(batch: Batch) -> list[str]:
@@ -160,7 +178,7 @@ def _run_unit(batch: Batch, key: str, ahead: Ahead, number: int, stop: threading
     limits = Limits(plan.time_limit, plan.memory_limit, stop.is_set)
     if how.cluster is not None:
         files = batch.files.get(unit.target, {})
-        status, code, message = run_on_cluster(how.cluster, ["compare", *words], files, plan.out / folder, limits)
+        status, code, message = run_on_cluster(how.cluster, [_NAME, *words], files, plan.out / folder, limits)
     else:
         words += [] if how.threads is None else [f"--threads={how.threads}"]
         words.append(f"--out={plan.out / folder}")

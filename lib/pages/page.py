@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..plural import plural
-from .formats import format_duration, format_part, format_percent
+from .formats import format_bound, format_duration, format_part, format_percent
 
 HERE = Path(__file__).parent
 
@@ -22,11 +22,19 @@ def render_page(
     """The page that `template` makes of `values`, as text.
 
     Names in a .blend are untrusted, so whatever is not marked as safe is escaped. A name that the template uses and
-    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `percent`, `part`, `duration` and `plural`.
+    `values` lacks raises jinja2.UndefinedError. Besides `filters` a template has `bound`, `percent`, `part`,
+    `duration` and `plural`.
     """
     environment = _environment(template.parent)
     environment.filters.update(filters or {})
     return environment.get_template(template.name).render(values)
+
+
+def compile_templates(folder: Path) -> None:
+    """Compile the templates of a folder, as `render_page` would at its first call."""
+    environment = _environment(folder)
+    for name in environment.list_templates(["html", "css", "js"]):
+        environment.get_template(name)
 
 
 @cache
@@ -40,6 +48,12 @@ def _environment(folder: Path) -> Environment:
         lstrip_blocks=True,
     )
     environment.filters.update(
-        {"percent": format_percent, "part": format_part, "duration": format_duration, "plural": plural}
+        {
+            "bound": format_bound,
+            "percent": format_percent,
+            "part": format_part,
+            "duration": format_duration,
+            "plural": plural,
+        }
     )
     return environment

@@ -90,7 +90,7 @@ def write_grid(
         "maps": _maps(rows),
         "changes": changes,
     }
-    text = render_page(Path(__file__).with_name("batch.html"), values, {"bound": format_bound})
+    text = render_page(Path(__file__).with_name("batch.html"), values)
     path.write_text(text, encoding="utf-8")
 
 

@@ -17,7 +17,6 @@ from ..film.parts import Part
 from ..film.pictures import hatched, middle_exposure, signed8, srgb8
 from ..film.view_transform import ViewTransform
 from ..pages import render_page
-from ..pages.formats import format_bound
 from ..relative import relative_difference, worst_channel
 from ..verdict.outcome import Outcome
 from .curve import draw_bound
@@ -208,7 +207,7 @@ def render_report(comparison: Comparison, figures: dict[str, Any], transform: Vi
         "significance": pack(code_significances(significances(comparison, step))),
         "labels": pack(labels.astype("<u2")),
     }
-    return render_page(Path(__file__).with_name("report.html"), values, {"bound": format_bound})
+    return render_page(Path(__file__).with_name("report.html"), values)
 
 
 def _shots(images: list[np.ndarray], exposure: float, transform: ViewTransform | None) -> tuple[list[np.ndarray], str]:

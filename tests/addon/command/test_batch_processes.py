@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A process that runs several comparisons gives what a new process gives, bit for bit."""
+"""A process that runs several comparisons, or is forked, gives what a new process gives, bit for bit."""
 
 import json
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 from etalon.lib.film.exr import read_exr
@@ -32,22 +33,46 @@ bpy.ops.wm.save_as_mainfile(filepath="nothing.blend")
 """
 
 
-@pytest.mark.slow
-def test_a_process_with_many_turns_gives_what_new_processes_give(tmp_path):
-    subprocess.run([sys.executable, "-c", REFUSED], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL, timeout=120)
-    for out, turns in (("new", 1), ("many", 20)):
-        (tmp_path / "plan.toml").write_text(PLAN.format(out=out, turns=turns))
-        call = [sys.executable, "-m", "etalon", "batch", "plan.toml", "--jobs=1", "--quiet"]
-        done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False)
+# The command `etalon`, whose batches fork no process.
+WITHOUT_FORKS = """
+from etalon.addon.command.supervised import main
+from etalon.lib.batch import run
+run.can_fork = lambda: False
+main()
+"""
+
+
+@pytest.fixture(scope="module")
+def run_batch(tmp_path_factory):
+    """Runs the plan with so many turns, with forks or without; returns the folder and the rows of its table."""
+    folder = tmp_path_factory.mktemp("batch")
+    subprocess.run([sys.executable, "-c", REFUSED], cwd=folder, check=True, stdout=subprocess.DEVNULL, timeout=120)
+
+    @cache
+    def run(turns, has_forks):
+        out = f"turns{turns}{has_forks}"
+        (folder / "plan.toml").write_text(PLAN.format(out=out, turns=turns))
+        program = ["-m", "etalon"] if has_forks else ["-c", WITHOUT_FORKS]
+        call = [sys.executable, *program, "batch", "plan.toml", "--jobs=1", "--quiet"]
+        done = subprocess.run(call, cwd=folder, capture_output=True, text=True, timeout=600, check=False)
         assert done.returncode == 2, done.stderr
-    new, many = (json.loads((tmp_path / out / "batch.json").read_text())["comparisons"] for out in ("new", "many"))
+        return folder / out, json.loads((folder / out / "batch.json").read_text())["comparisons"]
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("turns", "has_forks"), [(20, False), (1, True), (20, True)])
+def test_processes_with_many_turns_and_forked_ones_give_what_new_processes_give(run_batch, turns, has_forks):
+    there, new = run_batch(1, False)
+    here, rows = run_batch(turns, has_forks)
     assert [row["status"] for row in new] == ["finished"] * 4 + ["refused"] * 2
-    for one, other in zip(new, many, strict=True):
+    for one, other in zip(new, rows, strict=True):
         assert {key: value for key, value in one.items() if key != "seconds"} == {
             key: value for key, value in other.items() if key != "seconds"
         }
         if one["status"] == "finished":
-            assert_equal_images(tmp_path / "new" / one["folder"], tmp_path / "many" / other["folder"])
+            assert_equal_images(there / one["folder"], here / other["folder"])
 
 
 def assert_equal_images(first, second):
