@@ -36,6 +36,8 @@ _ROOMS = (
     "textures",
     "wavefront",
 )
+# Comparisons import these only where they need them, which most do.
+_OF_SCIPY = ("scipy.ndimage", "scipy.optimize")
 
 
 def fork_as_asked() -> None:
@@ -107,6 +109,8 @@ def load() -> None:
     from ...lib.pages.page import compile_templates
     from ...lib.report import page
 
+    for name in _OF_SCIPY:
+        importlib.import_module(name)
     for room in _ROOMS:
         package = importlib.import_module(f"{_ROOT}.lib.{room}")
         for found in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from ..light_tracing.adjoint import light_toward, see_from
 from ..light_tracing.dirac import may_be_dirac
@@ -60,7 +60,9 @@ class GatherTracer(Tracer):
         return replace(shaded, weight=np.where(np.isfinite(shaded.pdf), 0.0, shaded.weight))
 
     def _gather(self, paths: Paths, points: SurfacePoints, groups: Groups) -> None:
-        near = KDTree(points.position.T).sparse_distance_matrix(self._photons.tree, self._radius, output_type="ndarray")
+        near = scipy.spatial.KDTree(points.position.T).sparse_distance_matrix(
+            self._photons.tree, self._radius, output_type="ndarray"
+        )
         at, photon, distance = near["i"], near["j"], near["v"]
         front = points.ng * points.side
         before = np.broadcast_to(paths.scatterings, paths.pixel.shape)[at] + self._photons.scatterings[photon]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from ..light_tracing.emitters import Emitters
 from ..light_tracing.select import Everything
@@ -34,7 +34,7 @@ class Photons:
     front: np.ndarray
     scatterings: np.ndarray
     rays: int
-    tree: KDTree
+    tree: scipy.spatial.KDTree
 
 
 class _PhotonTracer(LightTracer):
@@ -69,5 +69,5 @@ def trace_photons(
     position, light, weight, front, scatterings = (
         np.concatenate(arrays, axis=-1) for arrays in zip(*tracer.met, strict=True)
     )
-    tree = KDTree(position.T, balanced_tree=False, compact_nodes=False)
+    tree = scipy.spatial.KDTree(position.T, balanced_tree=False, compact_nodes=False)
     return Photons(position, light, weight / count, front, scatterings, tracer.rays, tree)

@@ -7,7 +7,7 @@ See transform_motion_decompose and camera.cpp in its tree.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ..errors import EtalonError
 
@@ -61,8 +61,8 @@ def interpolate_transforms(keys: np.ndarray, time: float) -> np.ndarray:
     """
     first, share = split_interval(len(keys), time)
     (start, stretch), (stop, last_stretch) = (decompose(keys[first + k]) for k in (0, 1))
-    turn = Rotation.from_matrix(start.T @ stop).as_rotvec()
-    rotation = start @ Rotation.from_rotvec(share * turn).as_matrix()
+    turn = scipy.spatial.transform.Rotation.from_matrix(start.T @ stop).as_rotvec()
+    rotation = start @ scipy.spatial.transform.Rotation.from_rotvec(share * turn).as_matrix()
     linear = rotation @ ((1.0 - share) * stretch + share * last_stretch)
     return np.column_stack([linear, interpolate_linearly(keys[:, :, 3], time)])
 

@@ -84,6 +84,26 @@ def test_help_needs_no_blender(helped, name):
     assert out.startswith(f"usage: etalon {name}".rstrip())
 
 
+# What few scenes or commands need, and what takes 0.03 to 0.3 s to import.
+RARE = {
+    "distributed",
+    "matplotlib",
+    "mpmath",
+    "scipy.interpolate",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "scipy.spatial",
+    "scipy.stats",
+}
+
+
+@pytest.mark.parametrize("name", ["compare", "render"])
+def test_commands_begin_without_what_few_scenes_need(name):
+    script = f"import sys; import bpy, etalon.addon.command.{name}, etalon.addon.job; print(sorted({RARE} & sys.modules.keys()))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_python_m_etalon_is_the_command():
     done = subprocess.run([sys.executable, "-m", "etalon", "--version"], capture_output=True, text=True, timeout=60)
     assert done.stdout.startswith("etalon ")
