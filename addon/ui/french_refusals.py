@@ -173,6 +173,8 @@ WHATS: dict[str, str] = {
     ", phase function {name},": ", la fonction de phase {name}",
     ", projection Box in a world,": ", la projection Box dans un monde",
     ", projection {name} of a tiled image,": ", la projection {name} d'une image en tuiles",
+    ", whose direction has no length,": ", dont la direction est de longueur nulle",
+    ", whose input has no length,": ", dont l'entrée est de longueur nulle",
     ", socket 'Strength', below 0 in a volume,": ", l'entrée Strength, au-dessous de 0 dans un volume",
     ", socket 'Thin Film Thickness' in Blender before {first},": (
         ", l'entrée Thin Film Thickness dans Blender avant {first}"
@@ -301,6 +303,7 @@ REMEDIES: dict[str, str] = {
     "set Render As of its particles to Object, or do not render it": (
         "réglez Render As de ses particules sur Object, ou excluez-le du rendu"
     ),
+    "set a direction as its Normal": "réglez une direction comme Normal",
     "set it back to its default": "remettez sa valeur par défaut",
     "set it back to {value}": "remettez {value}",
     "set it to 0, or use a newer Blender": "mettez 0, ou utilisez un Blender plus récent",
@@ -317,6 +320,7 @@ REMEDIES: dict[str, str] = {
     "this Blender ({version}) lacks its type; use the version that made it, or delete it": (
         "son type manque à ce Blender ({version}) ; utilisez la version qui l'a créé, ou supprimez-le"
     ),
+    "turn its ball": "tournez sa boule",
     "turn by an axis and an angle": "tournez par un axe et un angle",
     "link it to a factor of a diffuse colour, or unlink it": (
         "reliez-la à un facteur d'une couleur diffuse, ou retirez son lien"

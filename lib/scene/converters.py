@@ -71,6 +71,14 @@ class VectorMath(Expression):
 
 
 @dataclass(frozen=True)
+class CosineBetween(Expression):
+    """The cosine of the angle between two vectors, a value; NaN where one has no length, as in Cycles' Normal node."""
+
+    a: Expression
+    b: Expression
+
+
+@dataclass(frozen=True)
 class VectorRotate(Expression):
     """`vector` turned about `axis` through `center` by `angle` radians."""
 

@@ -112,6 +112,11 @@ _VECTOR_OPERATIONS: dict[str, Callable[..., np.ndarray]] = {
 }
 
 
+def cosine_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The cosine of the angle between vectors (3, n) or (3, 1); NaN where one has no length."""
+    return as_value(dot(a, b) / (np.sqrt(dot(a, a)) * np.sqrt(dot(b, b))))
+
+
 def _vector_rotate(node: cv.VectorRotate, read: InputEvaluator) -> np.ndarray:
     vector, center, axis, angle = (read(e) for e in (node.vector, node.center, node.axis, node.angle))
     there = dot(axis, axis) > 0.0
@@ -188,6 +193,7 @@ CONVERTERS: dict[type[Expression], Callable[..., np.ndarray]] = {
     cv.VectorMath: lambda node, read: vector_math(
         node.operation, read(node.a), read(node.b), read(node.c), read(node.scale)
     ),
+    cv.CosineBetween: lambda node, read: cosine_between(read(node.a), read(node.b)),
     cv.VectorRotate: _vector_rotate,
     cv.HueSaturation: _hue_saturation,
     cv.BrightContrast: _bright_contrast,

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 
 from ....lib.scene import converters as cv
 from ....lib.scene import expressions as ex
+from ....lib.textures.fold import fold
 from .tree import Scope, TreeReader
 
 _COMPONENTS = {"X": 0, "Y": 1, "Z": 2, "Red": 0, "Green": 1, "Blue": 2, "R": 0, "G": 1, "B": 2, "H": 0, "S": 1, "V": 2}
@@ -66,6 +68,24 @@ def _vector_math(reader: TreeReader, node: bpy.types.Node, output: str, scope: S
     )
     scale = reader.read(sockets["Scale"], scope) if sockets["Scale"].enabled else ex.ZERO
     return cv.VectorMath(node.operation, a, b, c, scale)
+
+
+def _constant_normal(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    """The Normal node: the direction of the ball that it shows, and the cosine between that and its input."""
+    direction = np.array(node.outputs["Normal"].default_value, np.float64)
+    length = float(np.linalg.norm(direction))
+    if length == 0.0:
+        reader.refuse(node, scope, ", whose direction has no length,", "turn its ball")
+        return ex.ZERO if output == "Dot" else ex.BLACK
+    x, y, z = (direction / length).tolist()
+    normal = ex.Constant((x, y, z))
+    if output == "Normal":
+        return normal
+    other = reader.read(node.inputs["Normal"], scope)
+    if fold(other) == ex.BLACK:
+        reader.refuse(node, scope, ", whose input has no length,", "set a direction as its Normal")
+        return ex.ZERO
+    return cv.CosineBetween(normal, other)
 
 
 def _vector_rotate(reader: TreeReader, node: bpy.types.Node, _: str, scope: Scope) -> ex.Expression:
@@ -144,6 +164,7 @@ CONVERTERS = {
     "ShaderNodeMapRange": _map_range,
     "ShaderNodeClamp": _clamp,
     "ShaderNodeVectorMath": _vector_math,
+    "ShaderNodeNormal": _constant_normal,
     "ShaderNodeVectorRotate": _vector_rotate,
     "ShaderNodeHueSaturation": _hue_saturation,
     "ShaderNodeBrightContrast": _bright_contrast,

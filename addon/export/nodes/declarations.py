@@ -167,6 +167,7 @@ DECLARATIONS: Mapping[str, Declaration] = {
         reads=("Fac", "Color1", "Color2"), properties={"blend_type": _BLENDS, "use_clamp": None}, unused=("use_alpha",)
     ),
     "ShaderNodeNewGeometry": Declaration(),
+    "ShaderNodeNormal": Declaration(reads=("Normal",)),
     "ShaderNodeNormalMap": Declaration(
         reads=("Strength", "Color"),
         properties={

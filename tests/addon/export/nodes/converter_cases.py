@@ -131,6 +131,19 @@ def blackbody(tree):
     )
 
 
+def normal_node(output):
+    """The Normal node, of a direction that is not of unit length."""
+
+    def build(tree):
+        made = node(tree, "Normal", {"Normal": shifted(tree)})
+        made.default_value = (0.4, -0.7, 0.9)
+        if output == "Dot":
+            return grey(tree, made.node.outputs["Dot"])
+        return lifted(tree, node(tree, "VectorMath", {"Vector": shifted(tree), "Vector_001": made}))
+
+    return build
+
+
 def rotated(kind, invert=False):
     def build(tree):
         made = node(
@@ -225,6 +238,7 @@ CONVERTED = {
     "invert": inverted,
     "black and white": black_and_white,
     "blackbody": blackbody,
+    **{f"normal {output}": normal_node(output) for output in ("Normal", "Dot")},
     **{f"rotate {kind}": rotated(kind) for kind in ("AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ")},
     "rotate back": rotated("AXIS_ANGLE", invert=True),
 }

@@ -67,6 +67,15 @@ def dead_alpha(tree):
     return node(tree, "BsdfDiffuse", {"Color": texture})
 
 
+def normal_node(direction, normal=(0.0, 0.0, 1.0)):
+    def build(tree):
+        made = node(tree, "Normal", {"Normal": normal})
+        made.default_value = direction
+        return made.node.outputs["Dot"]
+
+    return build
+
+
 def inside_group(tree):
     group = bpy.data.node_groups.new("Brass", "ShaderNodeTree")
     group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketShader")
@@ -117,6 +126,8 @@ REFUSED = {
     "output 'Reflection'": colored(lambda t: node(t, "TexCoord", output="Reflection")),
     "Attribute), type Object": colored(lambda t: node(t, "Attribute", attribute_type="OBJECT", attribute_name="x")),
     "output 'Pointiness'": colored(lambda t: node(t, "NewGeometry", output="Pointiness")),
+    "whose direction has no length": colored(normal_node((0.0, 0.0, 0.0))),
+    "whose input has no length": colored(normal_node((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))),
     "object 'Null'": colored(lambda t: node(t, "TexCoord", output="Object", object=bpy.data.objects.new("Null", None))),
     "option 'From Instancer'": colored(lambda t: node(t, "TexCoord", output="UV", from_instancer=True)),
     "built-in texture mapping (scale)": colored(mapped_inside),
