@@ -56,6 +56,7 @@ from .export import export_scene, render_skies
 from .export.minimal import seen, where, write_minimal
 from .export.refusals import refuse_smoke
 from .export.render_depsgraph import with_render_frames
+from .export.set_aside import find_lines
 from .export.view_transform import export_view_transform
 from .host.blender_at_hand import require_readable_file
 
@@ -74,14 +75,16 @@ def export(scene: bpy.types.Scene, partial: bool = False, motion_blur: bool = Fa
     """
     require_readable_file()
     refuse_smoke(scene)
+    lines = find_lines(scene)
 
     def read(depsgraph: bpy.types.Depsgraph, set_frame: Callable[[float], None]) -> Scene:
         return export_scene(depsgraph, partial=partial, set_frame=set_frame if motion_blur else None)
 
     try:
-        return render_skies(with_render_frames(scene, read))
+        found = render_skies(with_render_frames(scene, read))
     except Refused as refused:
         raise Refused(refused.refusals, allows_partial=not motion_blur) from refused
+    return replace(found, findings=(*found.findings, *lines))
 
 
 def _pass_by(comparison: Comparison) -> None:

@@ -38,7 +38,6 @@ def refuse_settings(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, refusals
     settings = {
         "Simplify": ("use_simplify", render.use_simplify),
         "stereoscopy": ("use_multiview", render.use_multiview),
-        "Freestyle": ("use_freestyle", render.use_freestyle and layer.use_freestyle),
     }
     owner = f"scene '{scene.name}'"
     for what, (name, on) in settings.items():

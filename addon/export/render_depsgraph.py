@@ -79,12 +79,14 @@ def with_render_frames(
 
     render = scene.render
     kept = {
-        name: getattr(render, name) for name in ("engine", "use_compositing", "use_sequencer", "use_persistent_data")
+        name: getattr(render, name)
+        for name in ("engine", "use_compositing", "use_sequencer", "use_persistent_data", "use_freestyle")
     }
     bpy.utils.register_class(Exporter)
     try:
         # Persistent data would keep the engine, and it is gone in a moment.
         render.use_compositing = render.use_sequencer = render.use_persistent_data = False
+        render.use_freestyle = False  # its lines would be drawn over an image that there is not, and Blender dies
         render.engine = Exporter.bl_idname
         _render(scene)
     finally:

@@ -51,6 +51,20 @@ def find_set_aside(depsgraph: bpy.types.Depsgraph, mesh: Mesh, wants_blur: bool 
     return tuple(finding for finding in found if finding is not None)
 
 
+def find_lines(scene: bpy.types.Scene) -> tuple[Finding, ...]:
+    """Whether Freestyle draws lines; the export has it off, so ask before."""
+    if not (scene.render.use_freestyle and any(layer.use and layer.use_freestyle for layer in scene.view_layers)):
+        return ()
+    return (
+        Finding(
+            "Freestyle",
+            "Freestyle is off on both sides.",
+            "Its lines are drawn over the finished image.",
+            "Switch Freestyle off to render what is compared.",
+        ),
+    )
+
+
 def find_missing_images(missing: Sequence[str]) -> tuple[Finding, ...]:
     """The images that are missing, each a sentence without its full stop.
 

@@ -52,7 +52,6 @@ WHATS: dict[str, str] = {
     "shadow caustics": "les caustiques d'ombre",
     "Simplify": "Simplify",
     "stereoscopy": "la stéréoscopie",
-    "Freestyle": "Freestyle",
     "leaving out its surfaces": "l'omission de ses surfaces",
     "a scale of 0 along an axis": "une échelle de 0 selon un axe",
     "a sheared matrix": "une matrice cisaillée",

@@ -132,7 +132,6 @@ def switch(owner, name, value=True):
 SETTINGS = {
     "scene 'Scene': Simplify": switch("render", "use_simplify"),
     "scene 'Scene': stereoscopy": switch("render", "use_multiview"),
-    "scene 'Scene': Freestyle": switch("render", "use_freestyle"),
     "view layer 'ViewLayer': leaving out its surfaces": switch("layer", "use_solid", False),
 }
 

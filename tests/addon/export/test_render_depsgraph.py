@@ -25,7 +25,13 @@ def scene():
 def settings(scene):
     """What the export borrows."""
     render = scene.render
-    return render.engine, render.use_compositing, render.use_sequencer, render.use_persistent_data
+    return (
+        render.engine,
+        render.use_compositing,
+        render.use_sequencer,
+        render.use_persistent_data,
+        render.use_freestyle,
+    )
 
 
 def test_it_is_evaluated_for_a_render(scene):
@@ -45,6 +51,15 @@ def test_what_the_function_raises_arrives_and_the_settings_come_back(scene):
         with_render_depsgraph(scene, lambda depsgraph: 1 / 0)
     assert settings(scene) == before
     assert with_render_depsgraph(scene, lambda depsgraph: 3) == 3
+
+
+def test_lines_of_freestyle_are_not_drawn_over_what_is_no_image(scene):
+    """Blender would die: the exporter has no image."""
+    scene.render.use_freestyle = scene.view_layers[0].use_freestyle = True
+    scene.view_layers[0].freestyle_settings.linesets.new("lines")
+    before = settings(scene)
+    assert with_render_depsgraph(scene, lambda depsgraph: depsgraph.mode) == "RENDER"
+    assert settings(scene) == before
 
 
 def test_several_view_layers_are_one_export(scene):

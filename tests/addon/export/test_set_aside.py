@@ -37,6 +37,17 @@ def test_motion_blur_that_is_wanted_and_off_in_the_scene_is_said(studio):
     assert finding(job.export(studio.scene), "motion blur") is None
 
 
+def test_lines_of_freestyle_are_set_aside_and_said(studio):
+    studio.quad()
+    render = studio.scene.render
+    for in_scene, in_layer in ((False, True), (True, False), (True, True)):
+        render.use_freestyle, studio.layer.use_freestyle = in_scene, in_layer
+        said = finding(job.export(studio.scene), "Freestyle")
+        assert (said is not None) == (in_scene and in_layer)
+        assert said is None or "Freestyle is off on both sides." in said
+    assert render.use_freestyle
+
+
 def mirrored_lamp(studio):
     """A mirror under the camera that shows a square lamp above it."""
     studio.look_down(0.5)

@@ -63,7 +63,7 @@ MADE = {
     "lower the resolution, or give a time and let a smaller image be compared",
     "give more than 1.5 and at most {}; Beckmann's is the limit of large g",
     *("choose another {}, or use Blender {}", "set it back to {}"),
-    *("Simplify", "stereoscopy", "Freestyle", "shadow caustics", "property '{}' ({})", "Cycles' setting '{}' ({})"),
+    *("Simplify", "stereoscopy", "shadow caustics", "property '{}' ({})", "Cycles' setting '{}' ({})"),
     *("light linking beside the volume of '{}', which scatters,", ", property '{}',", ", type {},"),
     *("ray visibility beside the volume of '{}', which scatters,", ", in a world,"),
     *("its subsurface scattering", "the height of a bump", "a panoramic view", "an orthographic view of oblong pixels"),
