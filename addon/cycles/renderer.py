@@ -20,6 +20,7 @@ import numpy as np
 from ...lib.errors import EtalonError
 from ...lib.files.ownership import temporary_folder
 from ...lib.film.exr import read_exr
+from ...lib.film.film import finite_pixels
 from ...lib.film.light_passes import LightPass
 from ...lib.film.parts import BounceLimit, EmitterLight, Part
 from ...lib.film.rendering import Rendering
@@ -287,7 +288,7 @@ def _add(
     path.unlink()
     image = combined(channels) if passes else np.stack([channels[name] for name in "RGB"], axis=2)
     radiance += np.multiply(image, weight, dtype=np.float64)
-    nonfinite += ~np.isfinite(image).all(axis=2)
+    nonfinite += ~finite_pixels(image)
     emitters = [part for part in passes if isinstance(part, EmitterLight)]
     for name, light in passes.items():
         found = read_emitter(channels, emitters.index(name)) if name in emitters else read_pass(channels, name)

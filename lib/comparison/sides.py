@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..film.film import Film
+from ..film.film import Film, finite_pixels
 from ..film.moments import Moments
 from ..film.parts import Part
 from ..film.regions import RegionMoments, Regions
@@ -120,7 +120,7 @@ class Side:
         where = None if rendering.windows is None else rendering.windows.mask
         for name, regions in self.passes.items():
             light = rendering.passes[name]
-            light = np.where(np.isfinite(light).all(axis=2, keepdims=True), light, np.nan)
+            light = np.where(finite_pixels(light)[..., None], light, np.nan)
             regions.add(light, None if of is None else of[: len(regions.regions)], weight)
             self.pass_films[name].add(light, where, weight)
 

@@ -66,8 +66,14 @@ def nonfinite_pixels(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray
     if rendering.radiance.shape != (*shape, 3):
         got = " x ".join(str(s) for s in rendering.radiance.shape[1::-1])
         raise EtalonError(f"an image is {got} pixels, the other {shape[1]} x {shape[0]}; render both at the same size")
-    bad = (rendering.nonfinite > 0) | ~np.isfinite(rendering.radiance).all(axis=2)
+    bad = (rendering.nonfinite > 0) | ~finite_pixels(rendering.radiance)
     return bad if rendering.windows is None else bad & rendering.windows.mask
+
+
+def finite_pixels(radiance: np.ndarray) -> np.ndarray:
+    """Return where all channels of an image (height, width, 3) are finite, (height, width)."""
+    red, green, blue = np.moveaxis(np.isfinite(radiance), 2, 0)
+    return red & green & blue  # `all` along an axis of three takes five times as long
 
 
 def finite_or_nan(rendering: Rendering, shape: tuple[int, int]) -> np.ndarray:

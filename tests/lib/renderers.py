@@ -8,6 +8,7 @@ import zlib
 from dataclasses import replace
 
 import numpy as np
+from etalon.lib.film.film import finite_pixels
 from etalon.lib.film.rendering import Rendering
 from etalon.tests.scenes import diffuse, floor, orthographic, scene
 
@@ -60,7 +61,7 @@ class Painter:
         self.clock.now += seconds
         progress.report(0.5)
         progress.report(1.0)
-        counts = (~np.isfinite(image).all(axis=2)).astype(int)
+        counts = (~finite_pixels(image)).astype(int)
         return Rendering(
             image,
             counts,
