@@ -22,6 +22,8 @@ MOST_GROWTH = 100.0
 STEPS = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001)
 # Standard errors that stand for infinitely many.
 _FAR = 1e12
+# Regions times factors that are looked at together.
+_AT_A_TIME = 1 << 14
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ def spread_of_differences(gap: np.ndarray, error: np.ndarray, least: float) -> f
     return max(excess / float(precision.sum()), least**2)
 
 
-def passing_probability(z: np.ndarray, gap: np.ndarray, share: np.ndarray, q: float, growth: float) -> np.ndarray:
+def passing_probability(
+    z: np.ndarray, gap: np.ndarray, share: np.ndarray, q: float | np.ndarray, growth: float | np.ndarray
+) -> np.ndarray:
     """Probability that a statistic is `q` or more with `growth` > 1 times the data.
 
     It is `z` standard errors now.
@@ -108,26 +112,32 @@ def forecast_bound(test: SequentialTest, reference: Moments, candidate: Moments,
     worst, best = inside.argmin(axis=1), (-inside).argmax(axis=1)
     near, far = (rows, worst), (rows, best)
     df = float(np.median(np.stack([upper.df, lower.df])[:, open_regions]))
-    quantiles = {"low": np.inf, "factor": np.inf, "high": np.inf, "most": np.inf}
-    for growth in 1 + np.geomspace(1e-2, MOST_GROWTH, 400):
+    growths = 1 + np.geomspace(1e-2, MOST_GROWTH, 400)[:, None]
+    quantiles = dict.fromkeys(("low", "factor", "high", "most"), np.inf)
+    at_a_time = max(_AT_A_TIME // rows.size, 1)
+    for start in range(0, growths.size, at_a_time):
+        growth = growths[start : start + at_a_time]
         # The room for light that was not met shrinks like 1 / growth, its standard errors like 1 / sqrt(growth).
         met = _less(inside[near], rooms[near] / growth)
         enough = -stdtrit(df * growth, test.looks[-1].level)
         decided = passing_probability(met, _finite(gaps[near]), shares[near], enough, growth)
         if bound == test.tolerance:
-            p = test.level * ONE_DIFFERS * test.share_after(growth) / (WAYS_TO_DIFFER * test.outcomes.size)
+            spent = np.array([test.share_after(one) for one in growth.flat])[:, None]
+            p = test.level * ONE_DIFFERS * spent / (WAYS_TO_DIFFER * test.outcomes.size)
             met = _less(-inside[far], rooms[far] / growth)
             decided = decided + passing_probability(
                 met, _finite(-gaps[far]), shares[far], -stdtrit(df * growth, p), growth
             )
         decided = np.minimum(decided, 1.0)
         reached = {
-            "low": decided.min() >= (1 - COVERAGE) / 2,
-            "factor": decided.prod() >= 0.5,
-            "high": (1 - decided).sum() <= (1 - COVERAGE) / 2,
-            "most": decided.mean() >= MOST,
+            "low": decided.min(axis=1) >= (1 - COVERAGE) / 2,
+            "factor": decided.prod(axis=1) >= 0.5,
+            "high": (1 - decided).sum(axis=1) <= (1 - COVERAGE) / 2,
+            "most": decided.mean(axis=1) >= MOST,
         }
-        quantiles = {k: min(v, float(growth)) if reached[k] else v for k, v in quantiles.items()}
+        quantiles = {k: min(v, float(growth[reached[k]].min(initial=np.inf))) for k, v in quantiles.items()}
+        if np.isfinite(list(quantiles.values())).all():
+            break
     # Decisions fall at looks, and those are a factor apart.
     high = GROWTH * quantiles["high"]
     return Forecast(bound, quantiles["factor"], quantiles["low"], high, quantiles["most"], int(open_regions.sum()))

@@ -72,13 +72,13 @@ def describe_tails(series: np.ndarray, samples: np.ndarray, weights: np.ndarray)
         return Tails(nothing, nothing)
     usable = count >= FEWEST
     values = np.where(usable, values, 0.0)
-    middle = _median(values)
+    middle = median_of_known(values)
     weights = np.where(known, weights[:, None], 0.0)
     total = np.maximum(weights.sum(axis=0), 1.0)
     mean = np.nansum(weights * values, axis=0) / total
     lit = usable & (mean > 0.0)
     beyond = standardize(values, weights)
-    spread = 1.4826 * _median(np.abs(beyond))
+    spread = 1.4826 * median_of_known(np.abs(beyond))
     scale = np.maximum(spread, ROUNDING * np.abs(middle))
     # What each replicate holds beyond the median, in means of a replicate of weight 1.
     excess = np.fmax(weights * (values - middle), 0.0)
@@ -101,14 +101,20 @@ def standardize(series: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
     They are multiplied by the root of the replicates' `weights`, so that the spread does not depend on the weights.
     """
-    middle, sampled = np.full(series.shape[1], np.nan), np.isfinite(series).any(axis=0)
-    middle[sampled] = _median(series[:, sampled])
-    return (series - middle) * np.sqrt(weights)
+    return (series - median_of_known(series)) * np.sqrt(weights)
 
 
-def _median(values: np.ndarray) -> np.ndarray:
-    """The median (K,) of `values` (R, K) that are not NaN; NumPy is some three times as fast where none is."""
-    return np.nanmedian(values, axis=0) if np.isnan(values).any() else np.median(values, axis=0)
+def median_of_known(values: np.ndarray) -> np.ndarray:
+    """The median (K,) of the `values` (R, K) that are not NaN; NaN where all are.
+
+    np.nanmedian goes through masked arrays, which takes ten times as long.
+    """
+    missing = np.isnan(values)
+    if not missing.any():
+        return np.median(values, axis=0)
+    known = len(values) - missing.sum(axis=0)
+    middle = np.stack([np.maximum(known - 1, 0) // 2, known // 2])
+    return np.take_along_axis(np.sort(values, axis=0), middle, axis=0).mean(axis=0)  # NaN is sorted to the end
 
 
 def room_for_rare_light(worth: np.ndarray | float, samples: np.ndarray | float, level: float) -> np.ndarray:

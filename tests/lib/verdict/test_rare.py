@@ -15,6 +15,7 @@ from etalon.lib.verdict.rare import (
     describe_tails,
     is_steady,
     jump_limit,
+    median_of_known,
     pareto_shape,
     room_for_rare_light,
 )
@@ -23,6 +24,19 @@ from scipy import stats
 
 RUNS = [3, pytest.param(30, marks=pytest.mark.slow)]
 FEW = [1, pytest.param(15, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("replicates", [1, 8, 9])
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_the_median_of_what_is_known_is_that_of_numpy(rng, replicates, share):
+    values = rng.standard_normal((replicates, 50)).astype(np.float32)
+    values[rng.random(values.shape) < share] = np.nan
+    values[0, ~np.isfinite(values).any(axis=0)] = 7.0  # NumPy warns of columns without a number
+    np.testing.assert_array_equal(median_of_known(values), np.nanmedian(values, axis=0))
+
+
+def test_what_was_never_sampled_has_no_median():
+    np.testing.assert_array_equal(median_of_known(np.array([[np.nan, 1.0], [np.nan, 3.0]])), [np.nan, 2.0])
 
 
 def test_one_bright_sample_is_a_jump_of_its_worth(rng):
