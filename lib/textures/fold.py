@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from functools import cache
 from typing import NoReturn, TypeGuard
 
 import numpy as np
@@ -48,8 +49,13 @@ class _NoPoint(WithoutSurface):
 
 def inputs(expression: ex.Expression) -> dict[str, ex.Expression]:
     """The expressions that feed a node, by field name."""
-    named = ((field.name, getattr(expression, field.name)) for field in fields(expression))
+    named = ((name, getattr(expression, name)) for name in _field_names(type(expression)))
     return {name: value for name, value in named if isinstance(value, ex.Expression)}
+
+
+@cache
+def _field_names(kind: type[ex.Expression]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))
 
 
 def walk(expression: ex.Expression) -> Iterator[ex.Expression]:

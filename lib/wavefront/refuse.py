@@ -22,19 +22,19 @@ from ..textures.fold import walk
 
 def refuse_combinations(scene: Scene) -> None:
     """Raise Refused for things that are simulated each by itself, and not together."""
-    refuse_linked_faces(scene)
-    refuse_volumes(scene)
-    refuse_counts(scene)
-    refuse_shader_rays(scene)
-    refuse_pixel_widths(scene)
+    facts = Facts(scene)
+    refuse_linked_faces(facts)
+    refuse_volumes(facts)
+    refuse_counts(facts)
+    refuse_shader_rays(facts)
+    refuse_pixel_widths(facts)
 
 
-def refuse_linked_faces(scene: Scene) -> None:
+def refuse_linked_faces(facts: Facts) -> None:
     """Raise Refused where mirrors or smooth glass may show linked emitting faces wrongly.
 
     The faces would be behind objects that do not hide them.
     """
-    facts = Facts(scene)
     if not facts.smooth:
         return
     linked = [thing.name for thing in facts.shining if thing.links.blockers != EVERY_SET]
@@ -43,12 +43,11 @@ def refuse_linked_faces(scene: Scene) -> None:
         raise Refused([Refusal(f"object '{name}'", what, "use a light, or remove its blockers") for name in linked])
 
 
-def refuse_counts(scene: Scene) -> None:
+def refuse_counts(facts: Facts) -> None:
     """Raise Refused where shaders ask for the depth or length of scattered rays.
 
     These are rays that scatter below or between faces.
     """
-    facts = Facts(scene)
     asking = [m.name for m in facts.materials if flags_in(m) & {*COUNTS}]
     below = [m.name for m in facts.materials if any(isinstance(lobe.closure, Subsurface) for lobe in m.lobes)]
     inside = [f"the subsurface scattering of '{name}'" for name in below[:1]]
@@ -58,20 +57,20 @@ def refuse_counts(scene: Scene) -> None:
         raise Refused([Refusal(f"material '{name}'", what, "unlink the Light Path node") for name in asking])
 
 
-def refuse_shader_rays(scene: Scene) -> None:
+def refuse_shader_rays(facts: Facts) -> None:
     """Raise Refused where Cycles does not trace the rays of shaders for all the light that it samples."""
     refusals = [
         Refusal(f"material '{material.name}'", what, remedy)
-        for material in Facts(scene).materials
+        for material in facts.materials
         for what, remedy in dict.fromkeys(misused_rays(material.lobes))
     ]
     if refusals:
         raise Refused(refusals)
 
 
-def refuse_pixel_widths(scene: Scene) -> None:
+def refuse_pixel_widths(facts: Facts) -> None:
     """Raise Refused where shaders ask for the width of pixels that Cycles does not follow, or not as measured."""
-    facts, camera = Facts(scene), scene.camera
+    camera = facts.scene.camera
     asking = [m.name for m in facts.materials if any(isinstance(n, PixelWidth) for x in m.lobes for n in _nodes(x))]
     below = any(isinstance(lobe.closure, Subsurface) for m in facts.materials for lobe in m.lobes)
     places = {
@@ -125,12 +124,12 @@ def _misplaced(lobe: WeightedClosure, kind: type[Expression]) -> Iterator[str]:
         yield "the height of a bump"
 
 
-def refuse_volumes(scene: Scene) -> None:
+def refuse_volumes(facts: Facts) -> None:
     """Raise Refused where faces do not say what is in their volume.
 
     Also where some rays would not know that they enter it.
     """
-    facts = Facts(scene)
+    scene = facts.scene
     if not facts.volumes:
         return
     refusals = list(_of_bounds(scene))

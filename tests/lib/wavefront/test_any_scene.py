@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from etalon.lib.effects.facts import Facts
 from etalon.lib.errors import Refused, SceneError
 from etalon.lib.scattering.subsurface import MAPPINGS
 from etalon.lib.scene.camera import PANORAMAS, Aperture, Camera
@@ -205,7 +206,7 @@ def scenes(draw):
 
 def is_simulated(scene):
     try:
-        refuse_linked_faces(scene)
+        refuse_linked_faces(Facts(scene))
     except Refused:
         return False
     return True

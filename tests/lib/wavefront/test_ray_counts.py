@@ -6,6 +6,7 @@ Blender's Light Path node gives both.
 
 import numpy as np
 import pytest
+from etalon.lib.effects.facts import Facts
 from etalon.lib.errors import Refused
 from etalon.lib.scene.checks import SceneError, validate
 from etalon.lib.scene.expressions import ZERO, Constant, Math, RayCount, ValueToColor
@@ -112,7 +113,9 @@ def test_what_only_surfaces_know_is_refused_elsewhere():
     with pytest.raises(SceneError, match="nothing that rays count is called 'AGE'"):
         validate(scene(floor(), counted("AGE"), ABOVE))
     with pytest.raises(Refused, match="beside the subsurface scattering of"):
-        refuse_counts(scene([floor(), sheet(1.0, 1)], [counted("RAY_DEPTH"), material(Subsurface())], ABOVE, [UP]))
+        refuse_counts(
+            Facts(scene([floor(), sheet(1.0, 1)], [counted("RAY_DEPTH"), material(Subsurface())], ABOVE, [UP]))
+        )
 
 
 def test_every_count_has_a_row_in_the_tally():
