@@ -24,7 +24,7 @@ _LEAST = 1e-8  # stands for a cosine or an alpha of zero
 _LINE = roots_legendre(24)  # nodes and weights, worked out once: materials by the hundred ask for them
 # Fibonacci lattices over visible normals, number of points and generator. Total reflection, inside, needs more of them.
 _OUTSIDE, _INSIDE = (4181, 2584), (10946, 6765)
-_BATCH = 1 << 16  # points worked on at a time
+_BATCH = 1 << 14  # points worked on at a time: what they take stays in cache
 
 
 def layer_albedo(cos_o: np.ndarray, alpha: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
