@@ -3,6 +3,7 @@
 
 import json
 import os
+import select
 import signal
 import sqlite3
 import subprocess
@@ -16,6 +17,18 @@ SMALL = "scene.render.resolution_percentage=10"
 # and the signal itself before the command has begun.
 ENDS = {0, 1, 2, 3, 4, 130, -signal.SIGTERM}
 PATIENCE = 60.0
+
+
+def wait_for_end(number, seconds):
+    """Wait until the process `number`, which need not be a child of this one, has ended, `seconds` at most."""
+    try:
+        descriptor = os.pidfd_open(number)
+    except ProcessLookupError:
+        return
+    try:
+        select.select([descriptor], [], [], seconds)
+    finally:
+        os.close(descriptor)
 
 
 class Place:
@@ -74,9 +87,9 @@ class Place:
     def all_end(self, but=()):
         """Whether all processes end in time, those of the numbers `but` aside."""
         end = time.perf_counter() + PATIENCE
-        while set(self.processes()) - set(but) and time.perf_counter() < end:
-            pass
-        return not set(self.processes()) - set(but)
+        while (left := set(self.processes()) - set(but)) and time.perf_counter() < end:
+            wait_for_end(left.pop(), max(end - time.perf_counter(), 0.0))
+        return not left
 
     def results(self, name):
         """The results in a folder, and the time at which each was written."""
