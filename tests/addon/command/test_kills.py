@@ -17,7 +17,7 @@ PLAN = f"""
 out = "sweep"
 scenes = ["lambert_analytic"]
 [options]
-time = "2s"
+time = "1s"
 threads = 1
 set = ["{SMALL}"]
 [[vary]]
@@ -26,9 +26,9 @@ values = [1, 2]
 """
 # The words of each command; its results go to the folder of its name, those of the batch to the plan's.
 COMMANDS = {
-    "compare": ["compare", "lambert_analytic", "--time=4s", "--threads=1", f"--set={SMALL}", "--out=compare"],
-    "audit": ["audit", "lambert_analytic", "--time=4s", "--threads=1", f"--set={SMALL}", "--out=audit", "--all"],
-    "cost": ["cost", "lambert_analytic", "--time=4s", "--threads=1", f"--set={SMALL}", "--out=cost", "--ways=mis"],
+    "compare": ["compare", "lambert_analytic", "--time=2s", "--threads=1", f"--set={SMALL}", "--out=compare"],
+    "audit": ["audit", "lambert_analytic", "--time=2s", "--threads=1", f"--set={SMALL}", "--out=audit", "--all"],
+    "cost": ["cost", "lambert_analytic", "--time=2s", "--threads=1", f"--set={SMALL}", "--out=cost", "--ways=mis"],
     "batch": ["batch", "plan.toml"],
 }
 

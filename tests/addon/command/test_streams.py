@@ -76,7 +76,6 @@ def shell(command, folder, **environment):
         ("etalon --help 2>&-", 0),
         ("etalon --help <&- >&- 2>&-", 0),
         ("etalon frobnicate 2>&-", 2),
-        pytest.param("etalon stability --points=2 --no-scenes >&- 2>&-", 0, marks=pytest.mark.slow),
         pytest.param("etalon stability --points=2 --no-scenes | head -1", 0, marks=pytest.mark.slow),
         ("etalon frobnicate 2>&1 >&- | true", 0),
     ],

@@ -133,7 +133,7 @@ def test_images_are_sampled_as_cycles_samples(cells):
         assert_same(got, shown, 2e-3 if "16.png" in name else 2e-5)
 
 
-@pytest.mark.parametrize("step", [3, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.slow)])
 def test_color_spaces_are_linearized_as_cycles_does(cells, monkeypatch, step):
     """Of bytes Cycles keeps the codes and their decoded values in half precision.
 
