@@ -12,6 +12,9 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
+from ...lib.blender_versions import Versions
+from ...lib.scene.pointiness import POINTINESS, pointiness
+
 # Data type -> the property that holds it, its width, its dtype.
 _STORED = {
     "FLOAT": ("value", 1, np.float32),
@@ -28,6 +31,8 @@ _STORED = {
 _DOMAINS = ("POINT", "EDGE", "FACE", "CORNER")
 # Edges are averaged at their points: of quaternions and of bytes there is no plain average.
 _NO_AVERAGE = ("QUATERNION", "BYTE_COLOR")
+# Of an edge between vertices at one place Cycles takes the direction for 0; in 4.5 for NaN, and 5.0 and 5.1 are not measured.
+_EDGES_MAY_HAVE_NO_LENGTH = Versions("5.2")
 _TANGENTS = (".tangent", ".tangent_sign", ".undisplaced_tangent", ".undisplaced_tangent_sign")
 
 
@@ -36,6 +41,8 @@ def unreadable(mesh: bpy.types.Mesh, name: str) -> tuple[str, str] | None:
 
     '' is the active render colour.
     """
+    if name == POINTINESS:
+        return None
     attribute = _find(mesh, name)
     if attribute is None:
         # Cycles makes tangents itself where a material asks for them by name.
@@ -53,13 +60,17 @@ def read_attribute(
 ) -> np.ndarray:
     """(3, 6, t) red, green, blue, alpha, factor and presence (0 or 1) at the corners.
 
-    Where there is no attribute, alpha is 1 and the rest 0. '' is the active render colour. `corners` (t, 3) are the
+    Where there is no attribute, alpha is 1 and the rest 0. '' is the active render colour, and 'pointiness' is computed,
+    whatever the mesh has under that name. `corners` (t, 3) are the
     triangles' loops, `triangles` (3, t) their vertices, `polygon` (t,) their faces. An `unreadable` attribute counts as
     absent: the export has refused the materials of this mesh that read it.
     """
-    attribute = _find(mesh, name)
     values = np.zeros((3, 6, corners.shape[0]), np.float32)
     values[:, 3] = 1.0
+    if name == POINTINESS:
+        values[:, 4] = _pointiness(mesh)[triangles]
+        return values
+    attribute = _find(mesh, name)
     if attribute is None or unreadable(mesh, name):
         return values
     field, width, dtype = _STORED[attribute.data_type]
@@ -81,13 +92,28 @@ def read_attribute(
     return values
 
 
+def _pointiness(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(v,) the pointiness of the mesh's vertices."""
+    positions, normals = (np.empty((len(mesh.vertices), 3), np.float32) for _ in range(2))
+    mesh.vertices.foreach_get("co", positions.ravel())
+    mesh.vertex_normals.foreach_get("vector", normals.ravel())
+    lengthless = 0.0 if bpy.app.version in _EDGES_MAY_HAVE_NO_LENGTH else np.nan
+    return pointiness(positions.T, normals.T, _edges(mesh).T, lengthless)
+
+
+def _edges(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(e, 2) the two vertices of each edge."""
+    ends = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    return ends.reshape(-1, 2)
+
+
 def _at_points(mesh: bpy.types.Mesh, stored: np.ndarray) -> np.ndarray:
     """(v, width) the mean at each point of its edges' values (e, width).
 
     Means of whole numbers are rounded. A boolean is true where that of any edge is.
     """
-    ends = np.empty(2 * len(mesh.edges), np.int32)
-    mesh.edges.foreach_get("vertices", ends)
+    ends = _edges(mesh).ravel()
     total = np.zeros((len(mesh.vertices), stored.shape[1]))
     np.add.at(total, ends, np.repeat(stored.astype(np.float64), 2, axis=0))
     mean = total / np.maximum(np.bincount(ends, minlength=len(mesh.vertices)), 1)[:, None]

@@ -11,6 +11,7 @@ import bpy
 from ....lib.blender_versions import Versions
 from ....lib.scene import expressions as ex
 from ....lib.scene.converters import VectorMath
+from ....lib.scene.pointiness import POINTINESS
 from ....lib.textures.tiles import FIRST, tile_corner
 from .images import MISSING, Entry
 from .tree import Scope, TreeReader, valid_link
@@ -27,6 +28,7 @@ _GEOMETRY = {
     "True Normal": ex.Coordinates("TRUE_NORMAL"),
     "Incoming": ex.Coordinates("INCOMING"),
     "Backfacing": ex.Backfacing(),
+    "Pointiness": ex.Attribute(POINTINESS, "FACTOR"),
 }
 _OBJECT_INFO = {"Object Index": "INDEX"}
 _DIRECTION = ex.Coordinates("GENERATED")
@@ -46,7 +48,7 @@ _CYCLES_NAMES = (
     "undeformed",
     "undisplaced",
     "undisplaced_N",
-    "pointiness",
+    POINTINESS,
     "random_per_island",
     "particle",
     "ptex_face_id",

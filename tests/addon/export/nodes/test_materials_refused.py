@@ -125,7 +125,7 @@ REFUSED = {
     "output 'Window'": colored(lambda t: node(t, "TexCoord", output="Window")),
     "output 'Reflection'": colored(lambda t: node(t, "TexCoord", output="Reflection")),
     "Attribute), type Object": colored(lambda t: node(t, "Attribute", attribute_type="OBJECT", attribute_name="x")),
-    "output 'Pointiness'": colored(lambda t: node(t, "NewGeometry", output="Pointiness")),
+    "output 'Random Per Island'": colored(lambda t: node(t, "NewGeometry", output="Random Per Island")),
     "whose direction has no length": colored(normal_node((0.0, 0.0, 0.0))),
     "whose input has no length": colored(normal_node((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))),
     "object 'Null'": colored(lambda t: node(t, "TexCoord", output="Object", object=bpy.data.objects.new("Null", None))),
