@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 # Planes are one where they differ by less than this, in units of the largest coordinate: a few steps of float32.
 RESOLVED = 2.0**-22
-# Cells of the hash: components of the normal, and the distance from the centre in units of the scene's radius, or else
-# of the median precision of distances.
-_NORMAL_CELL, _DISTANCE_CELL, _DISTANCE_ERRORS = 2.0**-8, 2.0**-12, 8.0
+# Cells of the hash: components of the normal, and the least for the distance from the centre, in units of the scene's radius.
+_NORMAL_CELL, _DISTANCE_CELL = 2.0**-8, 2.0**-12
+# The cells of distances are no smaller than this many times their median precision: most triangles shall be in few cells.
+_DISTANCE_ERRORS = 8.0
 # The first component of a normal beyond this gives its sign. One of them is at least 0.577; no common angle has such a cosine.
 _SIGN_FROM = 0.5567
 # Offsets of the cells, so that planes through the axes lie well inside one.
@@ -27,8 +29,8 @@ class Planes:
     """The planes of the triangles.
 
     Per triangle: normal (3, t) of a fixed sign, distance (t,) from the centre, tolerance (t,), the precision of
-    normal and distance, and `reach`: how far another one may be from the triangle and still lie in its plane, less the
-    other one's reach.
+    normal and distance, and `reach` (t,): triangles farther apart, along their normal, than the sum of theirs do not
+    share a plane.
     """
 
     normal: np.ndarray
@@ -90,12 +92,7 @@ def group_planes(planes: Planes, radius: float) -> Rows:
     keep = np.flatnonzero(planes.resolved)
     if keep.size == 0:
         return Rows(keep, np.empty(0, np.int32), np.empty(0, np.uint8))
-    normal_error, distance_error = planes.normal_error[keep], planes.distance_error[keep]
-    distance_cell = max(_DISTANCE_CELL * radius, _DISTANCE_ERRORS * float(np.median(distance_error)))
-    values = np.vstack([planes.normal[:, keep] / _NORMAL_CELL, planes.distance[None, keep] / distance_cell])
-    values += _OFFSETS[:, None]
-    errors = np.stack([*[normal_error / _NORMAL_CELL] * 3, distance_error / distance_cell])
-    low, high = np.floor(values - errors).astype(np.int64), np.floor(values + errors).astype(np.int64)
+    low, high = _cells_of_planes(planes, keep, radius)
     spans = np.minimum(high - low + 1, _MOST_CELLS)
     counts = spans.prod(axis=0)
     item = np.repeat(np.arange(keep.size, dtype=np.int32), counts)
@@ -113,6 +110,24 @@ def group_planes(planes: Planes, radius: float) -> Rows:
     order = order[np.repeat(sizes > 1, sizes)]
     sizes = sizes[sizes > 1]
     return Rows(keep[item[order]], np.repeat(np.arange(sizes.size, dtype=np.int32), sizes), lowest[order])
+
+
+def _cells_of_planes(planes: Planes, index: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest and highest cells (4, k) that the planes at `index` (k,) may lie in.
+
+    The cells of distances double in size, and then have each two cells in one, until they are large enough.
+    """
+    normal_error, distance_error = planes.normal_error[index], planes.distance_error[index]
+    cell = _DISTANCE_CELL * radius
+    doublings = max(0, math.ceil(math.log2(_DISTANCE_ERRORS * float(np.median(distance_error)) / cell)))
+    values = np.vstack([planes.normal[:, index] / _NORMAL_CELL, planes.distance[None, index] / cell])
+    values += _OFFSETS[:, None]
+    errors = np.stack([*[normal_error / _NORMAL_CELL] * 3, distance_error / cell])
+    low, high = np.floor(values - errors).astype(np.int64), np.floor(values + errors).astype(np.int64)
+    half = 2**doublings // 2  # so that the plane through the centre stays well inside one
+    for ends in (low, high):
+        ends[3] = (ends[3] + half) >> doublings
+    return low, high
 
 
 def share_a_plane(corners: np.ndarray, planes: Planes, first: np.ndarray, second: np.ndarray) -> np.ndarray:

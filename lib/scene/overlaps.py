@@ -65,18 +65,16 @@ def _search(vertices: np.ndarray, triangles: np.ndarray) -> Overlaps:
     rows = group_planes(planes, max(0.5 * float(np.linalg.norm(np.ptp(vertices, axis=1))), 1e-300))
     flat, axis, boxes = _lay_flat(corners, planes, rows)
     corners = np.ascontiguousarray(corners.reshape(9, -1).T)
-    found, shared = [], []
+    found, shared = [np.empty(0, np.intp)], [np.empty(0)]
     for first, second in near_pairs(boxes):
-        one, other = rows.triangle[first], rows.triangle[second]
+        one, other = np.sort([rows.triangle[first], rows.triangle[second]], axis=0)
         allowed = np.maximum(planes.tolerance[one], planes.tolerance[other])
         kept = overlap_in_plane(_of(flat, first), _of(flat, second), allowed)
         kept = kept[share_a_plane(corners, planes, one[kept], other[kept])]
         first, second, one, other = first[kept], second[kept], one[kept], other[kept]
         cosine = np.abs(planes.normal[axis[first], one])
         shared.append(overlap_area(_of(flat, first), _of(flat, second)) / cosine)
-        found.append(np.minimum(one, other) * triangles.shape[1] + np.maximum(one, other))
-    if not found:
-        return Overlaps(np.empty((2, 0), np.intp), np.empty(0))
+        found.append(one * triangles.shape[1] + other)
     key = np.concatenate(found)
     order = np.argsort(key)
     return Overlaps(np.stack(np.divmod(key[order], triangles.shape[1])), np.concatenate(shared)[order])
