@@ -274,7 +274,10 @@ def _read_meshes(
         # Addresses of evaluated meshes hold for as long as the depsgraph does.
         key = mesh.as_pointer()
         if key not in read:
-            read[key] = read_mesh(faces_of(thing), thing.name, needed.uv_maps, needed.generated, needed.attributes)
+            faces = faces_of(thing)
+            # A polygon of n corners is n - 2 triangles.
+            placements.require_room(thing.name, len(faces.vertices), len(faces.loops) - 2 * len(faces.polygons))
+            read[key] = read_mesh(faces, thing.name, needed.uv_maps, needed.generated, needed.attributes)
         if read[key].triangles.shape[1]:
             layer = depsgraph.view_layer_eval
             item, slots = _object(instance, layer, links), materials.of_slots(instance, layer)

@@ -20,6 +20,8 @@ UNKNOWN_MEMORY = 8 * 2**30
 
 # What tracing needs for a triangle beside the joined arrays: Embree's tree and what it is built from, planes, offsets. Measured.
 _TRACED = 180
+# What a vertex and a triangle of a flat mesh take at least.
+_VERTEX, _TRIANGLE = 3 * 8, _TRACED + 3 * 4 + 4 + 4 + 1
 
 _BLOCK = 1 << 16
 _LOG = logging.getLogger(__name__)
@@ -77,22 +79,33 @@ class Placements:
         self._groups: dict[int, _Group] = {}
         self._objects: list[Object] = []
 
+    def require_room(self, name: str, vertices: int, triangles: int) -> None:
+        """Raise EtalonError where a mesh, which is not read yet, would need too much memory.
+
+        It has so many `vertices` and `triangles`; `name` is its object's.
+        """
+        self._require(name, vertices * _VERTEX + triangles * _TRIANGLE)
+
     def add(self, thing: Object, local: LocalMesh, materials: np.ndarray) -> None:
         """Place `local` as the object `thing`; `materials` (slots,) are the scene's indices.
 
         Raises EtalonError, before anything is allocated, when all instances together would need too much memory.
         """
+        self._require(thing.name, _bytes_of(local))
         self._bytes += _bytes_of(local)
-        if self._bytes > self._limit:
-            raise EtalonError(
-                f"{thing.name}: with this instance the scene needs more than {self._limit / 2**30:.1f} GB, half of the memory here; "
-                "reduce instances or render levels"
-            )
         if not np.isfinite(thing.world_from_object).all():
             raise EtalonError(f"{thing.name}: its transform is not finite; reset its location, rotation and scale")
         group = self._groups.setdefault(id(local), _Group(local))
         group.instances.append(_Instance(len(self._objects), thing.world_from_object, materials))
         self._objects.append(thing)
+
+    def _require(self, name: str, more: int) -> None:
+        """Raise EtalonError where `more` bytes are too many."""
+        if self._bytes + more > self._limit:
+            raise EtalonError(
+                f"{name}: with this instance the scene needs more than {self._limit / 2**30:.1f} GB, half of the memory here; "
+                "reduce instances or render levels"
+            )
 
     def join(self, uv_maps: frozenset[str], generated: bool, attributes: frozenset[str] = frozenset()) -> Mesh:
         """All instances as one mesh in world space; faces without area are left out."""
@@ -131,7 +144,7 @@ def _memory() -> int:
 
 def _bytes_of(local: LocalMesh) -> int:
     """Bytes that one instance takes, traced, corner normals included."""
-    vertex, triangle = 3 * 8, _TRACED + 3 * 4 + 4 + 4 + 1 + 36 + 24 * len(local.uvs) + 72 * len(local.attributes)
+    vertex, triangle = _VERTEX, _TRIANGLE + 36 + 24 * len(local.uvs) + 72 * len(local.attributes)
     if local.generated is not None:
         vertex += 3 * 4
     return vertex * local.positions.shape[1] + triangle * local.triangles.shape[1]

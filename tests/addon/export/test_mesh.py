@@ -334,6 +334,19 @@ def test_too_many_instances_are_refused_before_they_are_made(studio):
         place(placements, local, 1000)
 
 
+def test_a_mesh_that_needs_too_much_memory_is_refused_before_it_is_read(studio, monkeypatch):
+    """20,000 triangles, at 201 bytes each or more, where 3 MB are half of the memory."""
+
+    def read(*arguments):
+        raise AssertionError("the mesh was read")
+
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=100, y_subdivisions=100)
+    monkeypatch.setattr("etalon.lib.scene.placements._memory", lambda: 6 << 20)
+    monkeypatch.setattr("etalon.addon.export.scene.read_mesh", read)
+    with pytest.raises(EtalonError, match=r"^Grid: with this instance the scene needs more than 0.0 GB"):
+        studio.export()
+
+
 @pytest.mark.parametrize("shown_in_edit_mode", [True, False])
 def test_an_object_in_edit_mode_is_exported_as_cycles_renders_it(studio, rays, hits, shown_in_edit_mode):
     quad = studio.quad(half=0.4)
