@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import bpy
 
+from ...lib.blender_versions import Versions
 from ...lib.effects.facts import adds_nothing
 from ...lib.effects.masks import flags_in
 from ...lib.errors import Refusal
@@ -41,6 +42,9 @@ DEFAULT_MATERIAL = (
     else Material("", (WeightedClosure(_GREY),))
 )
 """What Cycles shows where a face has no material: grey, and from Blender 5.0 on a Principled BSDF as it comes."""
+
+# Before, Cycles bumps the displaced normal of flat faces (4.5), or the smooth one (5.0).
+_BUMPS_ON_UNDISPLACED = Versions("5.2")
 
 _NO_TABLE = (16, 8)
 _LEAST_TABLE = (256, 128)
@@ -159,16 +163,7 @@ def _read_tree(
     surface, displacement = output.inputs["Surface"], output.inputs.get("Displacement")
     moved = None
     if displacement is not None and valid_link(displacement):
-        what, before = f"displacement (node '{output.name}', socket 'Displacement')", len(refusals)
-        remedy = "choose Displacement Only or Bump Only"
-        if method == "BUMP":
-            values.surface_normal = read_bump(values, displacement, scope)
-            remedy = "unlink Displacement, or link a Displacement node"
-        elif method == "DISPLACEMENT":
-            moved = read_displacement(values, displacement, scope)
-            remedy = "unlink Displacement, or link a Displacement or Vector Displacement node"
-        if moved is None and values.surface_normal is None and len(refusals) == before:
-            refusals.append(Refusal(owner, what, remedy))
+        values.surface_normal, moved = _read_displacement(values, displacement, scope, method)
     lobes = make_shader_reader(values).lobes(surface, scope)
     volume = read_volume(make_volume_reader(values), output.inputs["Volume"], scope)
     if values.surface_normal is not None:
@@ -179,6 +174,25 @@ def _read_tree(
     # Cycles drops emission that gives no light, and takes what is left of the surface for unlinked.
     dark = bool(lobes) and all(isinstance(lobe.closure, Emission) and adds_nothing(lobe) for lobe in lobes)
     return _Tree(lobes, values.trace(surface, scope).linked and not dark, volume, moved)
+
+
+def _read_displacement(
+    values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope, method: str
+) -> tuple[ex.Expression | None, Displacement | None]:
+    """Read what a linked displacement does to the shading normal, and to vertices."""
+    refused = len(values.refusals)
+    bump = moved = None
+    if method == "BOTH" and bpy.app.version not in _BUMPS_ON_UNDISPLACED:
+        what, remedy = "Displacement and Bump, before Blender 5.2", "choose Displacement Only or Bump Only"
+        values.refusals.append(Refusal(values.owner, what, remedy))
+    if method != "DISPLACEMENT":
+        bump = read_bump(values, socket, scope)
+    if method != "BUMP":
+        moved = read_displacement(values, socket, scope, bumps=method == "BOTH")
+    if bump is None and moved is None and len(values.refusals) == refused:
+        what = f"displacement (node '{socket.node.name}', socket 'Displacement')"
+        values.refusals.append(Refusal(values.owner, what, "unlink Displacement, or link a Displacement node"))
+    return ex.Undisplaced(bump) if bump is not None and method == "BOTH" else bump, moved
 
 
 def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int, int]:

@@ -243,7 +243,8 @@ def _check_displacement(depsgraph: bpy.types.Depsgraph, materials: MaterialTable
     users: dict[int, list[User]] = defaultdict(list)
     for instance in _mesh_instances(depsgraph):
         slots = tuple(materials.of_slots(instance, depsgraph.view_layer_eval).tolist())
-        user = User(instance.object, slots, tuple(materials.materials[k] for k in slots))
+        read = tuple(materials.materials[k] for k in slots)
+        user = User(instance.object, affine(instance.matrix_world), slots, read)
         users[instance.object.data.as_pointer()].append(user)
     for of_one_mesh in users.values():
         for index, refusal in list(find_undisplaceable(of_one_mesh)):

@@ -106,6 +106,15 @@ WHATS: dict[str, str] = {
     "displacement of a mesh with custom normals or sharp edges, before Blender 5.2": (
         "le déplacement d'un maillage aux normales personnalisées ou aux arêtes vives, avant Blender 5.2"
     ),
+    "Displacement and Bump, before Blender 5.2": "Displacement and Bump, avant Blender 5.2",
+    "Displacement and Bump of a scaled object": "Displacement and Bump d'un objet mis à l'échelle",
+    "Displacement and Bump by coordinates other than UV and Generated": (
+        "Displacement and Bump selon d'autres coordonnées que UV et Generated"
+    ),
+    "a normal map or UV tangents of '{name}' beside Displacement and Bump": (
+        "une carte de normales ou des tangentes UV de « {name} » à côté de Displacement and Bump"
+    ),
+    " with Displacement and Bump": " avec Displacement and Bump",
     "displacement of smooth faces without area": "le déplacement de faces lisses sans aire",
     "the displacement of '{name}', which depends on the object, of a mesh with several users,": (
         "le déplacement de « {name} », qui dépend de l'objet, d'un maillage à plusieurs utilisateurs"
@@ -221,6 +230,9 @@ REMEDIES: dict[str, str] = {
     "link it to the Normal of a BSDF, or unlink it": "reliez-le à la Normal d'un BSDF, ou retirez son lien",
     "choose Displaced": "choisissez Displaced",
     "choose Displacement Only or Bump Only": "choisissez Displacement Only ou Bump Only",
+    "choose Displacement Only": "choisissez Displacement Only",
+    "apply its scale, or choose Displacement Only": "appliquez son échelle, ou choisissez Displacement Only",
+    "use these, or choose Displacement Only": "utilisez celles-ci, ou choisissez Displacement Only",
     "bake it to an image, or unlink it": "précalculez-le dans une image, ou retirez ce lien",
     "clear them and shade it smooth or flat": "effacez-les et ombrez-le lisse ou plat",
     "give it a UV map": "donnez-lui une carte UV",
@@ -326,9 +338,6 @@ REMEDIES: dict[str, str] = {
     ),
     "unlink the Light Path node": "retirez le lien du nœud Light Path",
     "unlink Displacement, or link a Displacement node": "retirez le lien de Displacement, ou liez-y un nœud Displacement",
-    "unlink Displacement, or link a Displacement or Vector Displacement node": (
-        "retirez le lien de Displacement, ou liez-y un nœud Displacement ou Vector Displacement"
-    ),
     "unlink Displacement, or use a Bump node": "retirez le lien de Displacement, ou utilisez un nœud Bump",
     "switch the holdout off": "désactivez le cache (holdout)",
     "switch Shadow Catcher off": "désactivez Capteur d'ombres (Shadow Catcher)",

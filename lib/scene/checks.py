@@ -16,11 +16,20 @@ import numpy as np
 from ..errors import SceneError
 from ..plural import plural
 from .camera import PANORAMAS, Camera
-from .expressions import Attribute, Constant, Coordinates, EnvironmentTexture, ImageTexture, RayCount, RayFlag
+from .expressions import (
+    Attribute,
+    Constant,
+    Coordinates,
+    EnvironmentTexture,
+    ImageTexture,
+    RayCount,
+    RayFlag,
+    Undisplaced,
+)
 from .images import Image
 from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .materials import Emission, Transparent, WeightedClosure
-from .mesh import FARTHEST, Mesh, near
+from .mesh import FARTHEST, UNDISPLACED, UNDISPLACED_NORMAL, Mesh, near
 from .motion import Motion
 from .rays import COUNTS, EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
@@ -229,6 +238,9 @@ def _check_expressions(owner: str, root: Any, scene: Scene) -> None:
             _demand(root is not scene.world, owner, "a world does not know how often a path has scattered")
         elif isinstance(node, Attribute):
             _demand(node.name in scene.mesh.attributes, owner, f"attribute '{node.name}' is missing")
+        elif isinstance(node, Undisplaced):
+            there = {UNDISPLACED, UNDISPLACED_NORMAL} <= scene.mesh.attributes.keys()
+            _demand(there, owner, "the places of vertices before displacement are missing")
         elif isinstance(node, Coordinates) and root is not scene.world:
             _demand(node.kind != "UV" or node.uv_map in scene.mesh.uvs, owner, f"UV map '{node.uv_map}' is missing")
             there = scene.mesh.generated.shape[-1] > 0 or scene.mesh.triangle_count == 0

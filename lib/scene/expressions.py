@@ -94,6 +94,13 @@ class Bump(Expression):
 
 
 @dataclass(frozen=True)
+class Undisplaced(Expression):
+    """The `expression` where the point was before its vertices were displaced."""
+
+    expression: Expression
+
+
+@dataclass(frozen=True)
 class NormalScale(Expression):
     """Metres along the shading normal for a unit along it in the object's space, a value."""
 

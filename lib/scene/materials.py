@@ -299,12 +299,14 @@ class Displacement:
 
     `offset` is a value, the length along the vertex's normal, or with `is_vector` a colour, the vector itself. Both are lengths of
     `space`: 'OBJECT' or 'WORLD'; or the vector has components along tangent (of the active UV map), normal and bitangent, in the
-    object's lengths: 'TANGENT'. It is evaluated once, when a scene is made (lib/surfaces/displacement.py).
+    object's lengths: 'TANGENT'. With `bumps`, lobes have the normal of a bump on the surface as it was. The offset is evaluated once,
+    when a scene is made (lib/surfaces/displacement.py).
     """
 
     offset: Expression
     space: str = "OBJECT"
     is_vector: bool = False
+    bumps: bool = False
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,9 @@ from .shells import find_defect
 FARTHEST = 1e18
 """Coordinates beyond this are refused: their squares leave single precision, in which both renderers look for hits."""
 
+UNDISPLACED, UNDISPLACED_NORMAL = ".undisplaced", ".undisplaced_N"
+"""Attributes of corners, in object space: where they were before they were displaced, and the shading normal there."""
+
 
 def near(positions: np.ndarray) -> np.ndarray:
     """Whether each coordinate is a number that is no larger than FARTHEST."""

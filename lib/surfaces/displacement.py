@@ -16,7 +16,7 @@ from ..errors import Refusal, Refused, SceneError
 from ..plural import plural
 from ..scene.expressions import Coordinates, ObjectInfo
 from ..scene.materials import Displacement
-from ..scene.mesh import FARTHEST, Mesh, Object, near
+from ..scene.mesh import FARTHEST, UNDISPLACED, UNDISPLACED_NORMAL, Mesh, Object, near
 from ..scene.normals import normal_matrices
 from ..scene.placements import LocalMesh
 from ..textures.evaluate import evaluate
@@ -75,14 +75,30 @@ def displace(
             f"{thing.name}: {plural(bad, 'coordinate')} of displaced vertices not finite or beyond {FARTHEST:g}; "
             "change the displacement of its materials"
         )
+    is_bumped = np.array([one is not None and one.bumps for one in displacements])[slot]
     turned = None
     if local.smooth.any():
         if normals.sharp is None:
-            turned = _moved_vertex_normals(thing.name, local, positions, normals.corners, is_moved)
+            turned = _moved_vertex_normals(thing.name, local, positions, normals.corners, is_moved & ~is_bumped)
         else:
             turned = _moved_corner_normals(thing.name, local, positions, normals.corners, normals.sharp)
         turned = turned.astype(np.float32)
-    return replace(local, positions=positions, corner_normals=turned, displaced=True)
+    moved = replace(local, positions=positions, corner_normals=turned, displaced=True)
+    return _with_undisplaced(moved, local, normals.corners, is_bumped) if is_bumped.any() else moved
+
+
+def _with_undisplaced(moved: LocalMesh, local: LocalMesh, before: np.ndarray, is_bumped: np.ndarray) -> LocalMesh:
+    """The displaced mesh with what bumps on it need of the mesh as it was.
+
+    Its faces that are bumped are flat: the bump has the shading normal, and light counts by it and the face.
+    """
+    values = np.zeros((3, 6, is_bumped.size), np.float32)
+    places, normals = values.copy(), values.copy()
+    places[:, :3] = np.stack([local.positions[:, k] for k in local.triangles])
+    a, b, c = places[:, :3].astype(np.float64)
+    normals[:, :3] = np.where(local.smooth, before, normalize(cross(b - a, c - a)))
+    attributes = {**moved.attributes, UNDISPLACED: places, UNDISPLACED_NORMAL: normals}
+    return replace(moved, smooth=local.smooth & ~is_bumped, attributes=attributes)
 
 
 def _first_corners(triangles: np.ndarray, is_moved: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

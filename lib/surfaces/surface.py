@@ -16,7 +16,8 @@ from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
 from ..textures.context import Context
 from ..vectors import any_perpendicular, basis_across, cross, dot, gather, normalize, put, rotate_about
-from .tangents import normal_map_frame
+from .tangents import normal_map_frame, uv_tangents
+from .undisplaced import undisplaced_mesh
 
 
 class SurfaceTables:
@@ -59,6 +60,11 @@ class SurfaceTables:
         """A millionth of the scene's extent."""
         extent = float(np.ptp(self.mesh.vertices, axis=1).max()) if self.mesh.triangle_count else 1.0
         return 1e-6 * max(extent, 1e-6)
+
+    @cached_property
+    def undisplaced(self) -> SurfaceTables:
+        """Those of the mesh as it was before it was displaced."""
+        return SurfaceTables(undisplaced_mesh(self.mesh))
 
     def normal_map_frame(self, uv_map: str) -> np.ndarray:
         """Return the tangent, the bitangent's sign and the normal at the corners.
@@ -296,6 +302,16 @@ class SurfacePoints(Context):
         points.position = self.position + direction * step
         return points
 
+    def undisplaced(self) -> SurfacePoints:
+        """The points as they were before their vertices were displaced, seen from the same side."""
+        points = self.at(np.arange(self.size))
+        points.tables = self.tables.undisplaced
+        mesh = points.tables.mesh
+        a, b, c = (np.take(mesh.vertices, k, axis=1) for k in np.take(mesh.triangles, self.triangle, axis=1))
+        points.position = self._interpolated((a, b, c))
+        points.ng = normalize(cross(b - a, c - a)) * self.side
+        return points
+
     def edge_distance(self) -> np.ndarray:
         """Distance in metres from the nearest line through two corners of the triangle, (n,)."""
         mesh = self.tables.mesh
@@ -360,7 +376,11 @@ class SurfacePoints(Context):
         They are turned about the normal by `turns` full circles.
         """
         n = self.n if normal is None else normal
-        raw = self._uv_tangent(source.uv_map) if source.kind == "UV" else self._radial_tangent(source.axis)
+        raw = (
+            uv_tangents(self.tables.mesh, source.uv_map, self.triangle)
+            if source.kind == "UV"
+            else self._radial_tangent(source.axis)
+        )
         turns = np.asarray(turns)
         if np.any(turns):
             raw = rotate_about(raw, n, 2.0 * np.pi * turns)
@@ -378,17 +398,3 @@ class SurfacePoints(Context):
         radial = np.stack({"X": (zero, -z, y), "Y": (-z, zero, x), "Z": (-y, x, zero)}[axis])
         m = np.take(self.tables.object_from_world, np.take(self.tables.mesh.object_index, self.triangle), axis=1)
         return np.stack([m[k] * radial[0] + m[4 + k] * radial[1] + m[8 + k] * radial[2] for k in range(3)])
-
-    def _uv_tangent(self, uv_map: str) -> np.ndarray:
-        """The direction in which u grows fastest on the flat triangle, dP/du."""
-        mesh = self.tables.mesh
-        table = mesh.uvs.get(uv_map)
-        if table is None:
-            return np.zeros((3, self.size))
-        a, b, c = np.take(mesh.triangles, self.triangle, axis=1)
-        corner = np.take(mesh.vertices, a, axis=1)
-        edge1, edge2 = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
-        uv = np.take(table, self.triangle, axis=2).astype(np.float64)
-        v1, v2 = uv[1, 1] - uv[0, 1], uv[2, 1] - uv[0, 1]
-        u1, u2 = uv[1, 0] - uv[0, 0], uv[2, 0] - uv[0, 0]
-        return normalize((edge1 * v2 - edge2 * v1) * np.copysign(1.0, u1 * v2 - u2 * v1))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tangents at the corners of triangles, in object space, for normal maps.
+"""Tangents along UV maps.
 
-They follow the rules of MikkTSpace (Mikkelsen 2008).
+Those at the corners of triangles, in object space, are for normal maps, by the rules of MikkTSpace (Mikkelsen 2008).
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..scene.mesh import Mesh
-from ..vectors import cross
+from ..vectors import cross, normalize
 
 _DIGITS = 5  # to which corners' places, normals and coordinates agree when they count as one
 
@@ -73,6 +73,20 @@ def corner_tangents(
     shared = np.stack([np.bincount(group, weights=row)[group] for row in flat]).reshape(3, 3, -1).transpose(1, 0, 2)
     sign = np.broadcast_to(np.where(area * mirrored > 0.0, 1.0, -1.0), weights.shape)
     return np.concatenate([_unit(shared.transpose(1, 0, 2)).transpose(1, 0, 2), sign[:, None]], axis=1)
+
+
+def uv_tangents(mesh: Mesh, uv_map: str, triangle: np.ndarray) -> np.ndarray:
+    """The directions (3, n) in which u grows fastest on flat triangles (n,), dP/du."""
+    table = mesh.uvs.get(uv_map)
+    if table is None:
+        return np.zeros((3, triangle.size))
+    a, b, c = np.take(mesh.triangles, triangle, axis=1)
+    corner = np.take(mesh.vertices, a, axis=1)
+    edge1, edge2 = np.take(mesh.vertices, b, axis=1) - corner, np.take(mesh.vertices, c, axis=1) - corner
+    uv = np.take(table, triangle, axis=2).astype(np.float64)
+    v1, v2 = uv[1, 1] - uv[0, 1], uv[2, 1] - uv[0, 1]
+    u1, u2 = uv[1, 0] - uv[0, 0], uv[2, 0] - uv[0, 0]
+    return normalize((edge1 * v2 - edge2 * v1) * np.copysign(1.0, u1 * v2 - u2 * v1))
 
 
 def _unit(v: np.ndarray) -> np.ndarray:

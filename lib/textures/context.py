@@ -77,6 +77,10 @@ class Context(Protocol):
         """The points `step` further along unit vectors (3, n) in the plane of their triangles."""
         ...
 
+    def undisplaced(self) -> Context:
+        """The points as they were before their vertices were displaced."""
+        ...
+
 
 class WithoutSurface(Context):
     """Base of contexts that are not points of a surface, as directions of the world.
@@ -144,6 +148,10 @@ class WithoutSurface(Context):
     def moved(self, direction: np.ndarray, step: float) -> NoReturn:
         """No triangle."""
         _refuse("triangle")
+
+    def undisplaced(self) -> NoReturn:
+        """No vertices."""
+        _refuse("vertex")
 
 
 def _refuse(what: str) -> NoReturn:

@@ -190,6 +190,10 @@ def _ambient_occlusion(node: ex.AmbientOcclusion, read: Evaluator) -> np.ndarray
     return read.context.open_share(-n if node.inside else n, read(node.distance), node.only_local, node.samples)
 
 
+def _undisplaced(node: ex.Undisplaced, read: Evaluator) -> np.ndarray:
+    return read.moved(read.context.undisplaced())(node.expression)
+
+
 _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     **CONVERTERS,
     **PATTERNS,
@@ -199,6 +203,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.NormalMap: normal_map,
     ex.Bump: bump,
     ex.Bevel: bevel,
+    ex.Undisplaced: _undisplaced,
     ex.NormalScale: lambda _, read: read.context.normal_scale,
     ex.Mapping: lambda node, read: mapping(
         node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)

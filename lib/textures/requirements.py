@@ -6,8 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 
-from ..scene.expressions import ZERO, Attribute, Coordinates, Expression, NormalMap
+from ..scene.expressions import ZERO, Attribute, Coordinates, Expression, NormalMap, Undisplaced
 from ..scene.materials import Anisotropic, Material, Tangent
+from ..scene.mesh import UNDISPLACED, UNDISPLACED_NORMAL
 from .fold import walk
 
 
@@ -70,6 +71,8 @@ def _reads_of(root: Expression) -> Iterator[tuple[str, str]]:
             yield "TANGENT", node.uv_map
         elif isinstance(node, Attribute):
             yield "ATTRIBUTE", node.name
+        elif isinstance(node, Undisplaced):
+            yield from (("ATTRIBUTE", name) for name in (UNDISPLACED, UNDISPLACED_NORMAL))
 
 
 def _tangent_reads(tangent: Tangent) -> Iterator[tuple[str, str]]:

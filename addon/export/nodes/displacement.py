@@ -30,6 +30,8 @@ _NOT_AT_VERTICES = {
     ex.LayerWeight: "a Layer Weight node",
     ex.Tile: "a tiled image",
 }
+# Cycles takes their slopes along other directions than those of the height (docs/findings/displacement_and_bump.md).
+_MISJUDGED = ("OBJECT", "POSITION", "NORMAL", "SHADING_NORMAL", "TRUE_NORMAL")
 
 
 def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) -> ex.Expression | None:
@@ -47,21 +49,28 @@ def read_bump(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) ->
     return Folder()(ex.Bump(raised, ex.ONE, ex.ONE))
 
 
-def read_displacement(values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope) -> Displacement | None:
+def read_displacement(
+    values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope, bumps: bool
+) -> Displacement | None:
     """Read how a Displacement or Vector Displacement node moves vertices.
 
-    It is linked to `socket`. None where something else is, or where something of it is refused.
+    It is linked to `socket`, and only moves, or `bumps`, too. None where something else is linked, or something is refused.
     """
     source, refused = values.trace(socket, scope), len(values.refusals)
     node = source.socket.node
     if _is_along_normal(source):
-        found = Displacement(Folder()(_read_length(values, source)), node.space)
+        found = Displacement(Folder()(_read_length(values, source)), node.space, bumps=bumps)
     elif source.linked and node.bl_idname == "ShaderNodeVectorDisplacement":
+        if bumps:
+            values.refuse(node, source.scope, " with Displacement and Bump", "choose Displacement Only")
         found = Displacement(Folder()(_read_vector(values, source)), node.space, is_vector=True)
     else:
         return None
     for what in sorted({_has_no_value(part) for part in walk(found.offset)} - {""}):
         values.refusals.append(Refusal(values.owner, f"{what} in a displacement", "bake it to an image, or unlink it"))
+    if bumps and any(isinstance(part, ex.Coordinates) and part.kind in _MISJUDGED for part in walk(found.offset)):
+        what = "Displacement and Bump by coordinates other than UV and Generated"
+        values.refusals.append(Refusal(values.owner, what, "use these, or choose Displacement Only"))
     return found if len(values.refusals) == refused else None
 
 

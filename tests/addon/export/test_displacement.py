@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 import pytest
 from etalon.lib.errors import Refused
+from etalon.lib.settings.reference import Options
+from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.addon.export.nodes.node_cells import glowing, node
 from etalon.tests.addon.export.nodes.test_normals_against_cycles import (
     BENT,
@@ -22,7 +24,7 @@ from etalon.tests.addon.export.nodes.test_normals_against_cycles import (
     uv,
     waves,
 )
-from mathutils import Matrix
+from mathutils import Euler, Matrix
 
 
 def picture(tree):
@@ -210,10 +212,10 @@ def test_tangents_without_a_uv_map_are_refused(studio, rng):
 @pytest.mark.parametrize("reason", ["custom normals or sharp edges", "a normal map or UV tangents of 'glow'"])
 def test_corners_and_tangents_are_refused_before_5_2(reason, studio, rng):
     mesh = sheet(studio, True, rng)
-    glow = shine(OUTPUTS[0])
     if "UV" in reason:
         glow = glowing("glow", lambda t: node(t, "Emission", {"Color": mapped()(t)}))
     else:
+        glow = shine(OUTPUTS[0])
         mesh.edges[20].use_edge_sharp = True
     mesh.materials.append(displaced(glow, CASES["waves OBJECT"]))
     studio.add("sheet", mesh, BENT)
@@ -243,33 +245,116 @@ def test_what_has_no_value_at_a_vertex_is_refused(what, studio, rng):
     is_refused(studio, f"material 'glow': {what} in a displacement is not simulated; bake it to an image, or unlink it")
 
 
-@pytest.mark.parametrize(
-    ("build", "method", "remedy"),
-    [
-        (waves, "DISPLACEMENT", "unlink Displacement, or link a Displacement or Vector Displacement node"),
-        (waves, "BUMP", "unlink Displacement, or link a Displacement node"),
-        (CASES["waves OBJECT"], "BOTH", "choose Displacement Only or Bump Only"),
-    ],
-)
-def test_other_nodes_and_both_methods_at_once_are_refused(build, method, remedy, studio, rng):
+@pytest.mark.parametrize("method", ["DISPLACEMENT", "BUMP"])
+def test_other_nodes_are_refused(method, studio, rng):
     mesh = sheet(studio, True, rng)
-    mesh.materials.append(displaced(shine(OUTPUTS[0]), build))
+    mesh.materials.append(displaced(shine(OUTPUTS[0]), waves))
     mesh.materials[0].displacement_method = method
     studio.add("sheet", mesh, BENT)
-    is_refused(studio, f"socket 'Displacement') is not simulated; {remedy}")
+    is_refused(studio, "'Displacement') is not simulated; unlink Displacement, or link a Displacement node")
 
 
 def test_a_displaced_material_that_is_not_simulated_is_passive_where_its_faces_are_known(studio, rng):
     mesh = sheet(studio, True, rng)
-    for method in ("DISPLACEMENT", "BOTH"):
-        hair = displaced(glowing("hair", lambda t: node(t, "BsdfHair")), CASES["waves OBJECT"])
-        hair.displacement_method = method
+    for height, known in ((waves, True), (UNKNOWN_THERE["a Wireframe node"], False)):
+        hair = displaced(glowing("hair", lambda t: node(t, "BsdfHair")), along_normal(height, "OBJECT"))
         mesh.materials.clear()
         mesh.materials.append(hair)
         thing = studio.add("sheet", mesh)
         scene = studio.export(partial=True)
         bpy.data.objects.remove(thing)
         assert scene.materials[0].unknown
-        assert scene.materials[0].passive == (method == "DISPLACEMENT")
+        assert scene.materials[0].passive == known
         was = np.array([v.co for v in mesh.vertices]).T
-        assert (np.abs(scene.mesh.vertices - was).max() > 0.05) == (method == "DISPLACEMENT")
+        assert (np.abs(scene.mesh.vertices - was).max() > 0.05) == known
+
+
+UNSCALED = Matrix.LocRotScale((0.1, -0.2, 0.0), Euler((0.3, -0.4, 0.5)), (1.0, 1.0, 1.0))
+REFLECTED = Matrix.LocRotScale((0.1, -0.2, 0.0), Euler((0.3, -0.4, 0.5)), (-1.0, 1.0, 1.0))
+simulates_both = pytest.mark.skipif(bpy.app.version < (5, 2, 0), reason="Displacement and Bump is refused there")
+
+
+def bumped(material, build):
+    displaced(material, build).displacement_method = "BOTH"
+    return material
+
+
+@simulates_both
+@pytest.mark.parametrize("name", ["waves OBJECT", "waves WORLD", "attribute OBJECT"])
+def test_displacement_and_bump_has_the_normal_of_a_bump_on_the_surface_as_it_was(name, studio, rays, hits, rng):
+    for smooth, matrix in itertools.product((True, False), (UNSCALED, REFLECTED)):
+        mesh = sheet(studio, smooth, rng)
+        mesh.materials.append(bumped(glowing("plain", lambda t: node(t, "BsdfDiffuse")), CASES[name]))
+        thing = studio.add("sheet", mesh, matrix)
+        studio.look_down(2.0)
+        scene = studio.export()
+        mesh.materials[0] = bumped(shine(("NewGeometry", "Normal")), CASES[name])
+        shown, got = seen(studio, scene, scene.materials[0].lobes[0].closure.normal, rays, hits)
+        assert np.median(np.abs(shown - got).max(axis=0)) < 4e-3
+        mesh.materials[0] = bumped(shine(("NewGeometry", "Position")), CASES[name])
+        assert np.median(difference(studio, rays, hits)) < 2e-5
+        bpy.data.objects.remove(thing)
+
+
+@simulates_both
+def test_faces_beside_a_displacement_and_bump_keep_their_normals_or_turn_by_their_own(studio, rays, hits, rng):
+    """The materials are one that is bumped, one that only moves, and one that stays."""
+    mesh, output = sheet(studio, True, rng), ("NewGeometry", "Normal")
+    mesh.materials.append(shine(output))
+    mesh.materials.append(displaced(shine(output), CASES["waves OBJECT"]))
+    mesh.materials.append(bumped(glowing("dark", lambda t: node(t, "BsdfDiffuse")), CASES["waves OBJECT"]))
+    mesh.polygons.foreach_set("material_index", rng.integers(0, 3, len(mesh.polygons)).astype(np.int32))
+    studio.add("sheet", mesh, UNSCALED)
+    studio.look_down(2.0)
+    scene = studio.export()
+    shown, got = seen(studio, scene, scene.materials[0].lobes[0].closure.color, rays, hits)
+    off = np.abs(shown - (got - OFFSET)).max(axis=0)[shown[0] > -0.5 * OFFSET]
+    assert off.size > 200
+    assert np.median(off) < 2e-5
+    assert np.mean(off > 1e-3) < 0.02
+
+
+@simulates_both
+@pytest.mark.parametrize("smooth", [True, False])
+@pytest.mark.parametrize("angle", [30.0, 70.0])
+def test_a_sun_lights_what_is_displaced_and_bumped_as_in_cycles(angle, smooth, studio, rng):
+    mesh = sheet(studio, smooth, rng)
+    mesh.materials.append(bumped(glowing("plain", lambda t: node(t, "BsdfDiffuse")), CASES["waves OBJECT"]))
+    studio.add("sheet", mesh, UNSCALED)
+    sun = bpy.data.lights.new("sun", "SUN")
+    sun.angle = 0.0
+    studio.add("sun", sun, Euler((np.radians(angle), 0.0, 1.0)).to_matrix().to_4x4())
+    studio.look_down(2.0)
+    studio.scene.cycles.max_bounces = 0
+    shown = studio.cycles(64).mean()
+    got = ReferenceRenderer(studio.export(), Options(threads=1)).render(0, 64).radiance.mean()
+    assert abs(shown / got - 1.0) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("height", "matrix", "what"),
+    [
+        (HEIGHTS["position"], UNSCALED, "Displacement and Bump by coordinates other than UV and Generated"),
+        (waves, BENT, "Displacement and Bump of a scaled object"),
+    ],
+)
+def test_what_cycles_bumps_wrongly_is_refused(height, matrix, what, studio, rng):
+    mesh = sheet(studio, True, rng)
+    mesh.materials.append(bumped(glowing("plain", lambda t: node(t, "BsdfDiffuse")), along_normal(height, "OBJECT")))
+    studio.add("sheet", mesh, matrix)
+    with pytest.raises(
+        Refused, match=what if bpy.app.version >= (5, 2, 0) else "Displacement and Bump, before Blender 5.2"
+    ):
+        studio.export()
+
+
+@simulates_both
+def test_vectors_and_tangents_are_refused_beside_a_bump(studio, rng):
+    mesh = sheet(studio, True, rng)
+    mesh.materials.append(bumped(glowing("plain", lambda t: node(t, "BsdfDiffuse")), along_vector("OBJECT")))
+    studio.add("sheet", mesh, UNSCALED)
+    with pytest.raises(Refused, match="with Displacement and Bump is not simulated; choose Displacement Only"):
+        studio.export()
+    mapped_one = glowing("mapped", lambda t: node(t, "BsdfDiffuse", {"Normal": mapped()(t)}))
+    mesh.materials[0] = bumped(mapped_one, CASES["waves OBJECT"])
+    is_refused(studio, "a normal map or UV tangents of 'mapped' beside Displacement and Bump")

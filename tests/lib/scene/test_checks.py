@@ -79,6 +79,9 @@ BROKEN = {
     "material 'Oberfläche': generated coordinates are missing": lambda s: with_mesh(
         s, generated=np.zeros((3, 0), np.float32)
     ),
+    "material 'paint': the places of vertices before displacement are missing": lambda s: with_color(
+        s, ex.Undisplaced(ex.Coordinates("NORMAL"))
+    ),
     "material 'paint': image 2 is not in the scene": lambda s: with_color(
         s, ex.ImageTexture(ex.Coordinates("NORMAL"), 2)
     ),

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Displaced meshes against closed forms: shifted and tilted planes, spheres, and a wave."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from etalon.lib.errors import Refused, SceneError
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.converters import Combine, Component
 from etalon.lib.scene.materials import Displacement
-from etalon.lib.scene.mesh import Object
+from etalon.lib.scene.mesh import UNDISPLACED, UNDISPLACED_NORMAL, Object
 from etalon.lib.scene.placements import LocalMesh, Placements
 from etalon.lib.surfaces.displacement import Normals, depends_on_object, displace
 from etalon.lib.surfaces.surface import SurfacePoints, SurfaceTables
+from etalon.lib.textures.evaluate import evaluate
 from etalon.lib.textures.images import ImageSet
 from etalon.tests.turns import turned
 
@@ -213,6 +216,58 @@ def test_normals_of_a_displaced_mesh_are_mixed_in_object_space():
     mixed = found.corner_normals.astype(float).mean(axis=0)
     wanted = mixed / np.array([[1.0], [1.0], [4.0]])
     np.testing.assert_allclose(shown, wanted / np.linalg.norm(wanted, axis=0), atol=1e-6)
+
+
+def bumped_mesh(offset, matrix, side=2, smooth=True):
+    """A plane that is displaced and bumped, as the scene has it."""
+    local, normals = grid(side, smooth=smooth)
+    height = np.zeros((3, 6, local.slot.size), np.float32)
+    height[:, 4] = np.stack([local.positions[0, k] for k in local.triangles])
+    local = replace(local, attributes={"x": height, UNDISPLACED: 0.0 * height, UNDISPLACED_NORMAL: 0.0 * height})
+    found = displaced(local, normals, Displacement(offset, bumps=True), matrix)
+    placements = Placements()
+    placements.add(Object("thing", matrix), found, np.zeros(1, np.int32))
+    return placements.join(frozenset(), False, frozenset(local.attributes))
+
+
+def points_on(mesh, rng, count=50):
+    """Points on triangles, seen from their front."""
+    triangle = rng.integers(0, mesh.triangle_count, count)
+    u, v = np.sort(rng.random((2, count)), axis=0)
+    v -= u
+    a, b, c = (mesh.vertices[:, k[triangle]] for k in mesh.triangles)
+    ng = np.cross(b - a, c - a, axis=0)
+    ng /= np.linalg.norm(ng, axis=0)
+    return SurfacePoints(SurfaceTables(mesh), triangle, u, v, a + u * (b - a) + v * (c - a), ng, ng)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("smooth", [False, True])
+def test_a_bump_has_the_normal_of_the_wave_that_the_mesh_is_too_coarse_for(smooth, mirrored, rng):
+    """z = 0.2 sin 3x on a plane of two squares a side, which was turned and moved."""
+    matrix = turned(0.7, (-1.0 if mirrored else 1.0, 1.0, 1.0), (0.4, -0.1, 2.0), (1.0, -2.0, 0.5))
+    height = times(ex.Math("SINE", times(ex.Attribute("x", "FACTOR"), 3.0), ex.ZERO, ex.ZERO), 0.2)
+    mesh = bumped_mesh(height, matrix, smooth=smooth)
+    assert not mesh.smooth.any()
+    points = points_on(mesh, rng)
+    x = points.attribute("x")[4]
+    truth = matrix[:, :3] @ np.stack([-0.6 * np.cos(3.0 * x), 0.0 * x, 1.0 + 0.0 * x])
+    raised = ex.Math("MULTIPLY", height, ex.NormalScale(), ex.ZERO)
+    got = evaluate(ex.Undisplaced(ex.Bump(raised, ex.ONE, ex.ONE)), points, ImageSet(()))
+    np.testing.assert_allclose(got, truth / np.linalg.norm(truth, axis=0), atol=2e-5)
+
+
+def test_a_point_knows_where_it_was_before_its_vertices_moved(rng):
+    matrix = turned(0.7, (1.0, 1.0, 1.0), (0.4, -0.1, 2.0), (1.0, -2.0, 0.5))
+    mesh = bumped_mesh(times(ex.Attribute("x", "FACTOR"), 0.7), matrix)
+    points = points_on(mesh, rng)
+    now, before = (
+        np.linalg.inv(matrix[:, :3]) @ (evaluate(one, points, ImageSet(())) - matrix[:, 3:])
+        for one in (ex.Coordinates("POSITION"), ex.Undisplaced(ex.Coordinates("POSITION")))
+    )
+    np.testing.assert_allclose(before[:2], now[:2], atol=1e-6)
+    np.testing.assert_allclose(before[2], 0.0, atol=1e-6)
+    np.testing.assert_allclose(now[2], 0.7 * now[0], atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -157,12 +157,12 @@ def test_what_is_not_simulated_is_refused_by_name(named):
     assert named in refusal
 
 
-def test_displacement_is_refused():
+def test_displacement_by_another_node_is_refused():
     material = glowing("Gold", lambda t: node(t, "BsdfDiffuse"))
-    material.displacement_method = "BOTH"
+    material.displacement_method = "DISPLACEMENT"
     tree = material.node_tree
     (out,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
-    tree.links.new(node(tree, "Displacement"), out.inputs["Displacement"])
+    tree.links.new(node(tree, "Value"), out.inputs["Displacement"])
     (refusal,) = refused(material)
     assert "socket 'Displacement'" in refusal
 
