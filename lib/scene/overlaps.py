@@ -98,7 +98,7 @@ def _lay_flat(corners: np.ndarray, planes: Planes, rows: Rows) -> tuple[np.ndarr
         here = np.flatnonzero(axis == k)
         triangle, group = rows.triangle[here], rows.group[here]
         points = np.take(corners, triangle, axis=2)
-        height = sum(points[:, j] * np.take(slope[j], group) for j in range(3))
+        height = np.einsum("cjm,jm->cm", points, np.take(slope, group, axis=1))
         reach = planes.reach[triangle] / np.abs(planes.normal[k, triangle])
         low[2, here], high[2, here] = height.min(axis=0) - reach, height.max(axis=0) + reach
         x, y = points[:, (k + 1) % 3], points[:, (k + 2) % 3]
