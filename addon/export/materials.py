@@ -14,7 +14,7 @@ from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.layers import BeneathLayer
 from ...lib.scene.materials import Diffuse, Displacement, Emission, Material, Specular, Transparent, WeightedClosure
-from ...lib.scene.rays import COUNTS, RAY_NAMES, SEEN, STEADY_FLAGS
+from ...lib.scene.rays import COUNTS, COUNTS_OF_ALL_RAYS, RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
 from ...lib.scene.volumes import Volume
 from ...lib.scene.world import World
@@ -69,7 +69,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
     _refuse_flags(owner, flags, "its emission", refusals)
     clear = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Transparent)))
-    _refuse_flags(owner, clear & {*COUNTS}, "what lets light straight through", refusals)
+    _refuse_flags(owner, (clear & {*COUNTS}) - {*COUNTS_OF_ALL_RAYS}, "what lets light straight through", refusals)
     misused = misused_rays(lobe for lobe in lobes if not adds_nothing(lobe))
     refusals.extend(Refusal(owner, *one) for one in dict.fromkeys(misused))
     return Material(

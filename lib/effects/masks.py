@@ -9,7 +9,7 @@ from __future__ import annotations
 from ..scene.expressions import AfterDiffuse, Expression, RayCount, RayFlag
 from ..scene.links import EVERY_SET
 from ..scene.materials import Material, Transparent, WeightedClosure
-from ..scene.rays import COUNTS, EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
+from ..scene.rays import COUNTS, COUNTS_OF_ALL_RAYS, EVERY, SCATTERED, SEEN, has_bits, tells_shadows_apart
 from ..scene.world import World
 from ..textures.fold import walk
 from .facts import Facts
@@ -86,7 +86,8 @@ def shadows_apart(facts: Facts) -> Answer:
 def shades_transparently(material: Material) -> bool:
     """Whether shadow rays pass a material otherwise than scattered rays do."""
     clear = [lobe for lobe in material.lobes if isinstance(lobe.closure, Transparent)]
-    return any(not material.transparent_shadows or flags_in(lobe) - {"CAMERA"} for lobe in clear)
+    same = {"CAMERA", *COUNTS_OF_ALL_RAYS}
+    return any(not material.transparent_shadows or flags_in(lobe) - same for lobe in clear)
 
 
 def lights_without_shadows(facts: Facts) -> Answer:

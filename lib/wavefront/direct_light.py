@@ -51,15 +51,16 @@ class DirectLight:
         origin = gather(origins.towards(sample.wi), index)
         rays = origin, direction, gather(sample.distance, index)
         medium = origins.medium(index, direction)
+        tally = paths.tally_of_shadows(index) if self._flow.counts else None
         if self._kernel.sight.shadow_of is None:
-            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays, medium=medium)
+            through, unknown = transmittance(self._kernel, self._flow.transparent, *rays, medium=medium, tally=tally)
         else:
             number = np.broadcast_to(light.number, paths.pixel.shape)[index]
-            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays, medium)
+            through, unknown = transmittance_to(self._kernel, self._flow.transparent, number, *rays, medium, tally)
         if unknown.size:
             self._sums.add_unknown(paths.pixel[index[unknown]])
         if self._kernel.coplanar is not None:
-            through = through * origins.coplanar(self._kernel.coplanar, index, direction)
+            through = through * origins.coplanar(self._kernel.coplanar, index, direction, tally)
         self.rays += index.size
         self._clock.lap(Stage.SHADOW_RAYS)
         lit = np.flatnonzero(through.any(axis=0))  # what is hidden does not count, not even as inf * 0

@@ -108,7 +108,8 @@ class Emitters:
         distance, radiance = light.intersect(origin, direction)
         met = np.flatnonzero(radiance.any(axis=0))
         rays = gather(origin, met), gather(direction, met), distance[met]
-        through, unknown = transmittance(kernel, transparent, *rays, caster=caster)
+        tally = None if paths.depths is None else paths.tally(np.zeros(paths.size))[:, sent[met]]
+        through, unknown = transmittance(kernel, transparent, *rays, caster=caster, tally=tally)
         index = sent[met]
         self._sums.add_unknown(paths.pixel[index[unknown]])
         arriving = gather(radiance, met) * gather(paths.throughput, index) * through

@@ -51,12 +51,14 @@ class SurfaceOrigins:
             return None
         return media.beyond(self._medium[index], self.points.at(index), direction)
 
-    def coplanar(self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    def coplanar(
+        self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray, tally: np.ndarray | None
+    ) -> np.ndarray:
         """The light that `faces` in the planes of the points at `index` let through, (3, k).
 
-        The rays leave along `direction` (3, k); see coplanar.py.
+        The rays leave along `direction` (3, k), with the counts `tally` (counts, k); see coplanar.py.
         """
-        return coplanar_transmittance(self._kernel, faces, self.points.at(index), direction)
+        return coplanar_transmittance(self._kernel, faces, self.points.at(index), direction, tally)
 
 
 class VolumeOrigins:
@@ -73,6 +75,8 @@ class VolumeOrigins:
         """The medium of the points at `index`."""
         return self._medium[index]
 
-    def coplanar(self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray) -> float:
+    def coplanar(
+        self, faces: CoplanarFaces, index: np.ndarray, direction: np.ndarray, tally: np.ndarray | None
+    ) -> float:
         """1: there is no face."""
         return 1.0

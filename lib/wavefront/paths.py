@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..scene.rays import COUNTS
 from ..vectors import gather
 
 
@@ -78,6 +79,13 @@ class Paths:
         passed = np.zeros(self.size) if self.passed is None else self.passed
         length = distance if self.travelled is None else self.travelled + distance
         return np.stack([counts, *self.depths, passed, length])
+
+    def tally_of_shadows(self, index: np.ndarray) -> np.ndarray:
+        """Return the counts (len(COUNTS), k) with which shadow rays leave where the paths at `index` scatter."""
+        counts = self.tally(np.zeros(self.size))[:, index]
+        counts[COUNTS.index("RAY_DEPTH")] += 1.0
+        counts[COUNTS.index("RAY_LENGTH")] = 0.0
+        return counts
 
     def take(self, index: np.ndarray) -> Paths:
         """The paths at `index`, as copies."""

@@ -3,11 +3,12 @@
 
 import bpy
 import pytest
+from etalon.addon.cycles.renderer import CyclesRenderer
 from etalon.lib.errors import Refused
 from etalon.lib.scene.rays import COUNTS
 from etalon.lib.textures.fold import walk
 from etalon.tests.addon.export.test_ray_visibility import stage
-from etalon.tests.addon.export.test_visibility import apart
+from etalon.tests.addon.export.test_visibility import apart, blocks, off, reference_of
 
 
 def color_by(outputs):
@@ -52,6 +53,45 @@ def test_surfaces_coloured_by_depths_and_lengths_are_those_of_cycles(studio, out
     aware, blind = apart(studio, studio.export(), unaware)
     assert aware < 1.5
     assert blind > 5.0
+
+
+def clear_by(output, factor, least):
+    """The card lets a count times `factor`, and `least`, of the light straight through."""
+    tree = bpy.data.materials["red"].node_tree
+    path, share, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("LightPath", "Math", "MixShader"))
+    share.operation = "MULTIPLY_ADD"
+    share.inputs[1].default_value, share.inputs[2].default_value = factor, least
+    out = tree.nodes["Material Output"]
+    diffuse = out.inputs["Surface"].links[0].from_socket
+    tree.links.new(path.outputs[output], share.inputs[0])
+    tree.links.new(share.outputs[0], mix.inputs[0])
+    tree.links.new(diffuse, mix.inputs[1])
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], out.inputs["Surface"])
+    return share.inputs
+
+
+@pytest.mark.slow
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize(
+    ("output", "factor", "least", "constant"),
+    [("Ray Depth", 0.4, 0.1, 0.1), ("Transparent Depth", 0.5, 0.3, 0.3), ("Ray Length", 0.1, -0.4, 0.4)],
+)
+def test_a_card_that_is_clear_by_a_count_is_that_of_cycles(studio, output, factor, least, constant):
+    """A second card lies below it, so that rays pass several, and all of it is seen in a mirror, too.
+
+    The comparison notices a reference for which the card is as clear to all rays as to those of the camera.
+    """
+    card = stage(studio)[0]
+    second = card.copy()
+    studio.scene.collection.objects.link(second)
+    second.location[2] -= 0.4
+    inputs = clear_by(output, factor, least)
+    aware = studio.export()
+    theirs = blocks(CyclesRenderer(studio.scene, threads=1), 64)
+    inputs[1].default_value, inputs[2].default_value = 0.0, constant
+    assert off(reference_of(aware, 64), theirs) < 1.5
+    assert off(reference_of(studio.export(), 64), theirs) > 1.9
 
 
 def test_all_outputs_are_read(studio):

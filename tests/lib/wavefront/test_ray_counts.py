@@ -12,7 +12,7 @@ from etalon.lib.scene.checks import SceneError, validate
 from etalon.lib.scene.expressions import ZERO, Constant, Math, RayCount, ValueToColor
 from etalon.lib.scene.lights import PointLight, SunLight
 from etalon.lib.scene.materials import Diffuse, Emission, Metallic, Subsurface, Transparent
-from etalon.lib.scene.rays import COUNTS
+from etalon.lib.scene.rays import COUNTS, COUNTS_OF_ALL_RAYS
 from etalon.lib.scene.world import World
 from etalon.lib.wavefront.refuse import refuse_counts
 from etalon.tests.replicates import assert_same, replicates
@@ -100,9 +100,45 @@ def test_a_wall_that_only_one_diffuse_bounce_sees_white(seed):
     assert_same(render(counted("GLOSSY_DEPTH")), render(diffuse(0.0)), 0.02)
 
 
-@pytest.mark.parametrize("kind", [Emission, Transparent])
-def test_what_light_samples_and_shadow_rays_count_otherwise_is_refused(kind):
-    closure = kind(ValueToColor(RayCount("RAY_LENGTH")))
+def veil(name, clear=0.2, scale=0.1):
+    """A sheet that lets `clear` and `scale` times a count through."""
+    counted_share = Math("MULTIPLY", RayCount(name), Constant(scale), ZERO)
+    return material(Transparent(ValueToColor(Math("ADD", counted_share, Constant(clear), ZERO))))
+
+
+@pytest.mark.parametrize(
+    ("name", "counts"),
+    [
+        # Down to the floor the camera's ray meets the sheets at 3 m and 1 m, up from it the shadow ray those at 1 m and 3 m.
+        ("RAY_DEPTH", (0, 0, 1, 1)),
+        ("RAY_LENGTH", (2, 4, 1, 3)),
+        ("TRANSPARENT_DEPTH", (0, 1, 2, 3)),
+    ],
+)
+@pytest.mark.parametrize("light", [UP, PointLight("point", (0.0, 0.0, 4.5), (9.0, 9.0, 9.0))])
+def test_light_passes_faces_by_the_count_that_its_ray_has_there(name, counts, light, seed):
+    """Camera and shadow rays go upright through two sheets."""
+    parts = [floor(3.0), sheet(1.0, 1), sheet(3.0, 1)]
+    above = orthographic(1, 1, 1e-6, (0.0, 0.0, 5.0))
+    clear = shown(scene(parts, [diffuse(0.8), CLEAR], above, [light]), seed)
+    image = shown(scene(parts, [diffuse(0.8), veil(name)], above, [light]), seed)
+    np.testing.assert_allclose(image, clear * np.prod([0.2 + 0.1 * k for k in counts]), rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", COUNTS_OF_ALL_RAYS)
+@pytest.mark.parametrize("direct", ["bsdf", "lights"])
+def test_faces_let_through_what_is_sampled_either_way_alike(name, direct, seed):
+    """Two veils below a lamp, seen from below them, and a second scattering."""
+    parts = [floor(3.0), sheet(1.0, 1), sheet(1.5, 1), quad((-1.0, -1.0, 2.5), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), 2)]
+    inside = perspective(4, 4, 0.8, (0.0, 0.0, 0.9))
+    room = scene(parts, [diffuse(0.8), veil(name), material(Emission(color(3.0)))], inside, bounces=1)
+    weighed = replicates(room, 8, 256, seed=seed)
+    assert_same(weighed, replicates(room, 8, 1024, seed=seed + 1, direct=direct), 0.05)
+
+
+@pytest.mark.parametrize(("kind", "name"), [(Emission, "RAY_DEPTH"), (Transparent, "DIFFUSE_DEPTH")])
+def test_what_light_samples_and_shadow_rays_count_otherwise_is_refused(kind, name):
+    closure = kind(ValueToColor(RayCount(name)))
     with pytest.raises(SceneError, match="depends on how often a path has scattered"):
         validate(scene(floor(), material(closure), ABOVE))
 
