@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Displacement: a bump of the whole surface, or a move of the vertices.
 
-The material's setting is Bump Only or Displacement Only.
+The material's setting is Bump Only, Displacement Only, or Displacement and Bump.
 """
 
 from __future__ import annotations
