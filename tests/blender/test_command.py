@@ -25,7 +25,7 @@ def blend(debian, extension):
 
 def test_compare_the_file_that_is_open(debian, blend):
     out = debian.home / "compared"
-    words = ["--set=scene.render.resolution_percentage=50", "--time=30", f"--out={out}"]
+    words = ["--set=scene.render.resolution_percentage=50", "--time=15", f"--out={out}"]
     done = debian.run("blender", blend, "--background", "--command", "etalon", "compare", *words)
     folder = debian.outside / "compared"
     assert {p.name for p in folder.iterdir()} == FILES, done.stdout

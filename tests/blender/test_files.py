@@ -31,7 +31,7 @@ def test_a_crowded_file_agrees(debian, extension):
     blend = debian.home / "crowd.blend"
     made = debian.run("blender", "--background", "--python-exit-code", "1", "--python", "crowd.py", "--", blend)
     assert made.returncode == 0, made.stdout
-    words = ["--time=25", "--tolerance=3%", "--out=crowd"]
+    words = ["--time=15", "--tolerance=3%", "--out=crowd"]
     done = debian.run("blender", blend, "--background", "--command", "etalon", "compare", *words)
     figures = json.loads((debian.outside / "crowd" / "verdict.json").read_text())
     assert figures["verdict"] in ("EQUIVALENT", "UNDECIDED", "EXPLAINED"), done.stdout
