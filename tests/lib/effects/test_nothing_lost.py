@@ -51,17 +51,16 @@ def variants(effect, needed):
     return [one for one in scenes if make_plan(one).needs(effect) is needed]
 
 
-# The default run takes the first scene of one effect in three.
+# The default run takes the first scene of one effect in nine.
 EACH = pytest.mark.parametrize(
-    "effect", [pytest.param(name, marks=pytest.mark.slow if k % 3 else ()) for k, name in enumerate(NAMES)]
-)
-SOME = pytest.mark.parametrize(
-    "most", [pytest.param(1, id="first"), pytest.param(99, id="all", marks=pytest.mark.slow)]
+    ("effect", "most"),
+    [
+        *(pytest.param(name, 1, id=f"{name}-first") for name in NAMES[::9]),
+        *(pytest.param(name, 99, id=f"{name}-all", marks=pytest.mark.slow) for name in NAMES),
+    ],
 )
 
 
-@pytest.mark.grid(3)
-@SOME
 @EACH
 def test_a_scene_that_needs_it(effect, most, seed):
     """All other effects forced on change no bit."""
@@ -73,8 +72,6 @@ def test_a_scene_that_needs_it(effect, most, seed):
     assert planned.any()
 
 
-@pytest.mark.grid(3)
-@SOME
 @EACH
 def test_a_scene_that_does_not(effect, most, seed):
     """The effect forced on at its neutral value changes no digit that counts.

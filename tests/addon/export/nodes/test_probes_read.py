@@ -28,8 +28,8 @@ def assert_same(light, read_materials, defined):
     np.testing.assert_allclose(got, expected, rtol=1e-9, atol=1e-15)
 
 
-# Of the default run: every sixth probe of each light.
-@pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.slow)])
+# Of the default run: every twelfth probe of each light.
+@pytest.mark.parametrize("step", [12, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("light", sorted({probe.light for probe in probes_of(RELEASE)} & set(SUNS)))
 def test_probes_are_exported_as_they_are_defined(light, step):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
