@@ -14,7 +14,7 @@ from ...lib.errors import Refusal
 from ...lib.scene import expressions as ex
 from ...lib.scene.layers import BeneathLayer
 from ...lib.scene.materials import Diffuse, Displacement, Emission, Material, Specular, Transparent, WeightedClosure
-from ...lib.scene.rays import COUNTS, COUNTS_OF_ALL_RAYS, RAY_NAMES, SEEN, STEADY_FLAGS
+from ...lib.scene.rays import COUNTS, COUNTS_OF_ALL_RAYS, COUNTS_OF_EMISSION, RAY_NAMES, SEEN, STEADY_FLAGS
 from ...lib.scene.sky import Sky
 from ...lib.scene.volumes import Volume
 from ...lib.scene.world import World
@@ -67,7 +67,7 @@ def read_material(material: bpy.types.Material, images: ImageTable, refusals: li
     )
     lobes, volume = read.lobes, read.volume
     flags = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Emission)))
-    _refuse_flags(owner, flags, "its emission", refusals)
+    _refuse_flags(owner, flags - {*COUNTS_OF_EMISSION}, "its emission", refusals)
     clear = set().union(*(flags_in(lobe) for lobe in lobes if isinstance(lobe.closure, Transparent)))
     _refuse_flags(owner, (clear & {*COUNTS}) - {*COUNTS_OF_ALL_RAYS}, "what lets light straight through", refusals)
     misused = misused_rays(lobe for lobe in lobes if not adds_nothing(lobe))

@@ -31,7 +31,7 @@ from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, 
 from .materials import Emission, Transparent, WeightedClosure
 from .mesh import FARTHEST, UNDISPLACED, UNDISPLACED_NORMAL, Mesh, near
 from .motion import Motion
-from .rays import COUNTS, COUNTS_OF_ALL_RAYS, EVERY, FLAGS, STEADY_FLAGS
+from .rays import COUNTS, COUNTS_OF_ALL_RAYS, COUNTS_OF_EMISSION, EVERY, FLAGS, STEADY_FLAGS
 from .scene import Scene
 from .sky import Sky, SunDisc
 from .volumes import MOST_ANISOTROPY, Volume
@@ -254,7 +254,7 @@ def _check_emission(owner: str, lobe: WeightedClosure) -> None:
     )
     _demand(set(flags) <= set(STEADY_FLAGS), owner, "its emission depends on the kind of ray")
     if isinstance(lobe.closure, Emission | Transparent):
-        agreed = COUNTS_OF_ALL_RAYS if isinstance(lobe.closure, Transparent) else ()
+        agreed = COUNTS_OF_ALL_RAYS if isinstance(lobe.closure, Transparent) else COUNTS_OF_EMISSION
         counted = {node.count for node in _nodes(lobe) if isinstance(node, RayCount)}
         _demand(counted <= set(agreed), owner, "its emission or transparency depends on how often a path has scattered")
 

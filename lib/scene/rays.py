@@ -63,6 +63,8 @@ faces it has passed; and the metres since it last scattered.
 COUNTS_OF_ALL_RAYS = ("RAY_DEPTH", "TRANSPARENT_DEPTH", "RAY_LENGTH")
 """Counts that shadow rays and the rays that lobes choose agree on: a shadow ray is one scattering further than what sends it
 (Cycles' `svm_node_light_path`). It adds to no depth of its kind."""
+COUNTS_OF_EMISSION = ("RAY_LENGTH",)
+"""Counts that light samples of faces and the rays that meet these agree on, whatever lies between."""
 DEPTH_OF_KIND = (-1, 0, 1, 2, 2)
 """By kind: which of the diffuse, glossy and transmission depths such a ray adds to (Cycles' `path_state_next`)."""
 

@@ -15,6 +15,7 @@ from ..lights.light import Ball, Emitted, LightSample, Pair, bounding_ball, lumi
 from ..lights.triangles import EmissiveTriangles, TriangleSample
 from ..sampling.warps import cosine_hemisphere
 from ..scene.mesh import Mesh
+from ..scene.rays import COUNTS
 from ..surfaces.materials import PreparedMaterial
 from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..vectors import cross, dot, orthonormal_basis, to_world
@@ -84,6 +85,7 @@ class EmissiveMesh:
         third = np.full(triangles.size, 1.0 / 3.0)
         middle = corner + (edge1 + edge2) / 3.0
         points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
+        points.tally = _tally(np.full(triangles.size, bounding_ball(self._tables.mesh.vertices).radius))
         estimate = luminance(np.abs(self._radiance(points)))
         finite = np.isfinite(estimate)
         brightest = max(float(estimate[finite].max(initial=0.0)), 1e-30)
@@ -113,6 +115,7 @@ class EmissiveMesh:
         points = SurfacePoints(
             self._tables, found.triangle, found.b1, found.b2, position, np.take(self._normal, local, axis=1), -found.wi
         )
+        points.tally = _tally(found.distance)
         # Both ends of the shadow ray may stand off their planes by the offset, which an edge-on face stretches.
         reach = found.distance * (1.0 - 2.0**-20) - 4.0 * self._offset / np.maximum(np.abs(found.facing), 1e-30)
         return LightSample(found.wi, reach, self._radiance(points), found.pdf)
@@ -162,6 +165,13 @@ class EmissiveMesh:
         By `sample`, or by `sample_from` with the cells (n,); then `weights` are the hit's u and v. `distance` is that of the hit.
         """
         return self._sampler.pdf_of_hit(triangle, distance, cos_light, cell, weights)
+
+
+def _tally(length: np.ndarray) -> np.ndarray:
+    """What rays of these lengths (n,) count, (counts, n): of the counts, emission may depend on the length alone."""
+    counts = np.zeros((len(COUNTS), length.size))
+    counts[COUNTS.index("RAY_LENGTH")] = length
+    return counts
 
 
 def _with_edges(mesh: Mesh, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

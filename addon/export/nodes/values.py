@@ -78,10 +78,20 @@ def _layer_weight(reader: TreeReader, node: bpy.types.Node, output: str, scope: 
 
 
 def _light_falloff(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:
+    """The strength times a power of the ray's length, faded out over the root of Smooth where the ray is short."""
+    strength = reader.read(node.inputs["Strength"], scope)
     smooth = fold(reader.read(node.inputs["Smooth"], scope))
-    if output != "Quadratic" or smooth != ex.ZERO:
+    if output == "Quadratic" and smooth == ex.ZERO:
+        return strength
+    if reader.is_world:
         reader.refuse(node, scope, f", output '{output}', with its smoothness,", "use Quadratic, and a Smooth of 0")
-    return reader.read(node.inputs["Strength"], scope)
+        return strength
+    length = ex.RayCount("RAY_LENGTH")
+    square = ex.Math("MULTIPLY", length, length, ex.ZERO)
+    factor = {"Quadratic": ex.ONE, "Linear": length, "Constant": square}[output]
+    fading = ex.Math("ADD", square, ex.Math("MAXIMUM", smooth, ex.ZERO, ex.ZERO), ex.ZERO)
+    share = ex.Math("DIVIDE", square, fading, ex.ZERO)
+    return ex.Math("MULTIPLY", strength, ex.Math("MULTIPLY", factor, share, ex.ZERO), ex.ZERO)
 
 
 def _light_path(reader: TreeReader, node: bpy.types.Node, output: str, scope: Scope) -> ex.Expression:

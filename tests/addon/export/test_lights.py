@@ -186,7 +186,7 @@ def test_what_feeds_an_emission_node_may_be_any_constant(studio, kind):
     value = irradiance(light) if kind == "POINT" else np.array(light.radiance) * np.pi * 0.01**2 / np.pi / 9.0
     assert value == pytest.approx(measured(studio, 1 if kind == "POINT" else 256), rel=1e-3)
     for output, to, told in (
-        (falloff.outputs["Linear"], "Strength", "light 'lamp': node 'Light Falloff' .* output 'Linear'"),
+        (falloff.outputs["Linear"], "Strength", "light 'lamp': .* socket 'Strength', which is not the same everywhere"),
         (unused.outputs[0], "Strength", "socket 'Strength', which is not the same everywhere"),
     ):
         tree.links.new(output, emission.inputs[to])

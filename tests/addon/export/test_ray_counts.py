@@ -94,6 +94,28 @@ def test_a_card_that_is_clear_by_a_count_is_that_of_cycles(studio, output, facto
     assert off(reference_of(studio.export(), 64), theirs) > 1.9
 
 
+@pytest.mark.slow
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize(
+    ("output", "smooth"), [("Linear", 0.0), ("Constant", 0.0), ("Linear", 3.0), ("Quadratic", 3.0)]
+)
+def test_a_panel_behind_a_light_falloff_node_is_that_of_cycles(studio, output, smooth):
+    """It lights the floor and is seen by the camera, in a rough mirror and through glass.
+
+    The comparison notices a panel that falls off as usual.
+    """
+    stage(studio)
+    tree = bpy.data.materials["glow"].node_tree
+    bpy.data.lights["lamp"].energy = 30.0
+    unaware = studio.export()
+    falloff = tree.nodes.new("ShaderNodeLightFalloff")
+    falloff.inputs["Strength"].default_value, falloff.inputs["Smooth"].default_value = 4.0, smooth
+    tree.links.new(falloff.outputs[output], tree.nodes["Emission"].inputs["Strength"])
+    aware, blind = apart(studio, studio.export(), unaware)
+    assert aware < 1.5
+    assert blind > 1.9
+
+
 def test_all_outputs_are_read(studio):
     stage(studio)
     names = ["Ray Depth", "Diffuse Depth", "Glossy Depth", "Transmission Depth", "Transparent Depth", "Ray Length"]

@@ -15,8 +15,9 @@ from etalon.lib.scene.materials import Diffuse, Emission, Metallic, Subsurface, 
 from etalon.lib.scene.rays import COUNTS, COUNTS_OF_ALL_RAYS
 from etalon.lib.scene.world import World
 from etalon.lib.wavefront.refuse import refuse_counts
-from etalon.tests.replicates import assert_same, replicates
+from etalon.tests.replicates import assert_mean, assert_same, replicates
 from etalon.tests.scenes import color, diffuse, floor, glass, material, orthographic, perspective, quad, scene
+from scipy.integrate import dblquad
 
 ABOVE = orthographic(2, 2, 1.0, (0.05, 0.1, 5.0))
 UP = SunLight("sun", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0, 1.0))
@@ -134,6 +135,34 @@ def test_faces_let_through_what_is_sampled_either_way_alike(name, direct, seed):
     room = scene(parts, [diffuse(0.8), veil(name), material(Emission(color(3.0)))], inside, bounces=1)
     weighed = replicates(room, 8, 256, seed=seed)
     assert_same(weighed, replicates(room, 8, 1024, seed=seed + 1, direct=direct), 0.05)
+
+
+def glow(length_power):
+    """A lamp whose radiance is 3 times a power of the ray's length."""
+    power = Math("POWER", RayCount("RAY_LENGTH"), Constant(length_power), ZERO)
+    return material(Emission(color(3.0), power))
+
+
+@pytest.mark.parametrize("power", [1.0, 2.0])
+@pytest.mark.parametrize("direct", ["mis", "bsdf", "lights"])
+def test_a_lamp_that_falls_off_otherwise_lights_a_floor_as_quadrature_has_it(power, direct, seed):
+    """From 2 m above, through a clear sheet, with the cosines at both ends and the square of the distance."""
+    lamp = quad((-1.5, -0.5, 2.0), (3.0, 0.0, 0.0), (0.0, 1.0, 0.0), 2)
+    looking = orthographic(1, 1, 1e-6, (0.3, 0.1, 0.9))
+    room = scene([floor(3.0), sheet(1.0, 1), lamp], [diffuse(0.8), CLEAR, glow(power)], looking)
+    images = replicates(room, 8, 4096 if direct == "bsdf" else 512, seed=seed, direct=direct)
+
+    def irradiance(y, x):
+        distance = np.sqrt((x - 0.3) ** 2 + (y - 0.1) ** 2 + 4.0)
+        return 3.0 * distance**power * (2.0 / distance) ** 2 / distance**2
+
+    assert_mean(images, 0.8 / np.pi * dblquad(irradiance, -1.5, 1.5, -0.5, 0.5)[0], 0.01)
+
+
+def test_a_lamp_that_falls_off_otherwise_looks_as_bright_as_its_way_is_long(seed):
+    parts = [floor(3.0), sheet(2.0, 1)]
+    image = shown(scene(parts, [glow(1.0), CLEAR], ABOVE), seed)
+    np.testing.assert_allclose(image, 15.0, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("kind", "name"), [(Emission, "RAY_DEPTH"), (Transparent, "DIFFUSE_DEPTH")])

@@ -10,6 +10,7 @@ from etalon.addon.export.materials import read_material
 from etalon.addon.export.nodes.images import ImageTable
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene import materials as mt
+from etalon.lib.scene.rays import COUNTS
 from etalon.lib.textures.evaluate import evaluate
 from etalon.lib.textures.images import ImageSet
 from etalon.lib.textures.requirements import requirements
@@ -327,3 +328,16 @@ def test_a_chain_that_is_too_long_is_refused_in_one_line():
     assert re.fullmatch(
         r"material '.*': node 'Vector Rotate.*' \(Vector Rotate\), behind a chain of 100 nodes, .*", refusal
     )
+
+
+@pytest.mark.parametrize(("output", "power"), [("Quadratic", 0), ("Linear", 1), ("Constant", 2)])
+@pytest.mark.parametrize("smooth", [0.0, 2.0, -1.0])
+def test_a_light_falloff_node_is_a_power_of_the_length_faded_near_the_light(output, power, smooth):
+    """Of a strength of 3: times length^2 / (smooth + length^2) where Smooth is above 0."""
+    inputs = {"Strength": 3.0, "Smooth": smooth}
+    (lobe,) = lobes(lambda t: node(t, "Emission", {"Strength": node(t, "LightFalloff", inputs, output=output)}))
+    points = Points({"UV": np.zeros((3, 3))})
+    points.tally = np.zeros((len(COUNTS), 3))
+    points.tally[COUNTS.index("RAY_LENGTH")] = length = np.array([0.5, 1.0, 7.0])
+    expected = 3.0 * length**power * length**2 / (max(smooth, 0.0) + length**2)
+    assert np.allclose(evaluate(lobe.closure.strength, points, ImageSet([])), expected)
