@@ -180,7 +180,9 @@ def _read_displacement(
     values: TreeReader, socket: bpy.types.NodeSocket, scope: Scope, method: str
 ) -> tuple[ex.Expression | None, Displacement | None]:
     """Read what a linked displacement does to the shading normal, and to vertices."""
-    refused = len(values.refusals)
+    refused, source = len(values.refusals), values.trace(socket, scope)
+    if source.linked and source.socket.node.bl_idname == "ShaderNodeDisplacement":
+        values.refuse_linked(source.socket.node, source.scope, "Normal")
     bump = moved = None
     if method == "BOTH" and bpy.app.version not in _BUMPS_ON_UNDISPLACED:
         what, remedy = "Displacement and Bump, before Blender 5.2", "choose Displacement Only or Bump Only"

@@ -331,6 +331,18 @@ def test_a_sun_lights_what_is_displaced_and_bumped_as_in_cycles(angle, smooth, s
     assert abs(shown / got - 1.0) < 0.01
 
 
+@pytest.mark.parametrize("method", ["DISPLACEMENT", "BUMP"])
+def test_a_linked_normal_is_refused_by_its_own_name(method, studio, rng):
+    def build(tree):
+        return node(tree, "Displacement", {"Height": waves(tree), "Normal": node(tree, "NewGeometry", output="Normal")})
+
+    mesh = sheet(studio, True, rng)
+    mesh.materials.append(displaced(shine(OUTPUTS[0]), build))
+    mesh.materials[0].displacement_method = method
+    studio.add("sheet", mesh, BENT)
+    is_refused(studio, "(Displacement), socket 'Normal' (linked), is not simulated; unlink Normal")
+
+
 @pytest.mark.parametrize(
     ("height", "matrix", "what"),
     [
