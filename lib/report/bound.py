@@ -18,6 +18,8 @@ from .language import listed, place
 
 # Above this shape of its tail the noise of a region's replicates has no variance to rely on (Vehtari et al. 2024: 0.7).
 HEAVY = 0.7
+# A larger bound excludes nothing that a reader would think of: not even a candidate that is black.
+TELLING = 1.0
 _PLURALS = {"facing": "facing bands"}
 
 
@@ -40,6 +42,11 @@ def bound_title(comparison: Comparison) -> str:
         return f"{names[0]} agrees with {names[1]} to within {format_bound(verdict.bound)} everywhere {sure}."
     if not math.isfinite(verdict.bound):
         return f"Whether {names[0]} agrees with {names[1]} is not known: there is no bound on the difference yet."
+    if verdict.bound > TELLING:
+        return (
+            f"Whether {names[0]} agrees with {names[1]} is not known yet: "
+            f"somewhere the bound on the difference is {format_bound(verdict.bound)}."
+        )
     if verdict.bound <= verdict.tolerance:
         return f"{names[0]} agrees with {names[1]} to within {format_bound(verdict.bound)} wherever they can be compared {sure}."
     return (

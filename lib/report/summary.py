@@ -19,7 +19,7 @@ from ..plural import plural
 from ..relative import worst_channel
 from ..scene.findings import Finding
 from ..verdict.outcome import Outcome
-from .bound import both_names
+from .bound import TELLING, both_names
 from .causes import proof_seconds, unexplained
 from .language import listed, place
 from .words import catcher_sentences, count_left_out, forecast_seconds, furthest, region_total
@@ -41,7 +41,7 @@ def whole_picture(comparison: Comparison) -> str:
     bound, outcome = float(verdict.bounds[0]), verdict.outcomes[0]
     limit = format_percent(verdict.tolerance, sign=False)
     agrees = verdict.outcome in (Outcome.EQUIVALENT, Outcome.UNDECIDED) and not verdict.count(Outcome.EXPLAINED)
-    if agrees and math.isfinite(verdict.bound):
+    if agrees and verdict.bound <= TELLING:
         sure = f"with {format_percent(verdict.confidence, sign=False)} confidence"
         rest = "" if verdict.outcome is Outcome.EQUIVALENT else f"; whether to within {limit} is not known yet"
         return f"{head} {candidate} agrees with {reference} to within {format_bound(verdict.bound)} everywhere, {sure}{rest}."
@@ -51,7 +51,7 @@ def whole_picture(comparison: Comparison) -> str:
         brighter = "brighter" if off > 0 else "darker"
         size = format_part(abs(off))
         return f"{head} The whole picture is {size} {brighter} in {candidate} than in {reference}, most in {_CHANNELS[channel]}."
-    if not math.isfinite(bound):
+    if not bound <= TELLING:
         return f"{head} There are too few samples to say anything about the whole picture."
     if outcome is Outcome.EQUIVALENT:
         return f"{head} As a whole, the picture agrees to within {format_bound(bound)}."

@@ -72,6 +72,23 @@ def test_noise_is_placed_and_its_remedy_is_a_time():
     assert third.startswith("Next: allow about ")
 
 
+def test_a_bound_that_excludes_nothing_is_no_agreement():
+    """Of 320 times the reference nobody says that it agrees."""
+    found = comparison_of("undecided")
+    bounds = found.verdict.bounds.copy()
+    bounds[-1] = 320.0
+    found = replace(found, verdict=replace(found.verdict, bound=float(bounds.max()), bounds=bounds))
+    first, second, _ = summarize(found)
+    assert first.startswith("Test: UNDECIDED. As a whole, the picture agrees to within ")
+    assert "too noisy to judge" in second
+    assert sentences(found)[0] == (
+        "Whether Cycles agrees with the reference is not known yet: somewhere the bound on the difference is 32000 %."
+    )
+    bounds[0] = 1.5
+    first, *_ = summarize(replace(found, verdict=replace(found.verdict, bound=float(bounds.max()), bounds=bounds)))
+    assert first == "Test: UNDECIDED. There are too few samples to say anything about the whole picture."
+
+
 def test_what_was_cancelled_is_to_be_run_again():
     assert summary("cancelled")[2] == "Next: run it again and let it finish; it was cancelled."
 
