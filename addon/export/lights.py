@@ -13,15 +13,29 @@ import bpy
 import numpy as np
 
 from ...lib.errors import Refusal
-from ...lib.scene.lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight, Vector
+from ...lib.scene.lights import (
+    USUAL_FALLOFF,
+    AreaLight,
+    Cone,
+    Falloff,
+    Light,
+    PointLight,
+    SphereLight,
+    SpotLight,
+    SunLight,
+    Vector,
+)
 from ...lib.scene.links import Links
 from ...lib.scene.matrices import is_sheared
 from ...lib.scene.rays import SEEN
 from ...lib.textures.fold import fold, is_constant
 from .nodes.images import ImageTable
-from .nodes.tree import Scope, TreeReader
+from .nodes.tree import Scope, Source, TreeReader
 from .nodes.values import VALUES
 from .refusals import is_portal, refuse_light
+
+_POWERS = {"Quadratic": 0, "Linear": 1, "Constant": 2}
+"""What is left of the square of the distance, by output of a Light Falloff node."""
 
 
 def read_light(
@@ -37,7 +51,7 @@ def read_light(
     owner = f"light '{light.name}'"
     before = len(refusals)
     refuse_light(light, refusals)
-    emission = _emission(data, owner, refusals)
+    emission, falloff = _emission(data, owner, refusals)
     if data.type in ("SPOT", "AREA"):
         if np.linalg.matrix_rank(matrix[:, :3]) == 3:
             if is_sheared(matrix):
@@ -51,55 +65,83 @@ def read_light(
     read = _READERS[data.type](light.name, data, matrix, emission)
     if read is None:
         return None
-    switches = {"casts_shadow": data.use_shadow, "max_bounces": data.cycles.max_bounces}
+    switches = {"casts_shadow": data.use_shadow, "max_bounces": data.cycles.max_bounces, "falloff": falloff}
     return replace(read, rays=rays & SEEN, links=links, **switches)
 
 
-def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> np.ndarray:
-    """(3,) energy * colour * 2^exposure, times temperature and nodes.
+def _emission(data: bpy.types.Light, owner: str, refusals: list[Refusal]) -> tuple[np.ndarray, Falloff]:
+    """(3,) energy * colour * 2^exposure, times temperature and nodes, and how it falls off.
 
     These are the colour of the temperature and the emission of a plain Emission node.
     """
+    falloff = USUAL_FALLOFF
     emission = np.array(data.color, dtype=np.float64) * data.energy
     # Exposure, normalise and temperature came to all lights in Blender 4.5; before, there is nothing to read.
     emission *= 2.0 ** getattr(data, "exposure", 0.0)
     if getattr(data, "use_temperature", False):
         emission *= np.array(data.temperature_color, dtype=np.float64)
     if data.node_tree is not None and (bpy.app.version >= (5, 0, 0) or data.use_nodes):
-        emission *= _node_emission(data.node_tree, owner, refusals)
+        of_nodes, falloff = _node_emission(data.node_tree, owner, refusals, data.type == "SUN")
+        emission *= of_nodes
     if np.any(emission < 0.0):
         refusals.append(Refusal(owner, "negative power", "make the power positive"))
-    return emission
+    return emission, falloff
 
 
-def _node_emission(tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal]) -> np.ndarray:
-    """(3,) colour * strength of the one Emission node that a light's tree may end in.
+def _node_emission(
+    tree: bpy.types.NodeTree, owner: str, refusals: list[Refusal], is_sun: bool
+) -> tuple[np.ndarray, Falloff]:
+    """(3,) colour * strength of the one Emission node that a light's tree may end in, and how it falls off.
 
-    The inputs of that node must be the same everywhere.
+    The inputs of that node must be the same everywhere, but for a Light Falloff node as its strength.
     """
+    black = np.zeros(3), USUAL_FALLOFF
     output = tree.get_output_node("CYCLES")
     if output is None:
-        return np.zeros(3)
+        return black
     reader = TreeReader(owner, False, ImageTable(), refusals, VALUES)
     reader.check(output, Scope())
     source = reader.trace(output.inputs["Surface"], Scope())
     emission = source.socket.node
     if not source.linked:
-        return np.zeros(3)
+        return black
     if emission.bl_idname != "ShaderNodeEmission":
         reader.refuse(emission, source.scope, "", "use one plain Emission node")
-        return np.zeros(3)
+        return black
     reader.check(emission, source.scope)
+    strength = reader.trace(emission.inputs["Strength"], source.scope)
+    node = strength.socket.node
+    falloff = USUAL_FALLOFF
+    if strength.linked and node.bl_idname == "ShaderNodeLightFalloff" and set(strength.passed) <= {"VALUE"}:
+        reader.check(node, strength.scope)
+        falloff = _falloff(reader, strength)
+        if is_sun and falloff != USUAL_FALLOFF:
+            what = f", output '{strength.socket.name}', with its smoothness,"
+            reader.refuse(node, strength.scope, what, "use Quadratic, and a Smooth of 0")
+        strength = reader.trace(node.inputs["Strength"], strength.scope)
     product = np.ones(3)
-    for name in ("Color", "Strength"):
-        content = fold(reader.read(emission.inputs[name], source.scope))
+    for name, origin, kind in (
+        ("Color", reader.trace(emission.inputs["Color"], source.scope), "RGBA"),
+        ("Strength", strength, "VALUE"),
+    ):
+        content = fold(reader.content(origin, kind))
         if not is_constant(content):
             reader.refuse(
                 emission, source.scope, f", socket '{name}', which is not the same everywhere,", f"unlink {name}"
             )
-            return np.zeros(3)
+            return black
         product *= np.array(content.value, dtype=np.float64)
-    return product
+    return product, falloff
+
+
+def _falloff(reader: TreeReader, source: Source) -> Falloff:
+    """How a Light Falloff node has light fall off by the output that is the `source`."""
+    node = source.socket.node
+    smooth = fold(reader.read(node.inputs["Smooth"], source.scope))
+    if not is_constant(smooth):
+        reader.refuse(node, source.scope, ", socket 'Smooth', which is not the same everywhere,", "unlink Smooth")
+        return USUAL_FALLOFF
+    return Falloff(_POWERS[source.socket.name], max(smooth.number, 0.0))
 
 
 def _point(name: str, data: bpy.types.PointLight, matrix: np.ndarray, emission: np.ndarray) -> Light:

@@ -9,7 +9,7 @@ from ..effects.names import Effect
 from ..errors import EtalonError, Refusal, Refused
 from ..scene.camera import PANORAMAS
 from ..scene.expressions import Constant
-from ..scene.lights import SphereLight, SpotLight
+from ..scene.lights import USUAL_FALLOFF, SphereLight, SpotLight
 from ..scene.materials import Material, Sheen, Subsurface, Toon
 from ..wavefront.kernel import Kernel
 from .dirac import may_be_dirac, varies
@@ -46,7 +46,7 @@ def refuse_unsupported(kernel: Kernel) -> None:
 def masks_not_traced(kernel: Kernel) -> list[str]:
     """Return the masks of rays in the scene that paths from the lights do not support.
 
-    Also names volumes, ambient occlusion and bevels, if the scene has any.
+    Also names volumes, ambient occlusion, bevels and unusual lights, if the scene has any.
     """
     names = {
         Effect.RAY_KINDS: "ray visibility by light tracing",
@@ -61,7 +61,9 @@ def masks_not_traced(kernel: Kernel) -> list[str]:
         Effect.BEVELS: "bevels by light tracing",
         Effect.PIXEL_WIDTHS: "wireframes in pixels by light tracing",
     }
-    return [what for effect, what in names.items() if kernel.plan.needs(effect)]
+    found = [what for effect, what in names.items() if kernel.plan.needs(effect)]
+    unusual = any(light.falloff != USUAL_FALLOFF for light in kernel.scene.lights)
+    return found + ["light tracing of lights that do not fall off as usual"] * unusual
 
 
 def _of_material(material: Material) -> list[str]:

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from ..scene.lights import AreaLight, Light, PointLight, SphereLight, SpotLight
+from ..scene.lights import USUAL_FALLOFF, AreaLight, Light, PointLight, SphereLight, SpotLight
 from .area import AreaSampler
 from .beam import BeamSampler
 from .ellipse import EllipseSampler
+from .falling_off import FallingOff
 from .light import LightSampler
 from .point import PointSampler
 from .rectangle import ParallelogramSampler, RectangleSampler
@@ -17,6 +18,12 @@ from .sun import SunSampler
 
 def light_sampler(light: Light, scene_radius: float) -> LightSampler:
     """The sampler of one light."""
+    sampler = _usual_sampler(light, scene_radius)
+    return sampler if light.falloff == USUAL_FALLOFF else FallingOff(sampler, light.falloff, scene_radius)
+
+
+def _usual_sampler(light: Light, scene_radius: float) -> LightSampler:
+    """The sampler of a light as if it fell off as usual."""
     if isinstance(light, PointLight):
         return PointSampler(light)
     if isinstance(light, SphereLight):

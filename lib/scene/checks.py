@@ -27,7 +27,7 @@ from .expressions import (
     Undisplaced,
 )
 from .images import Image
-from .lights import AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
+from .lights import USUAL_FALLOFF, AreaLight, Cone, Light, PointLight, SphereLight, SpotLight, SunLight
 from .materials import Emission, Transparent, WeightedClosure
 from .mesh import FARTHEST, UNDISPLACED, UNDISPLACED_NORMAL, Mesh, near
 from .motion import Motion
@@ -163,6 +163,7 @@ def _check_light(light: Light) -> None:
     _demand(all(map(math.isfinite, _numbers(light))), owner, "is not finite")
     for name in _INTENSITIES:
         _demand(min(getattr(light, name, (0.0,))) >= 0.0, owner, f"its {name} is negative")
+    _demand(light.falloff.power in (0, 1, 2) and light.falloff.smooth >= 0.0, owner, "its falloff is not known")
     if isinstance(light, SphereLight):
         _demand(light.radius > 0.0, owner, "its radius is not positive")
     elif isinstance(light, SpotLight):
@@ -170,6 +171,7 @@ def _check_light(light: Light) -> None:
         _check_cone(owner, light.cone)
     elif isinstance(light, SunLight):
         _check_unit(owner, light.direction)
+        _demand(light.falloff == USUAL_FALLOFF, owner, "a sun is at no distance to fall off by")
         _demand(0.0 <= light.half_angle <= math.pi / 2.0, owner, "its angle leaves 0..180 degrees")
     elif isinstance(light, AreaLight):
         _check_unit(owner, light.normal)

@@ -16,19 +16,34 @@ from .rays import SCATTERED
 Vector = tuple[float, float, float]
 
 
+@dataclass(frozen=True)
+class Falloff:
+    """How light changes with the length d of a ray, beside the square of the distance: by d^power d^2 / (smooth + d^2).
+
+    `power` is 0, 1 or 2, and `smooth`, in square metres, is not negative.
+    """
+
+    power: int = 0
+    smooth: float = 0.0
+
+
+USUAL_FALLOFF = Falloff()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Switches:
     """What every light can be told.
 
     `rays` is the mask of the rays that see it (rays.py); point lights are seen by none, and light those that would. Faces hide it only
     where it `casts_shadow`. It lights points at which a path has scattered at most `max_bounces` times before. `links` are the objects
-    that it lights, and those that hide it (links.py).
+    that it lights, and those that hide it (links.py). A sun has the usual `falloff`.
     """
 
     rays: int = SCATTERED
     casts_shadow: bool = True
     max_bounces: int = 1024
     links: Links = UNLINKED
+    falloff: Falloff = USUAL_FALLOFF
 
 
 @dataclass(frozen=True)

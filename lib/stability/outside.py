@@ -169,6 +169,8 @@ OUTSIDE: dict[str, str] = {
     **dict.fromkeys(
         (
             "lights.beam.BeamSampler",
+            "lights.falling_off.FallingOff",
+            "lights.falling_off.brightness_at",
             "lights.ellipse.EllipseSampler",
             "lights.rectangle.ParallelogramSampler",
             "lights.rectangle.RectangleSampler",

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from etalon.lib.errors import Refused
-from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight, SpotLight, SunLight
+from etalon.lib.scene.lights import AreaLight, Falloff, PointLight, SphereLight, SpotLight, SunLight
 from etalon.lib.scene.rays import GLOSSY, SCATTERED, SEEN
 from mathutils import Euler, Matrix
 
@@ -185,13 +185,51 @@ def test_what_feeds_an_emission_node_may_be_any_constant(studio, kind):
     (light,) = studio.export().lights
     value = irradiance(light) if kind == "POINT" else np.array(light.radiance) * np.pi * 0.01**2 / np.pi / 9.0
     assert value == pytest.approx(measured(studio, 1 if kind == "POINT" else 256), rel=1e-3)
-    for output, to, told in (
-        (falloff.outputs["Linear"], "Strength", "light 'lamp': .* socket 'Strength', which is not the same everywhere"),
-        (unused.outputs[0], "Strength", "socket 'Strength', which is not the same everywhere"),
-    ):
+    for output, to, told in ((unused.outputs[0], "Strength", "socket 'Strength', which is not the same everywhere"),):
         tree.links.new(output, emission.inputs[to])
         with pytest.raises(Refused, match=told):
             studio.export()
+
+
+def behind_falloff(lamp, output, smooth):
+    """Put a Light Falloff node before the lamp's emission."""
+    if lamp.data.node_tree is None:
+        lamp.data.use_nodes = True
+    tree = lamp.data.node_tree
+    (emission,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    falloff = tree.nodes.new("ShaderNodeLightFalloff")
+    falloff.inputs["Strength"].default_value, falloff.inputs["Smooth"].default_value = 1.5, smooth
+    tree.links.new(falloff.outputs[output], emission.inputs["Strength"])
+    return falloff
+
+
+@pytest.mark.parametrize(("output", "power"), [("Quadratic", 0), ("Linear", 1), ("Constant", 2)])
+@pytest.mark.parametrize("smooth", [0.0, 4.0])
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA"])
+def test_a_small_light_behind_a_light_falloff_node(studio, kind, output, power, smooth):
+    """From 3 m away the strength is multiplied by 3^power and 9 / (smooth + 9)."""
+    studio.quad()
+    lamp = above(studio, kind, **({"size": 0.01} if kind == "AREA" else {"shadow_soft_size": 0.0}))
+    (usual,) = studio.export().lights
+    behind_falloff(lamp, output, smooth)
+    (light,) = studio.export().lights
+    assert light.falloff == Falloff(power, smooth)
+    factor = 1.5 * 3.0**power * 9.0 / (9.0 + smooth)
+    assert irradiance(usual) * factor == pytest.approx(measured(studio, 256 if kind == "AREA" else 1), rel=1e-3)
+
+
+def test_a_sun_behind_a_light_falloff_node_is_refused(studio):
+    behind_falloff(above(studio, "SUN"), "Linear", 0.0)
+    with pytest.raises(Refused, match=r"light 'lamp': node 'Light Falloff' .* output 'Linear', with its smoothness"):
+        studio.export()
+
+
+def test_a_smoothness_that_varies_is_refused(studio):
+    falloff = behind_falloff(above(studio, "POINT"), "Linear", 0.0)
+    tree = falloff.id_data
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], falloff.inputs["Smooth"])
+    with pytest.raises(Refused, match="socket 'Smooth', which is not the same everywhere"):
+        studio.export()
 
 
 def test_an_instanced_light_shines_from_its_instance(studio):

@@ -116,6 +116,27 @@ def test_a_panel_behind_a_light_falloff_node_is_that_of_cycles(studio, output, s
     assert blind > 1.9
 
 
+@pytest.mark.slow
+@pytest.mark.compares_with_cycles
+@pytest.mark.parametrize("output", ["Linear", "Constant"])
+def test_a_lamp_behind_a_light_falloff_node_is_that_of_cycles(studio, output):
+    """A ball that the rough mirror shows, too. The comparison notices one that falls off as usual."""
+    lamp = stage(studio)[2]
+    bpy.data.objects.remove(bpy.data.objects["panel"])
+    lamp.data.shadow_soft_size = 0.5
+    if lamp.data.node_tree is None:
+        lamp.data.use_nodes = True
+    tree = lamp.data.node_tree
+    (emission,) = (n for n in tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    unaware = studio.export()
+    falloff = tree.nodes.new("ShaderNodeLightFalloff")
+    falloff.inputs["Strength"].default_value = 0.5
+    tree.links.new(falloff.outputs[output], emission.inputs["Strength"])
+    aware, blind = apart(studio, studio.export(), unaware)
+    assert aware < 1.5
+    assert blind > 1.9
+
+
 def test_all_outputs_are_read(studio):
     stage(studio)
     names = ["Ray Depth", "Diffuse Depth", "Glossy Depth", "Transmission Depth", "Transparent Depth", "Ray Length"]

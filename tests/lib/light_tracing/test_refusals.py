@@ -10,7 +10,7 @@ from etalon.lib.light_tracing.render import LightTracingRenderer
 from etalon.lib.light_tracing.scouting import scout_caustics
 from etalon.lib.rendering.replicates import render_film
 from etalon.lib.scene.expressions import Constant, Coordinates, VectorToValue
-from etalon.lib.scene.lights import SphereLight
+from etalon.lib.scene.lights import Falloff, PointLight, SphereLight
 from etalon.lib.scene.materials import Glass, Glossy, Material, Sheen, Subsurface, Toon
 from etalon.lib.settings.comparison import Settings
 from etalon.lib.settings.reference import Options, RenderOptions
@@ -38,6 +38,9 @@ REFUSED = {
     ),
     "material 'Hair': a node is not simulated": ball_on_floor(Material("Hair", (), "a node")),
     "scene: dispersion": ball_on_floor(material(Glass(color(1.0), Constant(1.5), dispersion=Constant(0.02)))),
+    "scene: light tracing of lights that do not fall off as usual": ball_on_floor(
+        diffuse(0.5), [PointLight("lamp", (0.0, 0.0, 3.0), (1.0, 1.0, 1.0), falloff=Falloff(1))]
+    ),
     "light 'lamp': .* faces inside it": ball_on_floor(
         diffuse(0.5), [SphereLight("lamp", (0.0, 0.0, 0.15), 0.2, (1.0, 1.0, 1.0))]
     ),

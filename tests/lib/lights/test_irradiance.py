@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 from etalon.lib.lights.build import light_sampler
-from etalon.lib.scene.lights import AreaLight, Cone, PointLight, SphereLight, SpotLight, SunLight
+from etalon.lib.scene.lights import AreaLight, Cone, Falloff, PointLight, SphereLight, SpotLight, SunLight
 from scipy.integrate import dblquad, quad
 
 RADIANCE = np.array([1.0, 2.0, 0.5])
@@ -206,3 +206,33 @@ def test_spot_with_radius(irradiance, assert_mean):
 
     exact = 2.0 * math.pi * quad(integrand, 0.0, math.asin(radius / distance))[0]
     assert_mean(irradiance(light), exact * RADIANCE)
+
+
+@pytest.mark.parametrize("power", [0, 1, 2])
+@pytest.mark.parametrize("smooth", [0.0, 3.0])
+def test_lights_that_fall_off_otherwise(irradiance, assert_mean, power, smooth):
+    """A point 2 m above in closed form, and a rectangle there by quadrature."""
+    falloff = Falloff(power, smooth)
+
+    def factor(square):
+        return square ** (power / 2) * square / (smooth + square)
+
+    point = PointLight("p", (0.0, 0.0, 2.0), tuple(RADIANCE), falloff=falloff)
+    np.testing.assert_allclose(irradiance(point)[0], RADIANCE / 4.0 * factor(4.0), rtol=1e-12)
+    edges = (3.0, 0.0, 0.0), (0.0, -1.0, 0.0)
+    area = AreaLight("a", (0.5, 0.0, 2.0), *edges, DOWN, "RECTANGLE", tuple(RADIANCE), math.pi, falloff=falloff)
+
+    def arriving(y, x):
+        square = x * x + y * y + 4.0
+        return factor(square) * 4.0 / square**2
+
+    assert_mean(irradiance(area), RADIANCE * dblquad(arriving, -1.0, 2.0, -0.5, 0.5)[0])
+
+
+def test_a_light_that_falls_off_otherwise_looks_as_bright_as_its_samples():
+    light = AreaLight("a", (0, 0, 2), (3, 0, 0), (0, -1, 0), DOWN, "RECTANGLE", (1, 2, 3), math.pi, falloff=Falloff(1))
+    origin, direction = np.array([[0.0, 5.0]] * 1 + [[0.0, 0.0]] * 2), np.array([[0.6] * 2, [0.0] * 2, [0.8] * 2])
+    distance, radiance = light_sampler(light, 1.0).intersect(origin, direction)
+    assert distance.tolist() == [2.5, np.inf]
+    np.testing.assert_allclose(radiance[:, 0], [2.5, 5.0, 7.5])
+    assert not radiance[:, 1].any()

@@ -8,6 +8,7 @@ import pytest
 from etalon.lib.errors import SceneError
 from etalon.lib.scene import expressions as ex
 from etalon.lib.scene.checks import validate
+from etalon.lib.scene.lights import Falloff
 from etalon.lib.scene.materials import Diffuse, Material, WeightedClosure
 
 
@@ -54,6 +55,9 @@ def test_a_sound_scene_passes(scene):
 
 
 BROKEN = {
+    "light 'point': its falloff is not known": lambda s: with_light(s, 0, falloff=Falloff(3)),
+    "light 'area': its falloff is not known": lambda s: with_light(s, 4, falloff=Falloff(1, -1.0)),
+    "light 'sun': a sun is at no distance": lambda s: with_light(s, 3, falloff=Falloff(1)),
     "object 'second': 1 coordinate of vertices not finite": lambda s: with_mesh(
         s, vertices=altered(s.mesh.vertices, (1, 1), np.nan)
     ),
