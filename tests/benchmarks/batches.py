@@ -3,7 +3,7 @@
 
 These are seconds of each, how busy the processors are, and finding its place in a long journal.
 
-    python tests/benchmarks/batches.py [--units 20] [--jobs 2] [--rows 10000] [--per-process 20]
+    python tests/benchmarks/batches.py [--units 20] [--jobs 2] [--rows 10000] [--per-process 20] [--scene lambert_analytic]
 
 Processor seconds stand beside seconds by the clock, since other programs on the machine change only the latter.
 """
@@ -29,7 +29,7 @@ from etalon.lib.batch.run import preview_plan
 PLAN = """
 out = "sweep"
 per_process = {turns}
-scenes = ["glossy_spheres"]
+scenes = ["{scene}"]
 [options]
 {work}
 threads = 1
@@ -43,11 +43,17 @@ values = {values}
 FIXED = "samples = 4\nreplicates = 8"
 # The stages, as a unit names them, that render what is compared.
 RENDERING = ("timing the renderers", "first look", "rendering")
-# Two comparisons of FIXED in one process: processor seconds of the stages of each, as a unit tells them. Python's start and the imports
-# are the first's first stage.
+# Two comparisons of FIXED in one process: processor seconds of the stages of each, as a unit tells them. The start and the imports are the
+# first's first stage; the process is forked, where those of a batch are.
 STAGES = """
-import json, sys, time
+import json, os, sys, time
 from pathlib import Path
+from etalon.addon.host.fork_server import load
+from etalon.lib.batch.forks import can_fork
+if can_fork():
+    load()
+    if number := os.fork():
+        sys.exit(os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]))
 import bpy
 from etalon import reference_scenes
 from etalon.addon.command import compare
@@ -57,9 +63,10 @@ from etalon.lib.wavefront.tuning import tune_process
 
 tune_process()
 told, begun = [], [("start and imports", 0.0)]
-for folder in sys.argv[1:]:
+scene, *folders = sys.argv[1:]
+for folder in folders:
     begun.append(("opening the scene", time.process_time()))
-    reference_scenes.build("glossy_spheres")
+    reference_scenes.build(scene)
     render = bpy.context.scene.render
     render.resolution_x = render.resolution_y = 128
     settings = Settings(samples=4, replicates=8, threads=1)
@@ -91,14 +98,14 @@ def children_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def measure_sweep(folder: Path, units: int, seconds: float, jobs: int, turns: int) -> None:
+def measure_sweep(folder: Path, scene: str, units: int, seconds: float, jobs: int, turns: int) -> None:
     """Run a batch as a command, and print what it costs beside its comparisons.
 
     Printed are the seconds of a unit beside its comparison, and the share of `jobs` processors that was used: by the whole command, and
     without its own start and validation, which are what `--dry-run` takes.
     """
     plan = folder / "plan.toml"
-    plan.write_text(PLAN.format(work=f'time = "{seconds}s"', values=list(range(units)), turns=turns))
+    plan.write_text(PLAN.format(scene=scene, work=f'time = "{seconds}s"', values=list(range(units)), turns=turns))
     words = [sys.executable, "-m", "etalon", "batch", str(plan), f"--jobs={jobs}", "--quiet"]
     start, sweep = Used([*words, "--dry-run"]), Used(words)
     rows = json.loads((folder / "sweep" / "batch.json").read_text(encoding="utf-8"))["comparisons"]
@@ -120,7 +127,7 @@ def measure_sweep(folder: Path, units: int, seconds: float, jobs: int, turns: in
     print(f"the command finds its place among {units} rows in {resume.wall:.2f} s, its own start included")
 
 
-def measure_unit(folder: Path, turns: int, units: int = 4) -> None:
+def measure_unit(folder: Path, scene: str, turns: int, units: int = 4) -> None:
     """Print the processor seconds of a unit with fixed samples beyond rendering.
 
     They are those of the stages of a second comparison in one process. Prints those of the first beside them, and what a batch with
@@ -130,12 +137,14 @@ def measure_unit(folder: Path, turns: int, units: int = 4) -> None:
     for count in (2, units + 2):
         plan = folder / f"fixed{count}.toml"
         plan.write_text(
-            PLAN.format(work=FIXED, values=list(range(count)), turns=turns).replace("sweep", f"fixed{count}")
+            PLAN.format(scene=scene, work=FIXED, values=list(range(count)), turns=turns).replace(
+                "sweep", f"fixed{count}"
+            )
         )
         used.append(Used([sys.executable, "-m", "etalon", "batch", str(plan), "--jobs=1", "--quiet"]).processor)
     unit = (used[1] - used[0]) / units
     places = [str(folder / "first"), str(folder / "second")]
-    told = subprocess.run([sys.executable, "-c", STAGES, *places], check=True, capture_output=True)
+    told = subprocess.run([sys.executable, "-c", STAGES, scene, *places], check=True, capture_output=True)
     first, second = json.loads(told.stdout.splitlines()[-1])
     print("processor seconds of the first and of a later comparison in one process:")
     for name, seconds in first.items():
@@ -158,7 +167,9 @@ def measure_start(runs: int = 3) -> None:
 def measure_resume(folder: Path, rows: int) -> None:
     """Print how long a batch takes to find that `rows` comparisons are done or refused."""
     plan = folder / "long.toml"
-    plan.write_text(PLAN.format(work="time = 1", values=list(range(rows)), turns=1).replace("sweep", "long"))
+    plan.write_text(
+        PLAN.format(scene="glossy_spheres", work="time = 1", values=list(range(rows)), turns=1).replace("sweep", "long")
+    )
     read = read_plan(plan)
     from etalon.lib.batch.keys import make_key
 
@@ -179,14 +190,17 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--rows", type=int, default=10_000)
+    parser.add_argument("--scene", default="glossy_spheres")
     parser.add_argument("--per-process", type=int, default=1, help="comparisons that one process runs")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as made:
         (Path(made) / "long").mkdir()
         measure_resume(Path(made), arguments.rows)
-        measure_unit(Path(made), arguments.per_process)
+        measure_unit(Path(made), arguments.scene, arguments.per_process)
         measure_start()
-        measure_sweep(Path(made), arguments.units, arguments.seconds, arguments.jobs, arguments.per_process)
+        measure_sweep(
+            Path(made), arguments.scene, arguments.units, arguments.seconds, arguments.jobs, arguments.per_process
+        )
 
 
 if __name__ == "__main__":
