@@ -24,7 +24,7 @@ def test_names_are_distinct():
     assert len({case.name for case in CASES}) == len(CASES) >= 15
 
 
-@pytest.mark.grid(3)
+@pytest.mark.grid(6)
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: case.name)
 def test_radiance(case, monkeypatch):
     (found,) = only(monkeypatch, case)

@@ -131,6 +131,7 @@ def chord(start, stop, share):
     return start + np.arctan2(share * np.sin(stop - start), 1.0 - share + share * np.cos(stop - start))
 
 
+@pytest.mark.slow
 def test_normals_that_turn_show_the_mean_of_their_cosines(seed):
     """A square under a distant light, whose normals turn.
 

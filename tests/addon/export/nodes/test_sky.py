@@ -61,6 +61,7 @@ def errors(got, shown):
 
 
 # Right at the horizon a sky changes by half from one float32 to the next.
+@pytest.mark.grid(2)
 @pytest.mark.parametrize(
     ("kind", "elevation", "along"), [(SINGLE, 0.3, 0.9), (MULTIPLE, -0.04, 0.01), (MULTIPLE, 2.6, -0.4)]
 )
