@@ -29,7 +29,8 @@ def pointiness(positions: np.ndarray, normals: np.ndarray, edges: np.ndarray, le
     root = _merged(positions)
     first, second = ends = np.unique(np.sort(root[edges], axis=0), axis=1)
     normal = np.zeros((3, count), np.float32)
-    np.add.at(normal, (slice(None), root), normals)
+    for row, values in zip(normal, normals, strict=True):
+        np.add.at(row, root, values)
     along = np.where(
         first == second, lengthless, normalize(positions[:, second].astype(np.float64) - positions[:, first])
     )
