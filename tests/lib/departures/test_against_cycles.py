@@ -195,7 +195,7 @@ CASES = {
         },
     ),
     layers: (
-        512,
+        256,
         {
             "layer albedo table": ((0, 0), 5e-3),
             "multiple-scattering tables": ((2, 2), 5e-3),
