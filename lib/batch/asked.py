@@ -51,7 +51,8 @@ def ask_plan(
         ThreadPoolExecutor(2) as readers,
     ):
         try:
-            out, err = (readers.submit(pipe.read) for pipe in (process.stdout, process.stderr))
+            pipes = (pipe for pipe in (process.stdout, process.stderr) if pipe is not None)
+            out, err = (readers.submit(pipe.read) for pipe in pipes)
             latest = time.monotonic() + patience
             while process.poll() is None and time.monotonic() < latest:
                 progress.check()
