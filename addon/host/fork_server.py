@@ -63,6 +63,8 @@ def _fork(requests: socket.socket, selector: selectors.BaseSelector) -> bool:
     stdin, stderr, status = descriptors
     number = os.fork()
     if number == 0:
+        # Here too: whatever this process starts is in its group, however late the server comes to it.
+        os.setpgid(0, 0)
         requests.close()
         for key in selector.get_map().values():
             if key.data is not None:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ..vectors import dot, normalize
 
@@ -49,6 +48,8 @@ def _merged(positions: np.ndarray) -> np.ndarray:
     As in Cycles, vertices are near if the squared distance and the sums of their coordinates are. In the order of
     those sums each joins the next one that is near it.
     """
+    from scipy.spatial import KDTree  # few scenes need it, and it takes a tenth of a second to load
+
     total = positions[0] + positions[1] + positions[2]
     order = np.lexsort((-np.arange(total.size), total))
     ordered, total = positions[:, order], total[order]

@@ -41,8 +41,8 @@ def serving():
     """Starts a server whose processes run some code; it is closed at the end."""
     servers = []
 
-    def begin(code):
-        servers.append(ForkServer([sys.executable, "-c", f"{SERVER}\n{code}"]))
+    def begin(code, before=""):
+        servers.append(ForkServer([sys.executable, "-c", f"{before}\n{SERVER}\n{code}"]))
         return servers[0]
 
     yield begin
@@ -82,6 +82,15 @@ def test_the_signal_that_ends_a_process_is_known(serving):
 
 def test_the_children_of_a_process_end_with_it(serving):
     process = serving(WAITS_WITH_CHILD).fork({})
+    assert process.stderr.readline() == "ready\n"
+    end(process)
+    assert close(process) == (-signal.SIGKILL, "")
+
+
+def test_children_that_start_before_the_server_goes_on_end_too(serving):
+    """As if the server came so late to the group of the process that it is not there before."""
+    late = "import os; real = os.setpgid; os.setpgid = lambda number, group: number or real(number, group)"
+    process = serving(WAITS_WITH_CHILD, late).fork({})
     assert process.stderr.readline() == "ready\n"
     end(process)
     assert close(process) == (-signal.SIGKILL, "")
