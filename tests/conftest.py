@@ -15,6 +15,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", str(192 << 20))
 os.environ.setdefault("MALLOC_MMAP_THRESHOLD_", str(8 << 20))
 
+# Dask's profiler asks for the frames of all threads. In Python 3.11 before 3.11.9 that can wait for ever
+# (https://github.com/python/cpython/issues/106883): here, and in the workers that tests start.
+os.environ.setdefault("DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED", "False")
+
 import numpy as np
 import pytest
 from etalon.lib.blender_versions import NEWEST_CHECKED
