@@ -107,7 +107,7 @@ def as_text(files: Sequence[Surveyed], found: int) -> str:
     passing = sum(one.state == PASSES for one in files)
     lines += ["", f"{passing} of {plural(len(files), 'file')} can be compared."]
     if len(files) < found:
-        lines.append(f"It was interrupted: {found - len(files)} of {plural(found, 'file')} were not read.")
+        lines.append(f"Interrupted: {found - len(files)} of {plural(found, 'file')} were not read.")
     counted = count_reasons(files)
     if counted:
         lines += ["", "files  alone  what stops them"]

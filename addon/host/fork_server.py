@@ -21,8 +21,8 @@ from .own_process import leave
 # A request is shorter.
 _REQUEST = 4096
 _ROOT = __package__.removesuffix(".addon.host")
-# Rooms of `lib` that comparisons use, and that import the others.
-_ROOMS = (
+# Packages of `lib` that comparisons use, and that import the others.
+_PACKAGES = (
     "batch",
     "cluster",
     "comparison",
@@ -113,8 +113,8 @@ def load() -> None:
 
     for name in _OF_SCIPY:
         importlib.import_module(name)
-    for room in _ROOMS:
-        package = importlib.import_module(f"{_ROOT}.lib.{room}")
+    for name in _PACKAGES:
+        package = importlib.import_module(f"{_ROOT}.lib.{name}")
         for found in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
             importlib.import_module(found.name)
     compile_templates(Path(page.__file__).parent)

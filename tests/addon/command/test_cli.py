@@ -2,6 +2,7 @@
 """The command line as a user meets it: help, arguments, bad input."""
 
 import json
+import signal
 import subprocess
 import sys
 
@@ -335,8 +336,6 @@ def test_compare_ends_with_a_verdict_and_a_folder(capfd, blend, monkeypatch):
 
 
 def test_the_first_ctrl_c_is_a_wish_and_the_second_an_order():
-    import signal
-
     # A shell that starts the tests in the background has Ctrl-C ignored.
     found = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
@@ -354,8 +353,6 @@ def test_the_first_ctrl_c_is_a_wish_and_the_second_an_order():
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_an_order_to_end_is_a_wish_however_often_it_comes(name):
     """`timeout` sends it to the process and to its group."""
-    import signal
-
     if not hasattr(signal, name):
         pytest.skip("Windows has no such signal")
     number = getattr(signal, name)
@@ -371,8 +368,6 @@ def test_an_order_to_end_is_a_wish_however_often_it_comes(name):
 
 
 def test_an_order_to_end_elsewhere_interrupts_once(capfd, monkeypatch):
-    import signal
-
     cleared = []
 
     def ordered(arguments):

@@ -122,5 +122,5 @@ def test_what_was_read_before_an_interruption_is_kept(monkeypatch, tmp_path):
     files = list(survey.survey(paths, tmp_path, (), progress))
     assert [one.file for one in files] == ["a.blend"]
     *_, last = as_text(files, 3).splitlines()
-    assert last == "It was interrupted: 2 of 3 files were not read."
+    assert last == "Interrupted: 2 of 3 files were not read."
     assert "0 of 0 files can be compared." in as_text([], 3)
