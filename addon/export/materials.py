@@ -194,7 +194,9 @@ def _read_displacement(
     if bump is None and moved is None and len(values.refusals) == refused:
         what = f"displacement (node '{socket.node.name}', socket 'Displacement')"
         values.refusals.append(Refusal(values.owner, what, "unlink Displacement, or link a Displacement node"))
-    return ex.Undisplaced(bump) if bump is not None and method == "BOTH" else bump, moved
+    if bump is not None:
+        bump = ex.SurfaceNormal(ex.Undisplaced(bump) if method == "BOTH" else bump)
+    return bump, moved
 
 
 def _table_resolution(radiance: ex.Expression, images: ImageTable) -> tuple[int, int]:

@@ -22,13 +22,13 @@ from .relevance import (
     closures_of,
     disperses,
     has_faces_in_one_plane,
+    has_leaning_normals,
     has_lights_in_one_plane,
     has_materials_in_one_plane,
     has_motion,
     has_narrow_spread,
     has_rough_diffuse,
     has_rough_facets,
-    has_smooth_faces,
     interpolates_codes,
     multiplies_alpha,
     nodes_of,
@@ -158,10 +158,10 @@ DEPARTURES: tuple[Departure, ...] = (
     ),
     Departure(
         "light below the face",
-        "On smooth-shaded faces BSDF sampling rejects directions below the face, light sampling does not: what arrives from "
-        "there counts by its share in multiple importance sampling.",
+        "On smooth-shaded faces, and where a displacement bumps the surface, BSDF sampling rejects directions below the face, light "
+        "sampling does not: what arrives from there counts by its share in multiple importance sampling.",
         "kernel/closure/bsdf.h",
-        relevant=has_smooth_faces,
+        relevant=has_leaning_normals,
     ),
     Departure(
         "undispersed reflectance",

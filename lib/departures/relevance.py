@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ..scene.expressions import EnvironmentTexture, Expression, ImageTexture
+from ..scene.expressions import EnvironmentTexture, Expression, ImageTexture, SurfaceNormal
 from ..scene.light_overlaps import find_light_overlaps
 from ..scene.lights import AreaLight
 from ..scene.materials import Closure, Diffuse, Emission, Glass, Microfacets, Refraction
@@ -70,9 +70,10 @@ def has_rough_facets(scene: Scene) -> bool:
     return reflects_by("BECKMANN", "GGX", "MULTI_GGX")(scene)
 
 
-def has_smooth_faces(scene: Scene) -> bool:
-    """Whether faces are shaded smooth."""
-    return bool(scene.mesh.corner_normals.shape[2] and scene.mesh.smooth.any())
+def has_leaning_normals(scene: Scene) -> bool:
+    """Whether faces are shaded smooth, or bumped by a displacement."""
+    smooth = bool(scene.mesh.corner_normals.shape[2] and scene.mesh.smooth.any())
+    return smooth or any(isinstance(node, SurfaceNormal) for node in nodes_of(scene))
 
 
 def interpolates_codes(scene: Scene) -> bool:

@@ -57,7 +57,7 @@ def see_from(points: SurfacePoints, wo: np.ndarray) -> SurfacePoints:
 def mixture_of(material: PreparedMaterial, points: SurfacePoints) -> tuple[Mixture, tuple[np.ndarray, ...]]:
     """The lobes for the points' own wo, and the frame (t, s, n) in which they stand."""
     frame = (*orthonormal_basis(points.n), points.n)
-    return material.mixture(points, to_local(points.wo, *frame), *frame[:2]), frame
+    return material.mixture(points, to_local(points.wo, *frame), *frame), frame
 
 
 def light_toward(

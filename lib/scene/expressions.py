@@ -101,6 +101,16 @@ class Undisplaced(Expression):
 
 
 @dataclass(frozen=True)
+class SurfaceNormal(Expression):
+    """The `normal` that the bump of a displacement gives the whole surface.
+
+    In Cycles it takes the shading normal's place.
+    """
+
+    normal: Expression
+
+
+@dataclass(frozen=True)
 class NormalScale(Expression):
     """Metres along the shading normal for a unit along it in the object's space, a value."""
 

@@ -6,13 +6,16 @@ Their lobes are sorted by what they do, and evaluated at surface points.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ..bsdfs.mixture import Mixture
 from ..bsdfs.toon import cone_half_angle
+from ..departures.closures import LIGHT_BELOW
 from ..effects.facts import adding_lobes, is_zero
 from ..microfacets.cycles_tables import Tables
-from ..scene.expressions import WHITE, Expression
+from ..scene.expressions import WHITE, Expression, SurfaceNormal
 from ..scene.materials import (
     Closure,
     Emission,
@@ -27,6 +30,7 @@ from ..scene.materials import (
 )
 from ..settings.reference import Options
 from ..textures.evaluate import Evaluator, evaluate
+from ..textures.fold import walk
 from ..textures.images import ImageSet
 from .lobes import Site, build
 from .subsurface import DiskEntry, WalkEntry, make_entry, may_be_shallow
@@ -67,6 +71,8 @@ class PreparedMaterial:
         self.transmits = any(isinstance(closure, Glass | Refraction | Translucent) for _, closure in self._scattering)
         self.scatters = bool(self._scattering)
         self.enters = bool(self._subsurface)
+        departs = LIGHT_BELOW in options.departures
+        self._surface_normal = _surface_normal(closure for _, closure in self._scattering) if departs else None
         self.disperses = any(isinstance(x, Glass) and not is_zero(x.dispersion) for _, x in self._scattering)
 
     def _evaluate(self, expression: Expression, points: SurfacePoints) -> np.ndarray:
@@ -105,7 +111,7 @@ class PreparedMaterial:
         return total
 
     def entries(
-        self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray
+        self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray, n: np.ndarray
     ) -> tuple[list[WalkEntry | DiskEntry], np.ndarray, Site]:
         """Return what enters by each subsurface closure, what is reflected beside, and the site.
 
@@ -113,7 +119,7 @@ class PreparedMaterial:
 
         The directions `wo` are local to the frame (t, s, n).
         """
-        site = self._site(points, wo, t, s)
+        site = self._site(points, wo, t, s, n)
         reflected = np.zeros(points.size)
         for weight, closure in self._scattering:
             lobe, color = build(closure, site)
@@ -138,12 +144,18 @@ class PreparedMaterial:
                 found[k] = np.clip(self._evaluate(closure.roughness, points), 0.0, 1.0) ** 2
         return found
 
-    def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Mixture:
+    def departing_normal(self, points: SurfacePoints) -> np.ndarray | None:
+        """The normal (3, n) that a displacement's bump puts in the place of the shading normal, where that departs."""
+        if self._surface_normal is None:
+            return None
+        return np.broadcast_to(self._evaluate(self._surface_normal, points), points.n.shape)
+
+    def mixture(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray, n: np.ndarray) -> Mixture:
         """Return the scattering lobes for local directions `wo` in the frame (t, s, n).
 
         A colour below 0 scatters nothing, as in Cycles.
         """
-        site = self._site(points, wo, t, s)
+        site = self._site(points, wo, t, s, n)
         lobes, colors = [], []
         for weight, closure in self._scattering:
             lobe, color = build(closure, site)
@@ -151,5 +163,12 @@ class PreparedMaterial:
             colors.append(np.maximum(np.atleast_1d(site.read(weight)) * color, 0.0))
         return Mixture(lobes, colors, points.size)
 
-    def _site(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray) -> Site:
-        return Site(points, Evaluator(points, self._images), wo, t, s, points.n, self._options, self._tables)
+    def _site(self, points: SurfacePoints, wo: np.ndarray, t: np.ndarray, s: np.ndarray, n: np.ndarray) -> Site:
+        return Site(points, Evaluator(points, self._images), wo, t, s, n, self._options, self._tables)
+
+
+def _surface_normal(closures: Iterable[Closure]) -> SurfaceNormal | None:
+    """The normal that a displacement gives the surface of these closures, where it does."""
+    normals = (getattr(closure, "normal", None) for closure in closures)
+    nodes = (node for normal in normals if normal is not None for node in walk(normal))
+    return next((node for node in nodes if isinstance(node, SurfaceNormal)), None)

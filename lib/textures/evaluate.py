@@ -204,6 +204,7 @@ _NODES: dict[type[ex.Expression], Callable[[Any, Evaluator], np.ndarray]] = {
     ex.Bump: bump,
     ex.Bevel: bevel,
     ex.Undisplaced: _undisplaced,
+    ex.SurfaceNormal: lambda node, read: read(node.normal),
     ex.NormalScale: lambda _, read: read.context.normal_scale,
     ex.Mapping: lambda node, read: mapping(
         node.kind, read(node.vector), read(node.location), read(node.rotation), read(node.scale)

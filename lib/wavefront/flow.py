@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..departures.closures import LIGHT_BELOW
 from ..effects.names import Effect
-from .kernel import LIGHT_BELOW, Kernel
+from .kernel import Kernel
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..bsdfs.split import Split
 from ..departures.catalogue import refuse_absent
+from ..departures.closures import LIGHT_BELOW
 from ..departures.scene import departed
 from ..effects.names import Effect
 from ..effects.plan import Plan
@@ -47,8 +48,6 @@ from .probes import Probes
 from .refuse import refuse_combinations, refuse_strategy
 from .sight import Sight
 
-LIGHT_BELOW = "light below the face"
-"""The departure that lets light sampling reach below smooth-shaded faces."""
 # Groups of faces that are chosen by place, of one emissive mesh and of all: a table has a column for each.
 _MOST_GROUPS_OF_MESH, _MOST_GROUPS = 128, 256
 

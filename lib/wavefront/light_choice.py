@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..departures.closures import LIGHT_BELOW
 from ..effects.names import Effect
 from ..lights.light import LightSample
 from ..sampling.mis import cutoff_power_heuristic
-from .kernel import LIGHT_BELOW, Kernel
+from .kernel import Kernel
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class LightSampling:
 
     runs: directions towards lights are sampled. selects: there is a choice of lights. weighs: what both strategies find is weighted
     by the heuristic; `by_lobes`: else it is lobe sampling that counts, unless light sampling alone finds a light. below_faces: light
-    reaches below smooth-shaded faces, as it does in Cycles.
+    reaches below faces whose shading normal leans, as it does in Cycles.
     """
 
     runs: bool

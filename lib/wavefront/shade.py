@@ -18,6 +18,9 @@ from ..vectors import dot, orthonormal_basis, to_local, to_world
 from .kernel import Kernel
 from .light_choice import LightChoice, LightSampling, weigh_light
 
+Frame = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""The axes t, s and n, (3, n) each."""
+
 
 @dataclass(frozen=True)
 class Shaded:
@@ -59,7 +62,7 @@ def shade_all(
     `uniforms` pick the lobe and the direction within it; None where no path goes on. `parts` asks for the shares of the families.
     """
     size = points.size
-    frame = orthonormal_basis(points.n)
+    frame = (*orthonormal_basis(points.n), points.n)
     if len(groups) == 1 and kernel.materials[groups[0][0]].scatters:
         return _shade(kernel, sampling, groups[0][0], points, frame, light, uniforms, parts)
     made = np.empty if all(kernel.materials[material].scatters for material, _, _ in groups) else np.zeros
@@ -71,7 +74,7 @@ def shade_all(
     shares = np.zeros(kept) if parts and uniforms is not None else None
     for material, a, b in groups:
         if kernel.materials[material].scatters:
-            here = frame[0][:, a:b], frame[1][:, a:b]
+            here = frame[0][:, a:b], frame[1][:, a:b], frame[2][:, a:b]
             part = None if light is None else light.part(a, b)
             picks = None if uniforms is None else (uniforms[0][a:b], uniforms[1][a:b], uniforms[2][a:b])
             shaded = _shade(kernel, sampling, material, points.part(a, b), here, part, picks, parts)
@@ -94,13 +97,16 @@ def _shade(
     sampling: LightSampling,
     material: int,
     points: SurfacePoints,
-    frame: tuple[np.ndarray, np.ndarray],
+    frame: Frame,
     light: LightChoice | None,
     uniforms: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
     parts: bool,
 ) -> Shaded:
     """Shade points of one material in the frame (t, s, n)."""
-    wo = to_local(points.wo, *frame, points.n)
+    departing = kernel.materials[material].departing_normal(points)
+    if departing is not None:
+        frame = *orthonormal_basis(departing), departing
+    wo = to_local(points.wo, *frame)
     mixture = kernel.materials[material].mixture(points, wo, *frame)
     if kernel.sight.class_of is not None and kernel.sight.splits:
         mixture = ClassedMixture(mixture, kernel.sight.class_of)
@@ -118,8 +124,8 @@ def _shade(
     else:
         local, weight, pdf = mixture.sample(*uniforms, split)
     shares = None if split is None else split.shares(weight)
-    wi = to_world(local, *frame, points.n)
-    if not kernel.tables.all_flat:  # both normals must see wi on the same side
+    wi = to_world(local, *frame)
+    if departing is not None or not kernel.tables.all_flat:  # both normals must see wi on the same side
         weight = weight * (local[2] * dot(points.ng, wi) > 0.0)
     return Shaded(direct, wi, weight, pdf, ray_class, direct_shares, shares)
 
@@ -128,7 +134,7 @@ def _direct(
     kernel: Kernel,
     sampling: LightSampling,
     points: SurfacePoints,
-    frame: tuple[np.ndarray, np.ndarray],
+    frame: Frame,
     mixture: Mixture,
     light: LightChoice,
     split: Split | None,
@@ -138,7 +144,7 @@ def _direct(
     Also the shares that the families of lobes have in it.
     """
     sample, sight = light.sample, kernel.sight
-    toward = to_local(sample.wi, *frame, points.n)
+    toward = to_local(sample.wi, *frame)
     if isinstance(mixture, ClassedMixture):
         value = np.zeros_like(toward)
         for ray_class, pdf, of_lobes in mixture.evaluate_classes(toward):

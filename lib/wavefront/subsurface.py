@@ -110,8 +110,8 @@ def _enter(
     Also the chance that it does not, (n,), the walks that begin, and what leaves by disks.
     """
     prepared = kernel.materials[material]
-    t, s = orthonormal_basis(points.n)
-    entries, reflected, site = prepared.entries(points, to_local(points.wo, t, s, points.n), t, s)
+    frame = (*orthonormal_basis(points.n), points.n)
+    entries, reflected, site = prepared.entries(points, to_local(points.wo, *frame), *frame)
     guesses = [entry.guess for entry in entries]
     total = np.sum(guesses, axis=0) + reflected
     total = np.where(total > 0.0, total, 1.0)

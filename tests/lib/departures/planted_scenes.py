@@ -17,6 +17,7 @@ from etalon.lib.scene.expressions import (
     ImageTexture,
     LayerWeight,
     Math,
+    SurfaceNormal,
     ValueToColor,
 )
 from etalon.lib.scene.images import Image
@@ -82,20 +83,40 @@ def early():
     return replace(scene, blender=(4, 2))
 
 
+def halves():
+    """Two flat floors side by side, in materials 0 and 1."""
+    return [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
+
+
+def under_two_suns(parts, materials):
+    """A scene under a sun below the faces and one above them, as Blender 5.2 has it."""
+    suns = [((np.cos(0.2), 0.0, -np.sin(0.2)), 0.05), ((0.0, 0.6, 0.8), 0.0)]
+    suns = [SunLight(f"sun {k}", place, angle, (1.0, 1.0, 1.0)) for k, (place, angle) in enumerate(suns)]
+    camera = scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0))
+    return replace(scenes.scene(parts, materials, camera, suns), blender=(5, 2))
+
+
+LEANING = (np.sin(0.5), 0.0, np.cos(0.5))
+
+
 def slope():
     """Two floors under two suns.
 
     One is smooth, under a sun below its face but above its normals, the other rough.
     """
-    parts = [scenes.quad((x, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), k) for k, x in enumerate((-2.0, 0.0))]
-    tilted = np.repeat(np.array([[np.sin(0.5)], [0.0], [np.cos(0.5)]]), 4, axis=1)
-    parts[0] = scenes.Part(parts[0].vertices, parts[0].triangles, 0, tilted)
-    suns = [((np.cos(0.2), 0.0, -np.sin(0.2)), 0.05), ((0.0, 0.6, 0.8), 0.0)]
-    suns = [SunLight(f"sun {k}", place, angle, (1.0, 1.0, 1.0)) for k, (place, angle) in enumerate(suns)]
-    materials = [scenes.diffuse(0.8), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0)]
-    return replace(
-        scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), suns), blender=(5, 2)
-    )
+    smooth, rough = halves()
+    normals = np.repeat(np.array(LEANING)[:, None], 4, axis=1)
+    smooth = scenes.Part(smooth.vertices, smooth.triangles, 0, normals)
+    return under_two_suns([smooth, rough], [scenes.diffuse(0.8), scenes.diffuse(0.8, 0.6, 0.4, roughness=1.0)])
+
+
+def raised():
+    """Two flat floors whose normals lean towards a sun below their faces.
+
+    A displacement leans those of the first, and a normal map those of the other.
+    """
+    normals = SurfaceNormal(Constant(LEANING)), Constant(LEANING)
+    return under_two_suns(halves(), [scenes.material(Diffuse(scenes.color(0.8), normal=n)) for n in normals])
 
 
 def soft_box():
@@ -260,6 +281,7 @@ def prepared(make):
 SCENES = {
     furnace: (1.5e-3, 1024, {3, 8}),
     slope: (1e-2, 128, set()),
+    raised: (1e-2, 128, set()),
     soft_box: (3e-4, 4096, set()),
     documents: (5e-3, 512, set()),
     phong: (1e-2, 512, set()),

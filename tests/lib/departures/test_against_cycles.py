@@ -126,6 +126,15 @@ def layers():
     facets([rough("Principled", "GGX", 0.6), rough("Principled", "MULTI_GGX", 0.6), glass, coated])
 
 
+def add_suns_below_and_above():
+    """Two suns towards +x, one below level faces and one above."""
+    for name, angle in (("below", np.pi / 2 + 0.2), ("above", 0.9)):
+        sun = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
+        sun.data.energy, sun.data.angle = 1.0, 0.1
+        sun.rotation_euler = (0.0, angle, 0.0)
+        bpy.context.scene.collection.objects.link(sun)
+
+
 def slope():
     """A floor whose normals lean towards a sun that stands below its face."""
     building.start("slope", TILE, TILE, 0)
@@ -133,12 +142,45 @@ def slope():
     floor = building.mesh("floor", corners, np.array([[0, 1, 2, 3]]), [building.diffuse("white", (0.8, 0.8, 0.8))])
     floor.data.polygons[0].use_smooth = True
     floor.data.normals_split_custom_set_from_vertices([(np.sin(0.5), 0.0, np.cos(0.5))] * 4)
-    for name, angle in (("below", np.pi / 2 + 0.2), ("above", 0.9)):
-        sun = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
-        sun.data.energy, sun.data.angle = 1.0, 0.1
-        sun.rotation_euler = (0.0, angle, 0.0)
-        bpy.context.scene.collection.objects.link(sun)
+    add_suns_below_and_above()
     building.camera((0.1, 0.05, 5.0), (0.1, 0.05, 0.0), ortho_scale=1.0)
+
+
+def bump_by_displacement(material):
+    """Link a height that falls by 0.75 along x, with the setting Bump Only.
+
+    Returns the socket of a height that grows along y.
+    """
+    tree = material.node_tree
+    where, parts = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    height = tree.nodes.new("ShaderNodeDisplacement")
+    height.inputs["Midlevel"].default_value, height.inputs["Scale"].default_value = 0.0, -0.75
+    tree.links.new(where.outputs["Object"], parts.inputs[0])
+    tree.links.new(parts.outputs[0], height.inputs["Height"])
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    tree.links.new(height.outputs[0], output.inputs["Displacement"])
+    material.displacement_method = "BUMP"
+    return parts.outputs[1]
+
+
+def raised():
+    """Flat floors whose normals a displacement leans towards a sun that stands below their faces.
+
+    One is diffuse, one glossy, and one diffuse with a Bump node over the displacement.
+    """
+    building.start("raised", 3 * TILE, TILE, 0)
+    materials = [building.diffuse(name, (0.8, 0.8, 0.8)) for name in ("white", "bumped")]
+    for k, material in enumerate([*materials, rough("Anisotropic", "GGX", 0.7)]):
+        height = bump_by_displacement(material)
+        corners = np.array([(k - 1.5, -0.5, 0), (k - 0.5, -0.5, 0), (k - 0.5, 0.5, 0), (k - 1.5, 0.5, 0)], float)
+        building.mesh(material.name, corners, np.array([[0, 1, 2, 3]]), [material])
+        if material.name == "bumped":
+            tree = material.node_tree
+            bump = tree.nodes.new("ShaderNodeBump")
+            tree.links.new(height, bump.inputs["Height"])
+            tree.links.new(bump.outputs[0], tree.nodes["Diffuse BSDF"].inputs["Normal"])
+    add_suns_below_and_above()
+    building.camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), ortho_scale=3.0)
 
 
 def soft_box():
@@ -203,6 +245,7 @@ CASES = {
         },
     ),
     slope: (64, {"light below the face": ((0, 0), 0.3)}),
+    raised: (64, {"light below the face": ((0, 0), 0.3)}),
     window: (64, {"refraction from behind": ((0, 0), 0.3)}),
     soft_box: (4096, {"narrow spread": ((0, 0), 5e-4)}),
 }

@@ -222,8 +222,24 @@ def test_displacement_that_only_bumps_turns_every_normal():
     )
     first, second = read_material(material, ImageTable(), refusals).lobes
     assert refusals == []
-    assert isinstance(first.closure.normal, ex.Bump)
+    assert isinstance(first.closure.normal, ex.SurfaceNormal)
+    assert isinstance(first.closure.normal.normal, ex.Bump)
     assert second.closure.normal == first.closure.normal
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 2), reason="Displacement and Bump is read from Blender 5.2 on")
+def test_displacement_and_bump_gives_the_surface_its_normal():
+    material, refusals = displaced(lambda t: node(t, "BsdfDiffuse"), Height=0.5), []
+    material.displacement_method = "BOTH"
+    (lobe,) = read_material(material, ImageTable(), refusals).lobes
+    assert isinstance(lobe.closure.normal, ex.SurfaceNormal)
+    assert isinstance(lobe.closure.normal.normal, ex.Undisplaced)
+
+
+def test_a_bump_node_over_a_displacement_keeps_the_normal_of_the_surface():
+    (lobe,) = read_material(displaced(lambda t: bumped(t, 0.1)), ImageTable(), []).lobes
+    assert isinstance(lobe.closure.normal, ex.Bump)
+    assert isinstance(lobe.closure.normal.normal, ex.SurfaceNormal)
 
 
 def test_what_reads_the_plain_normal_is_refused_beside_a_bump():
