@@ -4,6 +4,8 @@
 Tested are the statements on it, and that verdicts are not wrong because of it.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from etalon.lib.verdict.outcome import Outcome
@@ -19,7 +21,15 @@ from etalon.lib.verdict.rare import (
     pareto_shape,
     room_for_rare_light,
 )
-from etalon.tests.lib.verdict.simulated import HEAVY, decided_on_heavy_tails, decided_on_samples
+from etalon.tests.lib.verdict import simulated
+from etalon.tests.lib.verdict.simulated import (
+    HEAVY,
+    MILD,
+    decided_on_heavy_tails,
+    decided_on_mild_tails,
+    decided_on_samples,
+    rows_of,
+)
 from scipy import stats
 
 RUNS = [3, pytest.param(30, marks=pytest.mark.slow)]
@@ -155,6 +165,32 @@ def test_heavy_tails_of_samples_make_no_false_claims(rng, runs, kind, noisy):
         agree += (decided_on_heavy_tails(rng, kind, 0.15, noisy).outcomes == Outcome.EQUIVALENT).any()
         differ += (decided_on_heavy_tails(rng, kind, 0.0, noisy).outcomes == Outcome.DIFFERENT).any()
     assert max(agree, differ) <= stats.binom.ppf(0.999, runs, 0.01)
+
+
+def claims_at_the_edge(rng, kind, runs):
+    """How many of `runs` comparisons falsely claim agreement, and how many a difference, at any look.
+
+    The truth is just outside the tolerance of 1 % in all regions, and just inside.
+    """
+    found = []
+    for gap, false in ((0.0101, Outcome.EQUIVALENT), (0.0099, Outcome.DIFFERENT)):
+        tests = [decided_on_mild_tails(rng, kind, gap) for _ in range(runs)]
+        found.append(sum(false in {*one.outcomes, *(claim.outcome for claim in one.withdrawn)} for one in tests))
+    return found
+
+
+@pytest.mark.parametrize("runs", [20, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", MILD)
+def test_false_claims_on_mild_tails_are_no_more_than_the_level(rng, runs, kind):
+    """Ten regions at the edge of the tolerance, at a confidence of 90 %: at most 10 % of comparisons make a false claim."""
+    assert max(claims_at_the_edge(rng, kind, runs)) <= stats.binom.ppf(0.999, runs, 0.1)
+
+
+@pytest.mark.parametrize("kind", MILD)
+def test_standard_errors_a_third_of_the_right_ones_raise_false_claims(rng, monkeypatch, kind):
+    """The test above can fail."""
+    monkeypatch.setattr(simulated, "rows_of", lambda values: replace(moments := rows_of(values), m2=moments.m2 / 9.0))
+    assert min(claims_at_the_edge(rng, kind, 20)) > stats.binom.ppf(0.999, 20, 0.1)
 
 
 def test_heavy_tails_that_have_a_variance_are_decided_all_the_same(rng):
