@@ -2,10 +2,10 @@
 """The cost of a sample on either side and its noise, which give the layout of a run.
 
 The layout is the samples of a replicate and the finest grid. A comparison begins with renders of 1, 4, 16, ... samples
-that are timed and counted nowhere. Then comes the first look: FIRST_LOOK replicates small enough to take FIRST_SHARE of
-the time, on a coarse grid. It gives a first answer, the noise of every region, and more timings. From these the
-replicates of the main run are laid out; the first look's own samples are not used there, so nothing that the main run
-claims depends on data that chose how much of them there would be.
+that are timed and counted nowhere, as few as tell what samples cost. Then comes the first look: FIRST_LOOK replicates
+small enough to take FIRST_SHARE of the time, on a coarse grid. It gives a first answer, the noise of every region, and
+more timings. From these the replicates of the main run are laid out; the first look's own samples are not used there,
+so nothing that the main run claims depends on data that chose how much of them there would be.
 """
 
 from __future__ import annotations
@@ -23,9 +23,13 @@ from .run import TimedRun
 from .sides import Replicates
 
 # Of the time: what one timed call may take at most, and what the first look may take; but no more than so many seconds.
-CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.05, 0.08, 10.0
-PILOT_SAMPLES, STEP = 64, 4
-# Calls of either side before the first look, at least: one that sets things up, and one that is timed.
+CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.03, 0.05, 10.0
+# The next timed call has so many times the samples: as many as its time allows.
+PILOT_SAMPLES, STEPS = 64, (4, 2)
+# A call that takes so many times as long as the one with fewer samples tells what samples cost. One that takes so many times as long as
+# its samples explain is made again.
+TELLING, SPOILED = 2.0, 1.5
+# Calls of a side whose samples are slow before the first look.
 CALLS_BEFORE = 2
 # Where the first look may be all there is, the cheaper side gets more samples if so many replicates still fit into the time.
 ENOUGH = 12
@@ -73,22 +77,25 @@ class Layout:
 def time_calls(renderers: tuple[Replicates, Replicates], run: TimedRun) -> tuple[Timings, Timings]:
     """Measure timings of both sides; raises Cancelled.
 
-    Their first calls set things up and count nowhere. Samples grow while the next call, were it STEP times as long as
-    the last, would stay within CALL_SHARE of the time.
+    Samples grow until they cost more than the rest of the call, and while the next call, were it as much longer as it has
+    more samples, would stay within CALL_SHARE of the time.
     """
     both = Timings(), Timings()
     number = 0
     for renderer, timings in zip(renderers, both, strict=True):
-        run.render(renderer, FIRST_CALLS.number(number), 1)
-        samples = 1
+        samples, before, longest, again = 1, np.inf, np.inf, False
         while True:
-            number += 1
             _, spent = run.render(renderer, FIRST_CALLS.number(number), samples)
+            number += 1
+            step = next((step for step in STEPS if step * spent <= run.share(CALL_SHARE)), None)
+            # A call that lasts longer than its samples explain met a busy moment; a first one that is slow may have set things up.
+            again = not again and (spent > longest or (samples == 1 and step is None))
+            if again:
+                continue
             timings.add(samples, spent)
-            if STEP * spent > run.share(CALL_SHARE) or samples >= PILOT_SAMPLES:
+            if step is None or spent >= TELLING * before or samples >= PILOT_SAMPLES:
                 break
-            samples *= STEP
-        number += 1
+            samples, before, longest = step * samples, spent, SPOILED * step * spent
     return both
 
 

@@ -58,12 +58,15 @@ def choose_divisor(renderers: tuple[Renderer, Renderer], camera: Camera, run: Ti
     def seconds(samples: int, number: int) -> list[float]:
         return [run.render(probe, FIRST_CALLS.number(3 * k + number), samples)[1] for k, probe in enumerate(probes)]
 
-    seconds(FEW, 0)  # sets things up
-    few = seconds(FEW, 1)
+    def fit_at_full_size(few: list[float]) -> bool:
+        # Even if all of a call's time went by pixels.
+        fit_all = first * sum(few) * small**2 <= FIRST_SHARE * run.left
+        return pixels <= SMALL and fit_all and searched * few[0] * small**2 <= ASIDE_AT_MOST * run.left
+
     first = FIRST_LOOK + CALLS_BEFORE
-    fit_all = first * sum(few) * small**2 <= FIRST_SHARE * run.left
-    if pixels <= SMALL and fit_all and searched * few[0] * small**2 <= ASIDE_AT_MOST * run.left:
-        return 1  # even if all of a call's time went by pixels
+    # The first calls set things up too.
+    if fit_at_full_size(seconds(FEW, 0)) or fit_at_full_size(few := seconds(FEW, 1)):
+        return 1
     costs = [fit_cost([FEW, MORE], list(pair)) for pair in zip(few, seconds(MORE, 2), strict=True)]
     fixed, per_sample = sum(cost.fixed for cost in costs), sum(cost.per_sample for cost in costs) * small**2
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.comparison.pilot import balance_samples, choose_grids, coarse_grid
-from etalon.lib.comparison.run import Stop
+from etalon.lib.comparison.pilot import balance_samples, choose_grids, coarse_grid, time_calls
+from etalon.lib.comparison.run import Stop, TimedRun
 from etalon.lib.errors import Cancelled
+from etalon.lib.progress import NO_PROGRESS
 from etalon.lib.verdict.allocation import Cost, fit_cost
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 
@@ -145,6 +146,39 @@ def test_balanced_samples_have_no_more_variance_in_the_same_time(ratio, fixed):
         (1 / a + 1 / b) * (costs[0].seconds(a) + costs[1].seconds(b)) for a, b in (balance_samples(costs, 1e9), (1, 1))
     ]
     assert found[0] <= found[1]
+
+
+def timed(monkeypatch, cost, seconds=60.0, late=lambda call: 0.0):
+    """The samples of the calls that are timed of one side, and the cost that they give."""
+    clock = Clock()
+    monkeypatch.setattr(module, "time", clock)
+    sides = [Uneven(name, grey(), clock=clock, cost=cost, late=late) for name in ("the reference", "Cycles")]
+    timings = time_calls((sides[0], sides[1]), TimedRun(seconds, NO_PROGRESS))
+    return [samples for _, samples in sides[0].asked], timings[0].cost
+
+
+@pytest.mark.parametrize(
+    ("cost", "asked"),
+    [
+        ((0.1, 0.1), [1, 4]),  # 0.5 s are more than twice 0.2 s
+        ((0.1, 0.01), [1, 4, 16, 64]),
+        ((0.1, 0.015), [1, 4, 16]),
+        ((0.1, 0.0), [1, 4, 16, 64]),
+        ((0.2, 0.5), [1, 2]),  # 4 x 0.7 s would be more than 3 % of a minute, 2 x 0.7 s are not
+        ((0.2, 0.8), [1, 1]),
+    ],
+)
+def test_calls_are_timed_until_their_samples_cost_more_than_the_rest(monkeypatch, cost, asked):
+    found, fitted = timed(monkeypatch, cost)
+    assert found == asked
+    if asked[-1] > 1 and cost[1] > 0.0:
+        assert (fitted.fixed, fitted.per_sample) == pytest.approx(cost)
+
+
+@pytest.mark.parametrize("call", [0, 1, 2])
+def test_a_timed_call_on_a_busy_moment_is_not_taken_for_the_cost_of_samples(monkeypatch, call):
+    _, fitted = timed(monkeypatch, (0.1, 0.04), late=lambda now: 1.0 if now == call else 0.0)
+    assert fitted.per_sample == pytest.approx(0.04, rel=0.25)
 
 
 def test_one_spoiled_timing_does_not_make_samples_free():
