@@ -26,7 +26,7 @@ from ..wavefront.kernel import Kernel
 from .run import TimedRun
 
 # Rays from the lights: at least, at most, and where there is no limit on time; and what the pass may take of the time.
-LEAST, MOST, UNLIMITED, SHARE = 1 << 16, 1 << 21, 1 << 18, 0.05
+LEAST, MOST, UNLIMITED, SHARE = 1 << 16, 1 << 21, 1 << 18, 0.02
 # What a region receives is taken to be at most so many standard errors above the estimate, and what so many contributions more of the mean
 # size would add: a region that met none may still receive some (with 5.3 in the mean, none comes with a probability of 0.5 %).
 STANDARD_ERRORS, UNMET = 3.0, 5.3

@@ -77,6 +77,14 @@ class LightTracingRenderer:
         )
 
 
+def group_depth(paths: int) -> int:
+    """The paths of a group, a power of two: of `paths`, about as many as there are groups.
+
+    A point set costs more, the larger it is.
+    """
+    return 1 << min(paths.bit_length() // 2, 12)
+
+
 def trace_light(
     kernel: Kernel,
     emitters: Emitters | None,
@@ -85,10 +93,12 @@ def trace_light(
     paths: int,
     progress: Progress = NO_PROGRESS,
     tile_paths: int = TILE_PATHS,
+    depth: int | None = None,
 ) -> Iterator[tuple[Splats, int]]:
     """Return the contributions of `paths` paths from the lights, tile by tile.
 
-    Each tile comes with the number of rays that were traced in it.
+    Each tile comes with the number of rays that were traced in it. Groups of `depth` paths share a point set; by default
+    as `group_depth` says. Groups are uncorrelated.
 
     Their order does not depend on the number of threads. Raises Cancelled.
     """
@@ -96,9 +106,7 @@ def trace_light(
     pixels = kernel.scene.camera.width * kernel.scene.camera.height
     if emitters is None or not any(material.scatters for material in kernel.materials):
         return
-    depth = 1 << min(
-        paths.bit_length() // 2, 12
-    )  # as many groups as paths in one: a point set costs more, the larger it is
+    depth = group_depth(paths) if depth is None else depth
     groups = -(-paths // depth)
     make = SobolSampler if options.sampler == "sobol" else RandomSampler
     sampler = make(options.seed, replicate, depth)
@@ -112,7 +120,8 @@ def trace_light(
         sample = np.tile(np.arange(tile.start, tile.stop), tile.last - tile.first)
         kept = (tile.first + group) * depth + sample < paths  # the last group may be larger than what is left
         with np.errstate(invalid="ignore"):  # what is not finite is counted by the sums
-            return tracer.trace(group[kept], sample[kept]), tracer.rays
+            splats = tracer.trace(group[kept], sample[kept])
+        return replace(splats, group=splats.group + tile.first), tracer.rays
 
     with ThreadPoolExecutor(options.threads) as pool:
         pending: deque[Future] = deque()

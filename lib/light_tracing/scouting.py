@@ -34,7 +34,7 @@ from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from ..wavefront.kernel import Kernel
 from .emitters import gather_emitters
-from .render import trace_light
+from .render import group_depth, trace_light
 from .splats import Splats
 
 # Lobes narrower than this count as narrow: alpha, a roughness of 0.32 in Blender.
@@ -50,7 +50,7 @@ STRAIGHT, FOCUSED, CAUSTIC = 0, 1, 2
 class Scouted:
     """What a scouting pass found.
 
-    shape: (height, width). pixel (n,): flat index of each contribution, row by row from the top; batch (n,): which of the independent
+    shape: (height, width). pixel (n,): flat index of each contribution, row by row from the top; batch (n,): which of the uncorrelated
     `batches` it belongs to; value (3, n): what it adds to the mean radiance of the batch in its pixel, W m^-2 sr^-1. brightness (n,):
     luminance of the radiance of its emitter, W m^-2 sr^-1, inf for lights without size: what one sample of a camera path that finds it is
     worth, but for the lobes' weights, which are at most about 1. paths: emitted rays in each batch. seconds: of the pass. bare (height,
@@ -116,7 +116,7 @@ def scout_caustics(
 ) -> Scouted:
     """Estimate the light by caustics.
 
-    Traces `paths` rays from the lights in `batches` independent batches.
+    Traces at least `paths` rays from the lights in `batches` batches, which are uncorrelated.
 
     `kernel` is that of the reference renderer of the scene; lobes with alpha below `narrow` are narrow. Nothing is
     traced where no material is narrow, none is wide, or no light shines. Raises EtalonError for panoramic cameras,
@@ -126,23 +126,20 @@ def scout_caustics(
     camera = kernel.scene.camera
     if camera.kind in PANORAMAS:
         raise EtalonError("a panoramic camera cannot be scouted for caustics; use a perspective or orthographic one")
-    targets, each = _targets(kernel, narrow), -(-paths // batches)
-    parts: list[tuple[int, Splats]] = []
+    targets, depth = _targets(kernel, narrow), group_depth(paths)
+    groups = -(-paths // (batches * depth))
+    each = groups * depth
+    found = Splats.none()
     if targets and kernel.scene.transport.max_bounces > 0:
         emitters = gather_emitters(kernel, _around(targets, kernel), False, targets)
-        selection = _Caustics(targets, narrow)
-        for batch in range(batches):
-            within = progress.within(batch / batches, (batch + 1) / batches)
-            number = SCOUTING.number(batch)
-            traced = trace_light(kernel, emitters, selection, number, each, within, TILE_RAYS)
-            parts += [(batch, splats) for splats, _ in traced]
-    found = Splats.joined([splats for _, splats in parts])
-    batch_of = np.repeat([batch for batch, _ in parts], [splats.pixel.size for _, splats in parts]).astype(np.intp)
+        selection, number = _Caustics(targets, narrow), SCOUTING.number(0)
+        traced = trace_light(kernel, emitters, selection, number, batches * each, progress, TILE_RAYS, depth)
+        found = Splats.joined([splats for splats, _ in traced])
     return Scouted(
         (camera.height, camera.width),
         batches,
         found.pixel,
-        batch_of,
+        found.group // groups,
         found.value / each,
         found.brightness,
         each,

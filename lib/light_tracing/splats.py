@@ -14,17 +14,18 @@ class Splats:
     """Contributions of light paths to pixels.
 
     pixel (n,), row by row from the top; value (3, n), of one path each; brightness (n,) of its emitter, as in
-    `Emitted`.
+    `Emitted`; group (n,), by which uniforms of the path are drawn.
     """
 
     pixel: np.ndarray
     value: np.ndarray
     brightness: np.ndarray
+    group: np.ndarray
 
     @staticmethod
     def none() -> Splats:
         """No contribution."""
-        return Splats(np.empty(0, np.intp), np.empty((3, 0)), np.empty(0))
+        return Splats(np.empty(0, np.intp), np.empty((3, 0)), np.empty(0), np.empty(0, np.intp))
 
     @staticmethod
     def joined(parts: Sequence[Splats]) -> Splats:

@@ -157,7 +157,8 @@ class LightTracer:
         origin = np.take(points.position, at, axis=1) + ng * np.copysign(offset[at], dot(ng, direction))
         arriving = value[:, lit] * self._visible(origin, direction, seen.reach[lit])
         arrived = np.flatnonzero(arriving.any(axis=0))
-        return Splats(seen.pixel[lit[arrived]], arriving[:, arrived], paths.brightness[at[arrived]])
+        at = at[arrived]
+        return Splats(seen.pixel[lit[arrived]], arriving[:, arrived], paths.brightness[at], paths.group[at])
 
     def _sent(self, paths: LightPaths, points: SurfacePoints, groups: Groups, seen: Sight) -> np.ndarray:
         """Return `light_toward` the camera for the points in sight, (3, k).

@@ -48,7 +48,7 @@ TRUTH = Stream("the long render that cost measurements compare with", 1 << 19, (
 REACH = Stream("pixels that unsupported materials can affect", (1 << 20) - 1, 1)
 FIRST_CALLS = Stream("pilots and first calls: timed, counted nowhere", 1 << 20, 1 << 20)
 DEPARTURES = Stream("pairs of images with and without departures, of the reference alone", 1 << 21, 1 << 21)
-SCOUTING = Stream("batches of light paths that look for caustics", 1 << 22, 1 << 12)
+SCOUTING = Stream("light paths that look for caustics", 1 << 22, 1 << 12)
 STAND_INS = Stream("images with stand-ins for unsupported materials", (1 << 22) + (1 << 12), 1 << 6)
 
 STREAMS = (COVERAGE, COUNTED, VERIFICATION, TRUTH, REACH, FIRST_CALLS, DEPARTURES, SCOUTING, STAND_INS)

@@ -17,6 +17,7 @@ from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests.lib.light_tracing.traced import MATERIALS, ball_on_floor
 from etalon.tests.replicates import assert_mean, assert_same, replicates
 from etalon.tests.scenes import color, diffuse, floor, glossy, icosphere, material, perspective, quad, scene
+from scipy.stats import chi2
 
 SIZE = 8
 LABELS = np.arange(SIZE)[:, None] // 4 * 2 + np.arange(SIZE) // 4
@@ -107,6 +108,16 @@ def test_the_sun_finds_a_small_ball_on_a_wide_floor(seed):
     assert np.all(error < 0.1 * mean)
     radiance = 1.0 / (np.pi * np.sin(0.005) ** 2)
     np.testing.assert_allclose(result.brightest(LABELS).max(), radiance, rtol=1e-6)
+
+
+def test_the_error_of_a_pass_is_that_of_its_batches(seed):
+    """Passes with other seeds scatter as the batches of one say; a ratio of variances, at a level of 1e-4."""
+    the_scene, passes = lit_by_a_ball(glossy(0.05, 0.9)), 64
+    found = [scouted(the_scene, seed + k, 1 << 12).regions(LABELS) for k in range(passes)]
+    means, errors = (np.stack(rows)[:, 3, 0] for rows in zip(*found, strict=True))
+    ratio = means.var(ddof=1) / (errors**2).mean() * (passes - 1)
+    low, high = chi2.ppf([5e-5, 1 - 5e-5], passes - 1)
+    assert low < ratio < high
 
 
 def test_image_and_regions_are_of_the_same_light(seed):
