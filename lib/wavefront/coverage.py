@@ -6,6 +6,8 @@ The share of each pixel that shows each material, each of its angles, and each o
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from scipy import sparse
 
@@ -40,19 +42,21 @@ def coverage(kernel: Kernel, samples: int = 16, least: float = LEAST_PIXELS) -> 
     sampler = SobolSampler(kernel.options.seed, COVERAGE.number(0), samples)
     materials = [material.name or "(no material)" for material in kernel.scene.materials]
     edges = np.cos(np.radians(BANDS[:-1]))
-    found: dict[str, list[np.ndarray]] = {"material": [], "facing": [], "object": []}
-    for tile in tiles(camera.width * camera.height, samples, TILE_PATHS):
+
+    def count(tile: Tile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         pixel, points = _first_points(kernel, tile, sampler)
         material = np.take(mesh.material_index, points.triangle)
         band = (points.cos_wo[:, None] < edges).sum(axis=1)
-        found["material"].append(_counted(material, pixel))
-        found["facing"].append(_counted(material * len(BANDS) + band, pixel))
-        found["object"].append(_counted(np.take(mesh.object_index, points.triangle), pixel))
-    counted = {kind: np.concatenate(rows, axis=1) for kind, rows in found.items()}
+        owners = material, material * len(BANDS) + band, np.take(mesh.object_index, points.triangle)
+        return _counted(owners[0], pixel), _counted(owners[1], pixel), _counted(owners[2], pixel)
+
+    with ThreadPoolExecutor(kernel.options.threads) as pool:
+        found = zip(*pool.map(count, tiles(camera.width * camera.height, samples, TILE_PATHS)), strict=True)
+    counted = dict(zip(("material", "facing", "object"), (np.concatenate(rows, axis=1) for rows in found), strict=True))
     counted["facing"], bands = _in_wide_bands(counted["facing"], materials, BAND_FACTOR * least * samples)
     names = {"material": materials, "facing": bands, "object": [item.name for item in mesh.objects]}
     shape = (camera.height, camera.width)
-    return {kind: _regions(counted[kind], names[kind], shape, samples, least) for kind in found}
+    return {kind: _regions(counted[kind], names[kind], shape, samples, least) for kind in counted}
 
 
 def join_bands(sizes: np.ndarray, least: float) -> list[tuple[int, int]]:
