@@ -16,7 +16,7 @@ from ..scene.materials import Tangent
 from ..scene.mesh import Mesh
 from ..textures.context import Context
 from ..vectors import any_perpendicular, basis_across, cross, dot, gather, normalize, put, rotate_about
-from .tangents import normal_map_frame, uv_tangents
+from .tangents import CornerFrames, uv_tangents
 from .undisplaced import undisplaced_mesh
 
 
@@ -25,7 +25,7 @@ class SurfaceTables:
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self._frames: dict[str, np.ndarray] = {}
+        self._frames: dict[str, CornerFrames] = {}
         self.all_flat = mesh.corner_normals.shape[2] == 0 or not mesh.smooth.any()
         self.all_smooth = not self.all_flat and bool(mesh.smooth.all())
         if not self.all_flat:
@@ -66,16 +66,16 @@ class SurfaceTables:
         """Those of the mesh as it was before it was displaced."""
         return SurfaceTables(undisplaced_mesh(self.mesh))
 
-    def normal_map_frame(self, uv_map: str) -> np.ndarray:
-        """Return the tangent, the bitangent's sign and the normal at the corners.
+    def normal_map_frame(self, uv_map: str, triangle: np.ndarray) -> np.ndarray:
+        """Return the tangent, the bitangent's sign and the normal at the corners of triangles (n,).
 
-        They are (3 corners, 7, t), in object space.
+        They are (3 corners, 7, n), in object space.
         """
         if uv_map not in self._frames:
-            self._frames[uv_map] = normal_map_frame(
-                self.mesh, uv_map, self.object_from_world, self.world_from_object, not self.all_flat
-            )
-        return self._frames[uv_map]
+            matrices = self.object_from_world, self.world_from_object
+            # Of two threads that are here at once, the second gets what the first one made.
+            self._frames.setdefault(uv_map, CornerFrames(self.mesh, uv_map, *matrices, not self.all_flat))
+        return self._frames[uv_map].at(triangle)
 
 
 class OcclusionRays(Protocol):
@@ -262,7 +262,7 @@ class SurfacePoints(Context):
 
         They are for normal maps, in object space, on the front side.
         """
-        corners = np.take(self.tables.normal_map_frame(uv_map), self.triangle, axis=2)
+        corners = self.tables.normal_map_frame(uv_map, self.triangle)
         mixed = self._interpolated((corners[0], corners[1], corners[2]))
         return mixed[:3], mixed[3], mixed[4:]
 

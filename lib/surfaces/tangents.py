@@ -6,6 +6,8 @@ Those at the corners of triangles, in object space, are for normal maps, by the 
 
 from __future__ import annotations
 
+from threading import Lock
+
 import numpy as np
 
 from ..scene.mesh import Mesh
@@ -14,42 +16,69 @@ from ..vectors import cross, normalize
 _DIGITS = 5  # to which corners' places, normals and coordinates agree when they count as one
 
 
-def normal_map_frame(
-    mesh: Mesh, uv_map: str, object_from_world: np.ndarray, world_from_object: np.ndarray, smooth: bool
-) -> np.ndarray:
-    """Return the tangent, the bitangent's sign and the unit normal at the corners.
+class CornerFrames:
+    """The frames of normal maps at corners, along one UV map.
 
-    They are (3 corners, 7, t), in object space.
-
+    They are made for an object when one of its triangles is first asked for: few of a scene may have normal maps.
     Matrices by objects as `SurfaceTables` has them, (12, k) and (9, k); `smooth` if any face has corner normals.
     """
-    m = np.take(object_from_world, mesh.object_index, axis=1).reshape(3, 4, -1)
-    corners = np.stack([np.take(mesh.vertices, k, axis=1) for k in mesh.triangles])
-    positions = np.einsum("ijt,kjt->kit", m[:, :3], corners) + m[:, 3]
-    linear = np.take(world_from_object, mesh.object_index, axis=1).reshape(3, 3, -1)
-    # The corners of a mirrored object's triangles were swapped, so that they turn about the normal of the world.
-    mirrored = np.where(np.linalg.det(linear.transpose(2, 0, 1)) < 0.0, -1.0, 1.0)
-    face = cross(positions[1] - positions[0], positions[2] - positions[0]) * mirrored
-    normals = np.stack([face] * 3)
-    if smooth:  # from the world's to the object's normals by the transpose of the object's matrix
-        turned = np.einsum("jit,kjt->kit", linear, mesh.corner_normals.astype(np.float64))
-        normals = np.where(mesh.smooth, turned, normals)
-    normals = np.stack([_unit(one) for one in normals])
-    return np.concatenate([corner_tangents(mesh, uv_map, normals, positions, mirrored), normals], axis=1)
+
+    def __init__(
+        self, mesh: Mesh, uv_map: str, object_from_world: np.ndarray, world_from_object: np.ndarray, smooth: bool
+    ) -> None:
+        self._mesh, self._uv_map, self._smooth = mesh, uv_map, smooth
+        self._object_from_world, self._world_from_object = object_from_world, world_from_object
+        self._frames = np.zeros((3, 7, mesh.triangle_count))
+        self._is_made = np.zeros(len(mesh.objects), bool)
+        self._lock = Lock()
+
+    def at(self, triangle: np.ndarray) -> np.ndarray:
+        """Return the tangent, the bitangent's sign and the unit normal at the corners of triangles (n,).
+
+        They are (3 corners, 7, n), in object space.
+        """
+        owner = np.take(self._mesh.object_index, triangle)
+        if not self._is_made[owner].all():
+            with self._lock:
+                wanted = np.zeros_like(self._is_made)
+                wanted[owner] = True
+                wanted &= ~self._is_made
+                some = np.flatnonzero(wanted[self._mesh.object_index])
+                self._frames[:, :, some] = self._make(some)
+                self._is_made |= wanted
+        return np.take(self._frames, triangle, axis=2)
+
+    def _make(self, triangle: np.ndarray) -> np.ndarray:
+        """The frames of triangles (n,), which are all those of their objects."""
+        mesh, owner = self._mesh, self._mesh.object_index[triangle]
+        m = np.take(self._object_from_world, owner, axis=1).reshape(3, 4, -1)
+        corners = np.stack([np.take(mesh.vertices, k[triangle], axis=1) for k in mesh.triangles])
+        positions = np.einsum("ijt,kjt->kit", m[:, :3], corners) + m[:, 3]
+        linear = np.take(self._world_from_object, owner, axis=1).reshape(3, 3, -1)
+        # The corners of a mirrored object's triangles were swapped, so that they turn about the normal of the world.
+        mirrored = np.where(np.linalg.det(linear.transpose(2, 0, 1)) < 0.0, -1.0, 1.0)
+        face = cross(positions[1] - positions[0], positions[2] - positions[0]) * mirrored
+        normals = np.stack([face] * 3)
+        if self._smooth:  # from the world's to the object's normals by the transpose of the object's matrix
+            turned = np.einsum("jit,kjt->kit", linear, mesh.corner_normals[..., triangle].astype(np.float64))
+            normals = np.where(mesh.smooth[triangle], turned, normals)
+        normals = np.stack([_unit(one) for one in normals])
+        uv = mesh.uvs[self._uv_map][..., triangle].astype(np.float64)
+        return np.concatenate([corner_tangents(owner, uv, normals, positions, mirrored), normals], axis=1)
 
 
 def corner_tangents(
-    mesh: Mesh, uv_map: str, normals: np.ndarray, positions: np.ndarray, mirrored: np.ndarray
+    owner: np.ndarray, uv: np.ndarray, normals: np.ndarray, positions: np.ndarray, mirrored: np.ndarray
 ) -> np.ndarray:
     """Return the unit tangent and the sign of the bitangent at corners, (3 corners, 4, t).
 
     The tangent points along growing u; it is zero where the map has no area.
 
-    `mirrored` (t,) is -1 for the triangles of mirrored objects, else 1. `positions` and unit `normals` of the
-    corners, (3 corners, 3, t), in object space. Corners that share place, normal, coordinates and orientation share
-    the mean of their triangles' tangents, weighed by the angles there.
+    `owner` (t,) is the object of each triangle, and `mirrored` (t,) is -1 for those of mirrored objects, else 1. `uv`
+    (3 corners, 2, t); `positions` and unit `normals` of the corners, (3 corners, 3, t), in object space. Corners that
+    share place, normal, coordinates and orientation share the mean of their triangles' tangents, weighed by the angles
+    there.
     """
-    uv = mesh.uvs[uv_map].astype(np.float64)
     edge1, edge2 = positions[1] - positions[0], positions[2] - positions[0]
     (u1, v1), (u2, v2) = uv[1] - uv[0], uv[2] - uv[0]
     area = u1 * v2 - v1 * u2
@@ -64,7 +93,7 @@ def corner_tangents(
             for d in (positions[k - 1] - positions[k], positions[k - 2] - positions[k])
         ]
         weights[k] = np.arccos(np.clip((sides[0] * sides[1]).sum(axis=0), -1.0, 1.0))
-    owner = np.broadcast_to(mesh.object_index, weights.shape)
+    owner = np.broadcast_to(owner, weights.shape)
     places = np.concatenate([positions, normals, uv], axis=1).transpose(0, 2, 1).reshape(-1, 8)
     keys = np.column_stack([np.round(places, _DIGITS) + 0.0, owner.ravel(), np.tile(area > 0.0, 3)])
     rows = np.ascontiguousarray(keys).view(np.dtype((np.void, keys.dtype.itemsize * keys.shape[1]))).ravel()
