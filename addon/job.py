@@ -166,12 +166,13 @@ def judge(
         unsupported, left_out = find_unsupported_light(reference, run), None
         if unsupported is None and reference.kernel.has_unknown:
             left_out = reached(reference)
-        # What choosing the size and scouting took is part of the time.
+        covered = coverage(reference.kernel)
+        # What came before is part of the time.
         verdict = replace(verdict, time=verdict.time and max(run.left, 0.5 * verdict.time))
         comparison = compare(
             reference.scene,
             *spread(reference, candidate, divisor),
-            coverage(reference.kernel),
+            covered,
             verdict,
             progress,
             alternatives(reference),
