@@ -9,6 +9,7 @@ import numpy as np
 
 from ..sampling.tables import Rows
 from .cells import Cells, Parts, Places
+from .falling_off import FallingOff
 from .light import Aimable, Divided, LightSampler
 
 EVEN_SHARE = 1.0 / 16.0
@@ -96,8 +97,8 @@ class LightGrid:
     go by power alone. `useful`: whether the cells' chances of lights differ. `within` has the PartChances of samplers, by number, and
     what is gained by them at `places`, for those whose cells differ.
 
-    What a cell expects of a light with a place is in `Cells.expect`, of a sun or a world its power over `radius`^2. Both are
-    irradiance, but for a factor of pi.
+    What a cell expects of a light with a place is in `Cells.expect`, whatever its falloff, of a sun or a world its power over
+    `radius`^2. Both are irradiance, but for a factor of pi.
     """
 
     def __init__(
@@ -118,7 +119,8 @@ class LightGrid:
                 gain = chances.gain_at(places.expect(one), self.cells.number(places.position))
                 if max(chances.gain, gain) > LEAST_GAIN:
                     self.within[k] = chances, gain
-        self.useful = power.size > 1 and self.cells.everywhere > 1 and len(parts) > 0
+        differs = any(not one.everywhere_alike for one in parts.values())
+        self.useful = power.size > 1 and self.cells.everywhere > 1 and differs
         self._rows = Rows(np.vstack([chances_by_place(power, expected), chances_by_power(power)]))
         self._probability = self._rows.probability
 
@@ -140,12 +142,15 @@ class LightGrid:
 def _read(samplers: Sequence[LightSampler]) -> tuple[np.ndarray, dict[int, Parts]]:
     """The power (k,) of lights over the greatest, and the parts of those that shine and have places, by number."""
     power = np.array([sampler.power for sampler in samplers])
-    power = power / max(float(power.max()), 1e-300)
+    greatest = max(float(power.max()), 1e-300)
+    power = power / greatest
     parts = {}
     for k, sampler in enumerate(samplers):
         if power[k] > 0.0 and isinstance(sampler, Divided):
             share = sampler.parts.power / sampler.parts.power.sum()
             parts[k] = sampler.parts._replace(power=power[k] * share)
+        elif power[k] > 0.0 and isinstance(sampler, FallingOff) and sampler.part is not None:
+            parts[k] = sampler.part._replace(power=sampler.part.power / greatest)
         elif power[k] > 0.0 and isinstance(sampler, Aimable):
             parts[k] = Parts(power[k : k + 1], sampler.extent.center, np.array([sampler.extent.radius]))
     return power, parts
@@ -155,5 +160,5 @@ def _key(
     power: np.ndarray, parts: dict[int, Parts], bounds: np.ndarray, radius: float, places: Places | None
 ) -> tuple[object, ...]:
     """What a grid depends on, to be compared."""
-    balls = tuple((k, *(array.tobytes() for array in one)) for k, one in parts.items())
+    balls = tuple((k, *(array.tobytes() for array in one[:3]), one.falloff) for k, one in parts.items())
     return power.tobytes(), balls, bounds.tobytes(), radius, None if places is None else places.position.tobytes()

@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..scene.lights import USUAL_FALLOFF, Falloff
 from ..vectors import dot
+from .falloff import brightness_at
 
 _MOST_CELLS = 4096
 _MOST_CHANCES = 1 << 20
@@ -16,12 +18,23 @@ _MOST_CHANCES = 1 << 20
 class Parts(NamedTuple):
     """Lights or parts of a light that have places.
 
-    power (k,), luminance of flux, in W; center (3, k) and radius (k,) of balls that hold them, in metres.
+    power (k,), luminance of flux, in W, before the `falloff` of all of them; center (3, k) and radius (k,) of balls that hold them, in
+    metres.
     """
 
     power: np.ndarray
     center: np.ndarray
     radius: np.ndarray
+    falloff: Falloff = USUAL_FALLOFF
+
+    @property
+    def everywhere_alike(self) -> bool:
+        """Whether the light is the same at all distances."""
+        return self.falloff.power == 2 and self.falloff.smooth == 0.0
+
+    def brightness(self, square: np.ndarray) -> np.ndarray | float:
+        """What the falloff makes of light over the squared distances `square` (n,), as a factor."""
+        return 1.0 if self.falloff == USUAL_FALLOFF else brightness_at(self.falloff, np.sqrt(square))
 
 
 class Cells:
@@ -59,12 +72,13 @@ class Cells:
     def expect(self, parts: Parts) -> np.ndarray:
         """Return the irradiance over pi (c, k), W m^-2, that cells can expect of parts.
 
-        It is the power over 4 (d^2 + r^2 + R^2), with the distance d of their middles, the cell's radius r and the part's R.
+        It is the power over 4 (d^2 + r^2 + R^2), with the distance d of their middles, the cell's radius r and the part's R, times
+        what the falloff makes of it at the root of that sum.
         """
         expected = np.empty((self.everywhere, parts.power.size))
         for k, place in enumerate(parts.center.T):
             apart = np.square(self._middles - place[:, None]).sum(axis=0) + self._radius2 + parts.radius[k] ** 2
-            expected[:, k] = parts.power[k] / (4.0 * np.maximum(apart, 1e-300))
+            expected[:, k] = parts.power[k] / (4.0 * np.maximum(apart, 1e-300)) * parts.brightness(apart)
         return expected
 
 
@@ -80,7 +94,8 @@ class Places(NamedTuple):
         for k, place in enumerate(parts.center.T):
             offset = place[:, None] - self.position
             apart = np.maximum(dot(offset, offset) + parts.radius[k] ** 2, 1e-200)
-            expected[:, k] = parts.power[k] / 4.0 * np.abs(dot(offset, self.normal)) / (apart * np.sqrt(apart))
+            level = parts.power[k] / 4.0 * np.abs(dot(offset, self.normal)) / (apart * np.sqrt(apart))
+            expected[:, k] = level * parts.brightness(apart)
         return expected
 
 

@@ -8,30 +8,33 @@ from typing import NoReturn
 import numpy as np
 
 from ..scene.lights import Falloff
-from .light import Ball, LightSample, LightSampler, Meetable, Pair
-
-
-def brightness_at(falloff: Falloff, distance: np.ndarray) -> np.ndarray:
-    """What multiplies the light over `distance` (n,) metres: d^power d^2 / (smooth + d^2); 0 at no distance."""
-    square = distance * distance
-    fading = square + falloff.smooth
-    return distance**falloff.power * np.divide(square, fading, out=np.zeros_like(square), where=fading > 0.0)
+from .cells import Parts
+from .falloff import brightness_at
+from .light import Aimable, Ball, LightSample, LightSampler, Meetable, Pair
 
 
 class FallingOff:
     """A light whose radiance is multiplied by `brightness_at`; samples are those of the light itself.
 
-    It is chosen by its brightness over the radius of the scene.
+    Its `power` is that over the radius of the scene. `usual` is the light as if it fell off as usual.
     """
 
     def __init__(self, sampler: LightSampler, falloff: Falloff, scene_radius: float) -> None:
-        self._sampler, self._falloff = sampler, falloff
+        self.usual, self._falloff = sampler, falloff
         self.delta = sampler.delta
         self.power = sampler.power * float(brightness_at(falloff, np.array([scene_radius]))[0])
 
+    @property
+    def part(self) -> Parts | None:
+        """The light as the only part of itself, by which it can be chosen at a place; None where that does not matter."""
+        if not isinstance(self.usual, Aimable):
+            return None
+        ball = self.usual.extent
+        return Parts(np.array([self.usual.power]), ball.center, np.array([ball.radius]), self._falloff)
+
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """A direction to the light."""
-        found = self._sampler.sample(point, u1, u2)
+        found = self.usual.sample(point, u1, u2)
         return found._replace(radiance=found.radiance * brightness_at(self._falloff, found.distance))
 
     def candidates(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
@@ -50,9 +53,9 @@ class FallingOff:
 
     @property
     def _met(self) -> Meetable:
-        if not isinstance(self._sampler, Meetable):
+        if not isinstance(self.usual, Meetable):
             raise TypeError("no ray meets this light")
-        return self._sampler
+        return self.usual
 
     def emit(self, ball: Ball, place: Pair, heading: Pair) -> NoReturn:
         """Raises TypeError: how bright a ray is depends on where it ends."""

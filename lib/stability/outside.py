@@ -170,7 +170,7 @@ OUTSIDE: dict[str, str] = {
         (
             "lights.beam.BeamSampler",
             "lights.falling_off.FallingOff",
-            "lights.falling_off.brightness_at",
+            "lights.falloff.brightness_at",
             "lights.ellipse.EllipseSampler",
             "lights.rectangle.ParallelogramSampler",
             "lights.rectangle.RectangleSampler",

@@ -85,7 +85,7 @@ class Emitters:
             if kernel.coplanar_lights is not None:
                 # What light samples of it bring is taken away here as well: in the mean, nothing is left.
                 place = gather(start, at) + gather(direction, at) * distance[at]
-                weight = weight - kernel.coplanar_lights.hides(k, place)
+                weight = weight - kernel.coplanar_lights.hides(k, place, distance[at])
             arriving *= weight
             if kernel.media is not None and paths.medium is not None and travelled is not None:
                 # What is between the last face and here is not yet in the throughput.

@@ -3,9 +3,9 @@
 
     python tests/benchmarks/many_lights.py [NAME ...] [--runs 8] [--samples 16]
 
-Halls of 40 x 40 m with lamps below their ceiling, `veach_plates`, and emissive meshes: balls in a ring, a tube along a corridor of
-30 m, and a panel in place of the lamp of `cornell_glossy`. Only those whose name contains a NAME. Efficiency is one over variance
-times seconds of the processor, by place over by power; the two take turns.
+Halls of 40 x 40 m with lamps below their ceiling, a floor under a near lamp and a far one, `veach_plates`, and emissive meshes: balls
+in a ring, a tube along a corridor of 30 m, and a panel in place of the lamp of `cornell_glossy`. Only those whose name contains a
+NAME. Efficiency is one over variance times seconds of the processor, by place over by power; the two take turns.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 from etalon.addon.command.opening import open_target
 from etalon.addon.job import export
 from etalon.lib.lights.selection import LightSelection
-from etalon.lib.scene.lights import PointLight, SphereLight
+from etalon.lib.scene.lights import USUAL_FALLOFF, Falloff, PointLight, SphereLight
 from etalon.lib.scene.materials import Diffuse
 from etalon.lib.scene.scene import Scene
 from etalon.lib.settings.reference import Options
@@ -39,17 +39,27 @@ WALLS = (
 )
 
 
-def hall(count: int, radius: float) -> Scene:
-    """A floor and three walls below `count` lamps of `radius` in metres, points where it is 0."""
+def hall(count: int, radius: float, falloff: Falloff = USUAL_FALLOFF) -> Scene:
+    """A floor and three walls below `count` lamps of `radius` in metres, points where it is 0; points fall off by `falloff`."""
     places = np.random.default_rng(1).uniform(-20.0, 20.0, (count, 2))
     lights = [
         SphereLight(f"lamp {k}", (float(x), float(y), 2.0), radius, (40.0, 40.0, 40.0))
         if radius
-        else PointLight(f"lamp {k}", (float(x), float(y), 2.0), (1.0, 1.0, 1.0))
+        else PointLight(f"lamp {k}", (float(x), float(y), 2.0), (1.0, 1.0, 1.0), falloff=falloff)
         for k, (x, y) in enumerate(places)
     ]
     camera = perspective(64, 48, 1.2, (0.0, -18.0, 2.5), (0.0, 1.0, -0.2))
     return scene([floor(20.0), *WALLS], [PAPER], camera, lights, bounces=3)
+
+
+def near_and_far(falloff: Falloff) -> Scene:
+    """A floor under two points that fall off by `falloff`, 3 and 40 m away; the far one has 1.4 times the power."""
+    lights = [
+        PointLight(f"lamp {k}", (x, 0.0, 1.5), (power,) * 3, falloff=falloff)
+        for k, (x, power) in enumerate(((0.0, 1.0), (40.0, 1.4)))
+    ]
+    camera = perspective(64, 48, 1.2, (0.0, -5.0, 4.0), (0.0, 1.0, -0.7))
+    return scene([floor(60.0)], [PAPER], camera, lights)
 
 
 def ring(count: int) -> Scene:
@@ -125,6 +135,11 @@ def plates() -> Scene:
 HALLS = ((4, 0.1), (16, 0.1), (64, 0.1), (64, 0.0), (256, 0.0), (1000, 0.0))
 SCENES: dict[str, Callable[[], Scene]] = {
     **{f"hall, {count} {'spheres' if radius else 'points'}": partial(hall, count, radius) for count, radius in HALLS},
+    **{f"hall, {count} points, Linear": partial(hall, count, 0.0, Falloff(1)) for count in (16, 64)},
+    "hall, 16 points, Smooth 1 m2": partial(hall, 16, 0.0, Falloff(0, 1.0)),
+    "near and far": partial(near_and_far, USUAL_FALLOFF),
+    "near and far, Linear": partial(near_and_far, Falloff(1)),
+    "near and far, Constant": partial(near_and_far, Falloff(2)),
     "veach_plates, a quarter": plates,
     "ring of 24 emissive balls": partial(ring, 24),
     "corridor, tube of 100 segments": partial(corridor, 100),

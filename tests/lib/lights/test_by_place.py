@@ -12,7 +12,7 @@ import pytest
 from etalon.lib.effects.plan import make_plan
 from etalon.lib.lights.build import light_sampler
 from etalon.lib.lights.by_place import EVEN_SHARE, LightGrid, chances_by_power
-from etalon.lib.scene.lights import PointLight, SphereLight, SunLight
+from etalon.lib.scene.lights import AreaLight, Falloff, PointLight, SphereLight, SunLight
 from etalon.lib.scene.materials import Diffuse
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.kernel import Kernel
@@ -104,19 +104,85 @@ def test_floor_under_a_row_of_lamps_is_the_sum_of_their_closed_forms(x, direct):
     assert_mean(images, radiance_above(x, ROW), precision=0.01, rounding=1e-3)
 
 
-def in_two_rooms(count):
+FALLOFFS = [Falloff(1), Falloff(2), Falloff(0, 4.0), Falloff(1, 4.0), Falloff(2, 4.0), Falloff()]
+MIXED = [replace(lamp, falloff=FALLOFFS[k % 6]) for k, lamp in enumerate(ROW)]
+
+
+def test_of_lamps_that_fall_off_otherwise_each_has_its_part_of_the_light_at_the_place():
+    """Three quarters of what is not shared evenly go by the irradiance, a quarter by power over the scene's radius.
+
+    The cells are small beside the distances.
+    """
+    grid = grid_of(MIXED)
+    place = np.array([[17.0], [0.3], [0.0]])
+    square = np.array([(np.square(lamp.position - place[:, 0])).sum() for lamp in MIXED])
+
+    def fading(square, falloff):
+        return square ** (0.5 * falloff.power) * square / (square + falloff.smooth)
+
+    usual = np.array([light_sampler(lamp, 60.0).power for lamp in ROW])
+    light, power = (
+        usual * [fading(d, lamp.falloff) / over for d, over, lamp in zip(squares, divisors, MIXED, strict=True)]
+        for squares, divisors in ((square, square), (np.full(12, 60.0**2), np.ones(12)))
+    )
+    expected = EVEN_SHARE / 12.0 + (1.0 - EVEN_SHARE) * (0.75 * light / light.sum() + 0.25 * power / power.sum())
+    found = grid.probability(np.arange(12), np.repeat(grid.cells.number(place), 12))
+    np.testing.assert_allclose(found, expected, rtol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("lights", "useful"),
+    [
+        ([replace(lamp, falloff=Falloff(2)) for lamp in ROW], False),
+        ([*(replace(lamp, falloff=Falloff(2)) for lamp in ROW), SUN], False),
+        ([*(replace(lamp, falloff=Falloff(2)) for lamp in ROW), ROW[0]], True),
+        ([replace(lamp, falloff=Falloff(2, 1.0)) for lamp in ROW], True),
+    ],
+    ids=["constant", "constant, and a sun", "constant, and a usual lamp", "constant, smooth"],
+)
+def test_there_is_a_choice_by_place_where_any_light_depends_on_it(lights, useful):
+    assert grid_of(lights).useful == useful
+
+
+@pytest.mark.parametrize("direct", ["mis", "lights"])
+@pytest.mark.parametrize("falloff", [Falloff(1), Falloff(2), Falloff(1, 4.0)], ids=["linear", "constant", "smooth"])
+def test_floor_under_lamps_that_fall_off_otherwise_is_the_sum_of_their_closed_forms(falloff, direct):
+    """Points beside a usual lamp; each gives intensity cos / d^2, times what the falloff makes of it."""
+    lamps = [PointLight(f"lamp {k}", (8.0 * k, 0.3, 1.5), (1.0 + k,) * 3, falloff=falloff) for k in range(5)]
+    lamps.append(PointLight("usual", (2.0, 0.3, 1.0), (4.0,) * 3))
+    total = 0.0
+    for lamp in lamps:
+        square = (lamp.position[0] - 10.4) ** 2 + lamp.position[2] ** 2
+        fading = square ** (0.5 * lamp.falloff.power) * square / (square + lamp.falloff.smooth)
+        total += lamp.intensity[0] * lamp.position[2] / square**1.5 * fading / np.pi
+    lit = scene([floor(60.0)], [material(Diffuse(color(*ALBEDO)))], above(10.4), lamps)
+    assert_mean(replicates(lit, 16, 1024, direct=direct), total * np.array(ALBEDO), precision=0.01, rounding=1e-3)
+
+
+def in_two_rooms(count, lamps=ROW):
     """Lamps on both sides of a wall between two cells, over a floor in the plane of another."""
-    lamps = [replace(ROW[k], position=(3.0 * k - 16.5, 0.3, 1.5), radius=0.6) for k in range(count)]
+    lamps = [replace(lamps[k], position=(3.0 * k - 16.5, 0.3, 1.5), radius=0.6) for k in range(count)]
     wall = quad((0.0, -2.0, 0.0), (0.0, 4.0, 0.0), (0.0, 0.0, 3.0), 0)
     camera = perspective(8, 8, 1.2, (-3.0, -6.0, 4.0), (0.4, 1.0, -0.6))
     return scene([floor(30.0), wall], [material(Diffuse(color(0.8, 0.5, 0.3)))], camera, lamps, bounces=3)
 
 
-def test_strategies_agree_where_lamps_are_chosen_by_place():
-    room = in_two_rooms(12)
-    images = [blocks(replicates(room, 16, 64, direct=direct), 4) for direct in ("mis", "lights", "bsdf")]
+@pytest.mark.parametrize(("lamps", "samples"), [(ROW, 64), (MIXED, 640)], ids=["usual", "of all falloffs"])
+def test_strategies_agree_where_lamps_are_chosen_by_place(lamps, samples):
+    room, ways = in_two_rooms(12, lamps), {"mis": 64, "lights": 64, "bsdf": samples}
+    images = [blocks(replicates(room, 16, count, direct=direct), 4) for direct, count in ways.items()]
     assert_same(images[0], images[1], precision=0.05)
     assert_same(images[0], images[2], precision=0.15)
+
+
+def test_beams_of_any_falloff_are_chosen_by_power():
+    """A light of spread 0 lights what is below its outline, so that distance says little."""
+    edges = (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0)
+    beams = [
+        AreaLight(f"{k}", (k, 0.0, 2.0), *edges, "RECTANGLE", (1.0,) * 3, 0.0, falloff=Falloff(1)) for k in (0.0, 9.0)
+    ]
+    assert not grid_of(beams).useful
+    assert grid_of([*beams, *ROW[:2]]).useful
 
 
 @pytest.mark.parametrize("lights", [[SUN, SUN], [ROW[3]]], ids=["suns", "a lamp"])
