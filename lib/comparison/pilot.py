@@ -23,9 +23,8 @@ from .run import TimedRun
 from .sides import Replicates
 
 # Of the time: what one timed call may take at most, and what the first look may take; but no more than so many seconds.
-CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.03, 0.05, 10.0
-# The next timed call has so many times the samples: as many as its time allows.
-PILOT_SAMPLES, STEPS = 64, (4, 2)
+CALL_SHARE, FIRST_SHARE, FIRST_SECONDS = 0.05, 0.05, 10.0
+PILOT_SAMPLES, STEP = 64, 4
 # A call that takes so many times as long as the one with fewer samples tells what samples cost. One that takes so many times as long as
 # its samples explain is made again.
 TELLING, SPOILED = 2.0, 1.5
@@ -77,8 +76,8 @@ class Layout:
 def time_calls(renderers: tuple[Replicates, Replicates], run: TimedRun) -> tuple[Timings, Timings]:
     """Measure timings of both sides; raises Cancelled.
 
-    Samples grow until they cost more than the rest of the call, and while the next call, were it as much longer as it has
-    more samples, would stay within CALL_SHARE of the time.
+    Samples grow until they cost more than the rest of the call, and while the next call, were it STEP times as long as
+    the last, would stay within CALL_SHARE of the time.
     """
     both = Timings(), Timings()
     number = 0
@@ -87,15 +86,15 @@ def time_calls(renderers: tuple[Replicates, Replicates], run: TimedRun) -> tuple
         while True:
             _, spent = run.render(renderer, FIRST_CALLS.number(number), samples)
             number += 1
-            step = next((step for step in STEPS if step * spent <= run.share(CALL_SHARE)), None)
+            is_slow = STEP * spent > run.share(CALL_SHARE)
             # A call that lasts longer than its samples explain met a busy moment; a first one that is slow may have set things up.
-            again = not again and (spent > longest or (samples == 1 and step is None))
+            again = not again and (spent > longest or (samples == 1 and is_slow))
             if again:
                 continue
             timings.add(samples, spent)
-            if step is None or spent >= TELLING * before or samples >= PILOT_SAMPLES:
+            if is_slow or spent >= TELLING * before or samples >= PILOT_SAMPLES:
                 break
-            samples, before, longest = step * samples, spent, SPOILED * step * spent
+            samples, before, longest = STEP * samples, spent, SPOILED * STEP * spent
     return both
 
 

@@ -164,8 +164,8 @@ def timed(monkeypatch, cost, seconds=60.0, late=lambda call: 0.0):
         ((0.1, 0.01), [1, 4, 16, 64]),
         ((0.1, 0.015), [1, 4, 16]),
         ((0.1, 0.0), [1, 4, 16, 64]),
-        ((0.2, 0.5), [1, 2]),  # 4 x 0.7 s would be more than 3 % of a minute, 2 x 0.7 s are not
-        ((0.2, 0.8), [1, 1]),
+        ((0.2, 0.5), [1, 4]),  # 4 x 0.7 s are less than 5 % of a minute
+        ((0.2, 0.6), [1, 1]),
     ],
 )
 def test_calls_are_timed_until_their_samples_cost_more_than_the_rest(monkeypatch, cost, asked):
