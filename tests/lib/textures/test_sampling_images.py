@@ -35,6 +35,14 @@ def test_texel_centres_give_texels_and_the_bottom_row_comes_first(rng):
     np.testing.assert_allclose(got.T, pixels[[0, 4], [0, 6]], rtol=1e-6)
 
 
+def test_all_texels_of_a_large_image_are_decoded(rng):
+    """More of them than are decoded at once."""
+    pixels = texels(rng, 100, 120)
+    row, column = np.indices(pixels.shape[:2]).reshape(2, -1)
+    got = ImageSet([Image("", pixels, "SRGB")]).sample(0, (column + 0.5) / 120, (row + 0.5) / 100, "CLOSEST")
+    np.testing.assert_allclose(got[:3].T, srgb_decode(pixels[row, column, :3].astype(float)), rtol=1e-5)
+
+
 def test_decoding_before_or_after_interpolation():
     """Half way between black and white the reference has 0.5.
 
