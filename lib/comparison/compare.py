@@ -5,39 +5,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
 
-from ..blender_versions import Release
 from ..errors import Cancelled, EtalonError
 from ..film.film import nonfinite_pixels
 from ..film.parts import Part
-from ..film.regions import BLOCK, Coverage, Regions, image_regions
-from ..film.windows import Windows
+from ..film.regions import BLOCK, Coverage, image_regions
 from ..light_tracing.scouting import Scouted
 from ..pages.formats import format_bound, format_duration
 from ..progress import NO_PROGRESS, Progress
 from ..sampling.streams import COUNTED
-from ..scene.findings import Finding
 from ..scene.scene import Scene
 from ..settings.comparison import CompareOptions
 from ..verdict.attribution import ATTRIBUTION_SHARE
-from ..verdict.boundaries import EXPECTED_LOOKS, FIRST_LOOK, count_looks, next_look
-from ..verdict.causes import Explanation
+from ..verdict.boundaries import EXPECTED_LOOKS, FIRST_LOOK, GROWTH, count_looks, next_look
 from ..verdict.outcome import Outcome
-from ..verdict.passes import PASSES_SHARE, PassTest, PassVerdict
+from ..verdict.passes import PASSES_SHARE, PassTest
 from ..verdict.sequential import ALL_AGREE, SequentialTest
-from ..verdict.verdict import Verdict, conclude
-from .catchers import CatcherPixels
+from ..verdict.verdict import conclude
 from .caustics import caustics_in
+from .comparison import Comparison
+from .course import Course
 from .departures import Alternatives
-from .focus import decisive_regions, focus, weigh_round
 from .interim import BoundAt, Interim
 from .meter import Meter
-from .parts import NO_CHOICE, PassChoice
-from .pilot import Layout, first_layout, main_layout, time_calls
+from .pilot import Layout, first_layout, fixed_share, main_layout, time_calls
 from .run import Stop
 from .search import Search, conclude_causes
 from .sides import Renderer, Replicates, Side, room_left_by
@@ -48,49 +42,6 @@ __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versi
 
 # The part of the time that is set aside to seek causes at the last look, where there are departures. Earlier searches take more.
 ASIDE_SHARE = 0.05
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """All results of a comparison of the scene named `scene`.
-
-    `excluded` (height, width) marks pixels with non-finite samples on either side, `left_out` those whose paths meet a material that is not
-    known to the reference; `unknown` says of each of these materials, by name, what is not simulated. `explanation` is there where regions
-    differ and causes were sought. `stopped` says why sampling ended. `seconds` counts everything, `pilot_seconds` the timed calls and the
-    first look alone, `round_seconds` what one more replicate of both sides takes, of all that is open; `started` is ISO 8601 in UTC;
-    `blender` is the release that exported the scene. `history` has the bound at each look. `divisor` says how many times narrower and lower
-    the images are than the scene asks for. `caustics` (K,) is the part of each region's light that arrives by caustics, at most, where a
-    scouting pass was made. `findings` are those of the scene check, where the caller made one. `passes` is what is claimed of light passes,
-    where they were compared. `passive`: the `unknown` materials only send on light, so that pixels that show them are left out and the others
-    are judged with room for it. `pass_choice`: which light passes the caller chose. `caught`: the pixels among `left_out` that show shadow
-    catchers.
-    """
-
-    scene: str
-    options: CompareOptions
-    reference: Side
-    candidate: Side
-    regions: Regions
-    excluded: np.ndarray
-    verdict: Verdict
-    explanation: Explanation | None
-    stopped: Stop
-    started: str
-    seconds: float
-    pilot_seconds: float
-    round_seconds: float
-    versions: dict[str, str]
-    left_out: np.ndarray
-    unknown: dict[str, str]
-    blender: Release | None
-    history: tuple[BoundAt, ...]
-    divisor: int
-    caustics: np.ndarray | None
-    findings: tuple[Finding, ...] = ()
-    passes: PassVerdict | None = None
-    passive: bool = False
-    pass_choice: PassChoice = NO_CHOICE
-    caught: CatcherPixels | None = None
 
 
 def compare(
@@ -134,7 +85,7 @@ def compare(
         if loop.is_look_due():
             loop.test_regions()
             loop.begin_main_run()
-            loop.narrow()
+            loop.choose_part()
     return loop.conclude(loop.stopped, divisor)
 
 
@@ -196,9 +147,6 @@ class _Loop:
         """Set up regions, both sides and the test, before anything that counts is rendered."""
         self._layout = layout
         self._meter.progress.begin("first look" if self._is_first else "rendering")
-        self._windows: Windows | None = None
-        # The regions (K,) that are sampled on; None: all.
-        self._wanted: np.ndarray | None = None
         self._is_last = False
         height, width = self._left_out.shape
         self._regions = image_regions(height, width, self._coverage, layout.blocks, self._compared)
@@ -222,55 +170,53 @@ class _Loop:
             len(self._regions), options.tolerance, options.confidence, held_back, self._regions.families, layout.looks
         )
         self._search = Search(self._among, self._test, self._meter, self._regions, of_causes) if self._among else None
-        self._meter.mark(0)
+        # What is sampled on, and whether that is for causes; the work that was done when they were sought last.
+        self._open, self._is_searching, self._searched = np.ones(len(self._regions), bool), False, 0.0
+        fixed = 0.0 if self._timings is None else fixed_share(self._timings, layout.samples)
+        self._course = Course(self._regions, self._sides, self._test, self._meter, options, fixed)
 
     def render_round(self) -> None:
         """Add one replicate to each side; one that is cancelled or cut short is not kept."""
-        weight = self._weigh_round()
+        course, windows = self._course, self._course.windows
+        weight, number = course.weigh(), COUNTED.number(self._before + course.drawn)
         for k, (side, renderer) in enumerate(zip(self._sides, self._renderers, strict=True)):
-            number = COUNTED.number(self._before + side.replicates)
-            samples = weight * side.film.samples
             try:
-                rendering, spent = self._meter.render_counted(renderer, number, samples, self._windows)
+                rendering, spent = self._meter.render_counted(renderer, number, weight * side.film.samples, windows)
             except Cancelled:
                 break
-            if self._timings is not None and self._windows is None:
+            if self._timings is not None and windows is None:
                 self._timings[k].add(side.film.samples, spent)
             self._excluded = self._excluded | nonfinite_pixels(rendering, self._regions.shape)
             if rendering.unknown is not None:
                 self._left_out = require_pixels(self._scene, self._left_out | (rendering.unknown > 0))
-            for one in self._sides:
-                one.exclude(self._excluded | self._left_out, self._wanted)
-            side.add(rendering, self._wanted, weight)
+            course.exclude(self._excluded | self._left_out)
+            side.add(rendering, course.part.of, weight)
             del rendering  # not while the other side renders
+        else:
+            course.count(weight)
         if not self._sides[1].replicates:
             raise self._nothing_to_compare()
 
-    def _weigh_round(self) -> int:
-        """How many replicates of both sides the next round renders at once."""
-        if self._windows is None or self._options.samples is not None:
-            return 1
-        replicates, samples = self._sides[1].replicates, max(side.film.samples for side in self._sides)
-        return weigh_round(float(self._windows.mask.mean()), replicates, samples, self._options.replicates)
-
     def is_look_due(self) -> bool:
         """Whether the test is to look at what there is, and whether sampling ends with that look."""
-        n = self._sides[1].replicates
-        due = next_look(n - 1)
+        course = self._course
+        n, part = course.replicates, course.part
         # How fast parts come depends on what was seen elsewhere, and so does the time left once that set aside is overdrawn: then, time
         # decides neither when to look nor what a look may spend.
-        timely = self._windows is None and not self._meter.is_overdrawn
+        timely = not course.is_split and not self._meter.is_overdrawn
+        after = n if course.is_planned else next_look(n)
         most = None if self._is_first else self._options.replicates
-        self.stopped = self._meter.why_stop(n, n + 1 if timely else due if n < due else next_look(n), most)
+        self.stopped = self._meter.why_stop(n, n + 1 if timely else part.target if n < part.target else after, most)
         self._is_last = self.stopped is Stop.REPLICATES or (self.stopped is not None and timely)
-        return n == due or self._is_last
+        return course.is_at_look or self._is_last
 
     def test_regions(self) -> None:
-        """Look at all regions, and seek the causes of those that differ."""
+        """Look at the regions of the part, and seek the causes of those that differ."""
         of_reference, of_candidate = (side.regions.moments for side in self._sides)
         self._test.fix_floor(of_reference)
         missing = self.unsupported, self._sides[0].regions, self._test.floor
-        self._test.look(of_reference, of_candidate, self._is_last, self._room_for_rare_light(), *room_beside(*missing))
+        room = self._room_for_rare_light(), *room_beside(*missing)
+        self._test.look(of_reference, of_candidate, self._is_last, *room, self._course.part.of)
         if self._pass_test is not None:
             passes = self._sides[0].passes, self._sides[1].passes
             self._pass_test.look(*passes, self._layout.samples, self._test.floor, self._is_last)
@@ -279,16 +225,21 @@ class _Loop:
         self._meter.progress.tell(_describe(bound))
         self._meter.progress.show(self._interim(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
-        self._differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
-        self._open = self._test.undecided & (~self._test.within | self._differs)
+        differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
+        self._open = self._test.undecided & (~self._test.within | differs)
         # Of the first look, only where no main run follows and one pair of images is a small part of the time.
         may_search = not self._is_first or (self._is_last and bound.replicates >= FIRST_LOOK)
-        if self._search is not None and may_search:
+        # Parts come to looks more often; causes are sought after as much more work as there is between looks at the whole image.
+        is_due = self._is_last or self._course.work >= GROWTH * self._searched
+        if self._search is not None and may_search and is_due:
+            self._searched = self._course.work
             differing = frozenset() if self._pass_test is None else self._pass_test.differing
-            if self._search.look(self._sides, self._excluded | self._left_out, self._is_last, differing):
-                self._open = self._test.outcomes != Outcome.EQUIVALENT
-            elif self._search.complete:
-                self._open = np.zeros_like(self._open)
+            excluded = self._excluded | self._left_out
+            self._is_searching = self._search.look(self._sides, excluded, self._is_last, differing)
+        if self._is_searching:
+            self._open = self._test.outcomes != Outcome.EQUIVALENT
+        elif self._search is not None and self._search.complete:
+            self._open = np.zeros_like(self._open)
         self._open = self._open & (self._sides[0].regions.sizes > 0) & ~self._test.blocked
 
     def _interim(self, bound: BoundAt) -> Interim:
@@ -326,30 +277,17 @@ class _Loop:
         )
         self._pilot_seconds = self._meter.elapsed
         if layout is not None:
-            self._before += self._sides[1].replicates
+            self._before += self._course.drawn
             self._begin(layout)
-            self._open = np.ones(len(self._regions), bool)
             return
         self._meter.progress.begin("rendering")
         if options.replicates is not None and self._sides[1].replicates >= options.replicates:
             self.stopped = Stop.REPLICATES
 
-    def narrow(self) -> None:
-        """End where nothing is open; else sample on the open part, once that is small."""
-        if not self._open.any():
-            self.stopped = self.stopped or Stop.DECIDED
-            return
-        wanted = self._open if self._wanted is None else self._wanted & self._open
-        if self._options.replicates is None and not self._differs:
-            wanted = decisive_regions(self._test, self._regions, wanted, self._meter.rounds_left)
-        samples = max(side.film.samples for side in self._sides)
-        windows = focus(self._regions, wanted, samples, self._sides[1].replicates)
-        if windows is None:  # too large, or all that is open was given up for what is within the tolerance now
-            return
-        if self._windows is None:
-            self._meter.progress.begin("rendering what is open")
-        self._wanted, self._windows = wanted, windows
-        self._meter.mark(self._sides[1].replicates)
+    def choose_part(self) -> None:
+        """Choose what is rendered until the next look; end where there is nothing."""
+        if self.stopped is None and self._test.looks:
+            self.stopped = self._course.go_on(self._open)
 
     def conclude(self, stopped: Stop, divisor: int) -> Comparison:
         """The verdict, and all that it rests on."""
@@ -370,7 +308,7 @@ class _Loop:
             started=self._started,
             seconds=self._meter.elapsed,
             pilot_seconds=self._pilot_seconds,
-            round_seconds=self._meter.round_seconds,
+            round_seconds=self._course.seconds_to_double(self._open) / max(candidate.moments.most, 1),
             versions=versions(),
             left_out=self._left_out,
             unknown={material.name: material.unknown for material in self._scene.materials if material.unknown},

@@ -1,99 +1,145 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where sampling goes on, once most regions are decided.
+"""Where sampling goes on.
 
-It goes on in the parts of the image that hold the others. A region's replicates stay a prefix of all replicates, judged
-at the same numbers of them as if the whole image were rendered: what was seen elsewhere decides whether it is looked at
-again, never after how many of its replicates. In a part of the image, a round renders several of them at once, as one
-replicate of that weight, for about the time that one takes in the whole image.
-
-Where the time will not decide all regions, it goes to those that keep the bound of the image up (`decisive_regions`).
+It goes on in parts of the image, once less than all of it is open or where the time will not decide it all. Regions that have as many
+replicates as each other are sampled together, up to a look; then what to sample next is chosen anew, and regions that were left may come
+again. Each region is judged after the same numbers of replicates as if the whole image were rendered: what was seen elsewhere decides when
+it is looked at, never after how many of its replicates. In a part of the image, a round renders several of them at once, as one replicate of
+that weight, for about the time that one takes in the whole image.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import ndtri
 
 from ..film.regions import Regions
-from ..film.windows import Windows, windows_around
+from ..film.windows import CALL, Windows, windows_around
 from ..verdict.allocation import MOST_SAMPLES
 from ..verdict.boundaries import next_look
 from ..verdict.sequential import SequentialTest
+from .attainable import Attainable, Standing, needed_replicates
+from .pace import Pace
 
 # Parts that are together larger than this share of the image save too little.
 LARGEST = 0.75
-# Regions are given up for others where that is expected to lower the bound of the image to this part of what it would be.
-WORTHWHILE = 0.8
-# What is given up is not taken up again, and the noise of few replicates is itself noisy: the others may come to this part of what is expected.
-HOPE = 0.6
-# How many numbers of regions are tried.
-TRIED = 64
+# Windows are chosen for at least so many replicates at once, if the next look is not nearer; and rounds in them are long enough for
+# pixels to cost so many times what calls cost.
+LEAST_AT_ONCE, CHEAP = 2, 3
+# Small parts pass over looks until they take as long as a call's fixed part, but never further than this factor.
+FURTHEST = 1.5
+# The whole image goes on while that is expected to decide it in this part of the time that is left.
+IMAGE_SHARE = 0.5
+# Parts are worth leaving the whole image for where they are expected to lower its bound to this part of what it would be.
+WORTHWHILE = 0.9
 
 
-def focus(regions: Regions, wanted: np.ndarray, samples: int, replicates: int) -> Windows | None:
-    """The windows that hold the regions `wanted` (K,) bool.
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What is rendered until the next look.
 
-    None where the whole image is to be rendered. `samples` is what a pixel gets in a replicate, `replicates` how many
-    there are.
+    The regions `of` (K,) bool, None for all, that have so many `replicates`, in `windows`, None for the whole image. Their pixels are
+    a `share` of the image, and the look comes at `target` replicates.
     """
+
+    of: np.ndarray | None
+    windows: Windows | None
+    replicates: int
+    target: int
+
+    @property
+    def share(self) -> float:
+        """The part of the image's pixels that is rendered."""
+        return 1.0 if self.windows is None else self.windows.share
+
+    @property
+    def is_all(self) -> bool:
+        """Whether it is the whole image, for all regions."""
+        return self.of is None and self.windows is None
+
+
+def part_of(
+    regions: Regions, wanted: np.ndarray, replicates: np.ndarray, lost: np.ndarray, samples: int, pace: Pace
+) -> Part:
+    """The part that holds the regions `wanted` (K,) bool, which have equally many `replicates` (K,).
+
+    Other regions with as many take part in it if their pixels are rendered anyway, but for those that are `lost` (K,).
+    `samples` is what a pixel gets in a replicate.
+    """
+    count = int(replicates[wanted].max())
+    windows = find_windows(regions, wanted, samples, count)
+    of = (replicates == count) & ~lost
+    share = 1.0
+    if windows is not None:
+        share = windows.share
+        rendered = windows.mask.ravel()[regions.weights.indices]
+        of &= np.logical_and.reduceat(rendered, regions.weights.indptr[:-1])
+    target = next_look(count)
+    while share * (target - count) * (1.0 - pace.fixed) < pace.fixed and next_look(target) <= FURTHEST * count:
+        target = next_look(target)
+    return Part(None if of.all() else of, windows, count, target)
+
+
+def find_windows(regions: Regions, wanted: np.ndarray, samples: int, replicates: int) -> Windows | None:
+    """The windows that hold the regions `wanted` (K,) bool; None where the whole image is to be rendered."""
     inside = np.zeros(regions.shape, bool)
-    for left, top, right, bottom in regions.boxes[wanted]:
-        inside[top : bottom + 1, left : right + 1] = True
+    inside.ravel()[regions.weights[np.flatnonzero(wanted)].indices] = True
     share = inside.mean()
     if not 0.0 < share <= LARGEST:
         return None
-    windows = windows_around(inside, samples * weigh_round(share, replicates, samples))
-    return windows if windows.mask.mean() <= LARGEST else None
+    at_once = min(max(int(1.0 / share), LEAST_AT_ONCE), next_look(replicates) - replicates)
+    windows = windows_around(inside, samples * at_once)
+    return windows if windows.share <= LARGEST else None
 
 
-def decisive_regions(test: SequentialTest, regions: Regions, wanted: np.ndarray, rounds: float) -> np.ndarray:
-    """Those of the regions `wanted` (K,) bool that are worth the time that is left.
+def weigh_round(windows: Windows, replicates: int, samples: int, target: int, most: int | None = None) -> int:
+    """How many replicates of so many `samples` to render at once in the `windows`.
 
-    `rounds` is how many more replicates fit into the time, of all that is wanted. Where this decides all of it, all is
-    kept. Else the regions with the largest bounds are, as many as give the lowest bound of the image at the end, and
-    with them those that the time decides. The others keep the bound that they have. The whole image comes first:
-    while it is wanted, so is all.
+    `replicates` is how many were rendered before. It is as many as take no longer than one of the whole image, or as make the calls of
+    the renderers cheap beside the pixels, but not past the `target`, nor past `most` in all. Rounds up to there are about equal.
     """
-    bounds, limited = test.bounds, np.isfinite(rounds) and rounds > 0.0
-    if not limited or not np.isfinite(bounds[wanted]).all() or (wanted & (regions.families == 0)).any():
-        return wanted
-    replicates = test.looks[-1].replicates[1]
-
-    def after(share: float) -> np.ndarray:
-        """The bounds (K,) expected if a `share` of what is wanted gets all the time."""
-        growth = 1.0 + rounds / share / replicates
-        quantiles = stdtrit(2.0 * (replicates * np.array([1.0, growth]) - 1.0), test.looks[-1].level)
-        noise = bounds - test.rare - test.unsupported
-        return noise / np.sqrt(growth) * quantiles[1] / quantiles[0] + test.rare / growth + test.unsupported
-
-    kept = wanted & (after(1.0) <= test.tolerance)
-    order = np.flatnonzero(wanted & ~kept)
-    order = order[np.argsort(-bounds[order], kind="stable")]
-    painted, area = np.zeros(regions.shape, bool), 0
-    areas = []
-    for k in (*np.flatnonzero(kept), *order):
-        left, top, right, bottom = regions.boxes[k]
-        box = painted[top : bottom + 1, left : right + 1]
-        area += box.size - int(np.count_nonzero(box))
-        box[...] = True
-        areas.append(area)
-    if not order.size:
-        return wanted
-    # With the first k + 1 of them, for some k; the next one keeps its bound.
-    tried = np.unique(np.linspace(0, order.size - 1, TRIED).astype(int))[::-1]
-    shares, nexts = [float(part / area) for part in areas[kept.sum() :]], np.append(bounds[order[1:]], 0.0)
-    reached = [max(HOPE * after(shares[k])[order[: k + 1]].max(), nexts[k]) for k in tried]
-    if min(reached) > WORTHWHILE * reached[0]:
-        return wanted
-    kept[order[: tried[int(np.argmin(reached))] + 1]] = True
-    return kept
+    until = max(min(target, most or target) - replicates, 1)
+    cheap = math.ceil(CHEAP * CALL * len(windows.boxes) / (windows.pixels * samples))
+    weight = max(min(max(int(1.0 / windows.share), cheap), until, MOST_SAMPLES // samples), 1)
+    return math.ceil(until / math.ceil(until / weight))
 
 
-def weigh_round(share: float, replicates: int, samples: int, most: int | None = None) -> int:
-    """How many replicates to render at once, in a `share` of the image.
+def choose_regions(
+    test: SequentialTest, attainable: Attainable, now: Standing, wanted: np.ndarray, limit: float, is_split: bool
+) -> np.ndarray:
+    """Those of the regions `wanted` (K,) bool to sample next; they have equally many replicates.
 
-    `replicates` is how many were rendered before. It is as many as take no longer than one of the whole image, but
-    not past the next look, nor past `most` in all.
+    The time that is left allows `limit` replicates of the whole image. If that decides all that is wanted, all are to be sampled, else those
+    whose bound is above the one that all can reach. Of these, the ones with as many replicates as the region with the largest
+    bound come first. The whole image, where that is wanted, comes before all others while half of the time may decide it. As long as
+    the sampling `is_split` nowhere, all goes on where parts gain little. None is left where nothing more is in reach.
     """
-    until = min(next_look(replicates), most or next_look(replicates)) - replicates
-    return max(min(int(1.0 / share), until, MOST_SAMPLES // samples), 1)
+    bound = attainable.bound(test, wanted, now, limit)
+    chosen = wanted
+    if bound > test.tolerance:
+        more = needed_replicates(test, now, test.tolerance) - now.replicates
+        image = np.flatnonzero(wanted & (test.families == 0) & (more <= IMAGE_SHARE * limit))
+        if image.size:
+            return wanted & (now.replicates == now.replicates[image[0]])
+        if is_split or bound <= WORTHWHILE * bound_of_whole(test, now, wanted, limit):
+            chosen = wanted & (now.bounds > bound)
+    if not chosen.any():
+        return chosen
+    first = int(np.argmax(np.where(chosen, now.bounds, -np.inf)))
+    return chosen & (now.replicates == now.replicates[first])
+
+
+def bound_of_whole(test: SequentialTest, now: Standing, wanted: np.ndarray, limit: float) -> float:
+    """The bound of the regions `wanted` (K,) bool if `limit` more replicates of the whole image end with a last look.
+
+    That look has all of the level that is left.
+    """
+    growth = 1.0 + limit / np.maximum(now.replicates, 1)
+    look = test.looks[-1]
+    quantiles = ndtri([look.level, look.level * max(test.share_left / look.share, 1.0)])
+    noise = now.bounds - test.rare - test.unsupported
+    after = noise / np.sqrt(growth) * (quantiles[1] / quantiles[0]) + test.rare / growth + test.unsupported
+    return float(after[wanted].max(initial=0.0))

@@ -32,8 +32,6 @@ class Meter(TimedRun):
         self._rendered = 0
         self._is_counted = False
         self._mark = 0.0, 0
-        # What a replicate takes, of all that is rendered now, and how many more of them the time allows.
-        self.round_seconds, self.rounds_left = math.nan, math.inf
 
     @property
     def is_overdrawn(self) -> bool:
@@ -59,6 +57,23 @@ class Meter(TimedRun):
         There are `replicates` on both sides.
         """
         self._mark = self.elapsed - self.spent_aside, replicates
+
+    @property
+    def since_mark(self) -> float:
+        """The seconds of sampling since the last mark."""
+        return self.elapsed - self.spent_aside - self._mark[0]
+
+    @property
+    def sampling_left(self) -> float:
+        """The seconds that sampling may still take; infinite without a limit.
+
+        What is set aside counts as spent from the start: how much of it is used depends on what was rendered. What is spent beyond
+        it does shorten the sampling, and `is_overdrawn` says so.
+        """
+        if self._options.time is None:
+            return math.inf
+        sampling = self.elapsed - self.spent_aside
+        return self._options.time - max(self.seconds_aside or 0.0, self.spent_aside) - sampling
 
     def render_counted(
         self, renderer: Replicates, replicate: int, samples: int, windows: Windows | None
@@ -107,16 +122,10 @@ class Meter(TimedRun):
             return Stop.REPLICATES
         if self.is_over:
             return Stop.TIME
-        # What is set aside counts as spent from the start: how much of it is used depends on what was rendered. What is spent beyond
-        # it does shorten the sampling, and `is_overdrawn` says so.
-        sampling = self.elapsed - self.spent_aside
-        begin, before = self._mark
-        self.round_seconds = (sampling - begin) / max(replicates - before, 1)
-        if self._options.time is None or replicates < 2:
+        if replicates < 2:
             return None
-        left = self._options.time - max(self.seconds_aside or 0.0, self.spent_aside) - sampling
-        self.rounds_left = left / max(self.round_seconds, 1e-9)
-        return Stop.TIME if self.round_seconds * (goal - replicates) > left else None
+        a_replicate = self.since_mark / max(replicates - self._mark[1], 1)
+        return Stop.TIME if a_replicate * (goal - replicates) > self.sampling_left else None
 
     def report(self, fraction: float) -> None:
         """Tell the share of the time, or of the replicates, that is spent."""

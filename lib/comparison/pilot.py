@@ -40,7 +40,7 @@ WORTHWHILE = 4
 # second number is rounding.
 DECIDED_PART, ROUNDING = 0.9, 1e-10
 # Focusing on open regions can multiply replicates by this; the looks share the level among so many.
-FOCUS_GAIN = 4
+FOCUS_GAIN = 16
 
 
 @dataclass
@@ -134,6 +134,13 @@ def balance_samples(costs: tuple[Cost, Cost], seconds: float) -> tuple[int, int]
     first, second = (min(2 ** int(np.log2(dear / cost.per_sample) / 2), PILOT_SAMPLES) for cost in costs)
     fits = ENOUGH * (costs[0].seconds(first) + costs[1].seconds(second)) <= seconds
     return (first, second) if fits else (1, 1)
+
+
+def fixed_share(timings: tuple[Timings, Timings], samples: tuple[int, int]) -> float:
+    """The part of the time of a replicate of so many `samples` on both sides that is not spent on samples."""
+    costs = timings[0].cost, timings[1].cost
+    whole = sum(cost.seconds(n) for cost, n in zip(costs, samples, strict=True))
+    return sum(cost.fixed for cost in costs) / max(whole, 1e-9)
 
 
 def main_layout(

@@ -23,6 +23,7 @@ class Stop(Enum):
     REPLICATES = "replicates"
     SAMPLES = "samples"
     NOTHING = "nothing to measure"
+    LOST = "lost pixels"
     CANCELLED = "cancelled"
 
 

@@ -107,6 +107,18 @@ class Side:
         for name, regions in self.passes.items():
             regions.exclude(pixels, self.pass_films[name], None if of is None else of[: len(regions.regions)])
 
+    def rendered_apart(self, pixels: np.ndarray) -> np.ndarray:
+        """The regions (K,) that some of these `pixels` (height, width) were rendered more or less often for than they count."""
+        of_pixels, regions = self.film.moments.n, self.regions.regions
+        apart = np.zeros(len(regions), bool)
+        if not isinstance(of_pixels, np.ndarray):
+            return apart
+        shown = regions.weights[:, np.flatnonzero(pixels)].tocoo()
+        row, column = shown.coords
+        counts = np.broadcast_to(self.regions.moments.n, apart.shape)
+        apart[row[of_pixels[pixels][column] != counts[row]]] = True
+        return apart
+
     def add(self, rendering: Rendering, of: np.ndarray | None, weight: int = 1) -> None:
         """Add one replicate, with `weight` times the usual samples.
 

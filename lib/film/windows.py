@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 # What a call of a renderer costs beside its pixels, in samples: rectangles are joined where that is cheaper.
-_CALL = 1 << 15
-# So many are weighed against each other; where there are more, those that are so many pixels apart become one first.
-_MOST, _STEP = 32, 8
+CALL = 1 << 15
+# There are no more rectangles than _MOST; they are put together from squares of _EDGE pixels or more, _TRIED rows of them at most.
+_MOST, _EDGE, _TRIED = 32, 8, 256
 
 Box = tuple[int, int, int, int]
 
@@ -35,40 +34,67 @@ class Windows:
             inside[top : bottom + 1, left : right + 1] = True
         return inside
 
-    @property
+    @cached_property
     def pixels(self) -> int:
         """How many pixels are inside."""
         return int(self.mask.sum())
 
+    @property
+    def share(self) -> float:
+        """The part of the image's pixels that is inside."""
+        return self.pixels / self.mask.size
+
 
 def windows_around(inside: np.ndarray, samples: int) -> Windows:
-    """Return few rectangles that cover the pixels `inside` (height, width).
+    """Return few rectangles that cover the pixels `inside` (height, width), as tightly as pays.
 
     Two rectangles become one if that adds less than a call costs.
 
     `samples` is how many a pixel gets in a call.
     """
-    wide = inside
-    while True:
-        labels, count = scipy.ndimage.label(wide, np.ones((3, 3)))
-        if count <= _MOST:
+    edge = _EDGE
+    while len(boxes := _rows_of_squares(inside, edge)) > _TRIED:
+        edge *= 2
+    while len(boxes) > 1:
+        low, high = np.minimum(boxes[:, None, :2], boxes[:, :2]), np.maximum(boxes[:, None, 2:], boxes[:, 2:])
+        areas = _area(boxes)
+        added = np.prod(high - low + 1, axis=2) - areas[:, None] - areas
+        np.fill_diagonal(added, np.iinfo(added.dtype).max)
+        one, other = np.unravel_index(int(np.argmin(added)), added.shape)
+        if added[one, other] * samples > CALL and len(boxes) <= _MOST:
             break
-        wide = scipy.ndimage.binary_dilation(wide, np.ones((3, 3)), iterations=_STEP)
-    parts = scipy.ndimage.find_objects(labels)
-    left = [(x.start, y.start, x.stop - 1, y.stop - 1) for y, x in parts]
-    while len(left) > 1:
-        joined = {(i, j): _join(left[i], left[j]) for i in range(len(left)) for j in range(i)}
-        added = {pair: _area(box) - _area(left[pair[0]]) - _area(left[pair[1]]) for pair, box in joined.items()}
-        pair = min(added, key=added.__getitem__)
-        if added[pair] * samples > _CALL:
-            break
-        left = [box for k, box in enumerate(left) if k not in pair] + [joined[pair]]
-    return Windows(inside.shape, tuple(sorted(left, key=lambda box: (box[1], box[0]))))
+        joined = np.append(low[one, other], high[one, other])
+        boxes = np.append(np.delete(boxes, (one, other), axis=0), joined[None], axis=0)
+    found = [_trimmed(inside, box) for box in boxes.tolist()]
+    return Windows(inside.shape, tuple(sorted(found, key=lambda box: (box[1], box[0]))))
 
 
-def _join(a: Box, b: Box) -> Box:
-    return min(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3])
+def _rows_of_squares(inside: np.ndarray, edge: int) -> np.ndarray:
+    """Rectangles (N, 4) that cover the pixels `inside`, as in Windows.
+
+    They are rows of squares of `edge` pixels, those of equal ends below each other as one.
+    """
+    height, width = inside.shape
+    squares = np.logical_or.reduceat(np.logical_or.reduceat(inside, range(0, height, edge)), range(0, width, edge), 1)
+    # The uppermost row of each, by its ends and its lowest row.
+    found: dict[tuple[int, int, int], int] = {}
+    for row, line in enumerate(squares):
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], line, [False]]).astype(np.int8)))
+        for first, end in zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True):
+            top = found.pop((first, end - 1, row - 1), row)
+            found[first, end - 1, row] = top
+    boxes = np.array([(left, top, right, low) for (left, right, low), top in found.items()]).reshape(-1, 4) * edge
+    boxes[:, 2:] += edge - 1
+    return np.minimum(boxes, [width - 1, height - 1, width - 1, height - 1])
 
 
-def _area(box: Box) -> int:
-    return (box[2] - box[0] + 1) * (box[3] - box[1] + 1)
+def _trimmed(inside: np.ndarray, box: list[int]) -> Box:
+    """The rectangle without the rows and columns at its sides in which nothing is `inside`."""
+    left, top, right, bottom = box
+    part = inside[top : bottom + 1, left : right + 1]
+    rows, columns = np.flatnonzero(part.any(axis=1)), np.flatnonzero(part.any(axis=0))
+    return left + int(columns[0]), top + int(rows[0]), left + int(columns[-1]), top + int(rows[-1])
+
+
+def _area(boxes: np.ndarray) -> np.ndarray:
+    return np.prod(boxes[:, 2:] - boxes[:, :2] + 1, axis=1)

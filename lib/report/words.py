@@ -27,6 +27,7 @@ _ENDED = {
     Stop.TIME: "the time was spent",
     Stop.REPLICATES: "the replicates asked for were done",
     Stop.CANCELLED: "it was cancelled",
+    Stop.LOST: "what was open had lost pixels to samples that are not finite",
 }
 
 

@@ -36,6 +36,14 @@ def next_look(replicates: int) -> int:
     return look
 
 
+def looks_between(first: int, last: int) -> list[int]:
+    """The numbers of replicates of the looks above `first` and below `last`."""
+    found = []
+    while (look := next_look(found[-1] if found else first)) < last:
+        found.append(look)
+    return found
+
+
 def count_looks(replicates: int) -> int:
     """How many looks there are at up to so many replicates, at least 1."""
     look, count = FIRST_LOOK, 1

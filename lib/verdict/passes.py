@@ -90,12 +90,12 @@ class PassTest:
     ) -> None:
         """Judge the present data, of `samples` per pixel in each replicate of both sides.
 
-        `floor` (3,) is the image's.
+        `floor` (3,) is the image's. Without more replicates of any region there is nothing to judge.
         """
         self._test.floor = floor
-        self._test.look(
-            self._stacked(reference), self._stacked(candidate), last, self._room(reference, candidate, samples)
-        )
+        mine, theirs = self._stacked(reference), self._stacked(candidate)
+        if not self._test.looks or (mine.most, theirs.most) != self._test.looks[-1].replicates:
+            self._test.look(mine, theirs, last, self._room(reference, candidate, samples))
 
     def conclude(self, reference: Passes, candidate: Passes) -> PassVerdict | None:
         """The verdict on the passes; None before the first look."""

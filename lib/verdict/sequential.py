@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..film.moments import Moments
-from .boundaries import EXPECTED_LOOKS, GROWTH, Boundary, Spending
+from .boundaries import EXPECTED_LOOKS, GROWTH, Boundary, Spending, looks_between
 from .claims import FLOOR_SHARE, bound, difference, p_different, p_equivalent, tolerance_ends
 from .outcome import Outcome
 from .rare import FEWEST
@@ -51,8 +51,8 @@ def holm(p: np.ndarray, level: float) -> np.ndarray:
 class Look:
     """One look at the data.
 
-    The replicates on each side, its share of the error level, the level of its test of one region, and what it left
-    undecided. `bound` is the difference up to which all regions agree, by this look.
+    The replicates on each side of the regions that it judged, its share of the error level, the level of its test of one region, and
+    what it left undecided. `bound` is the difference up to which all regions agree, by this look and those before.
     """
 
     replicates: tuple[int, int]
@@ -110,6 +110,8 @@ class SequentialTest:
         self.expected = expected
         self._spending = Spending(expected)
         self._boundary = Boundary(ALL_AGREE * self.level)
+        # The share and the level of the look at each number of replicates.
+        self._spent: dict[int, tuple[float, float]] = {}
         # p-values over the look's share, of the claims on single regions, as of the last look at each.
         self._agrees, self._differs = np.full((2, count), np.inf)
 
@@ -135,9 +137,14 @@ class SequentialTest:
         alone = (self._without <= self.tolerance) & ~self.within
         return self.undecided & self._reached & (alone | (self.unsupported >= self.tolerance) | self._brighter)
 
+    @property
+    def share_left(self) -> float:
+        """The share of the level that no look has spent."""
+        return 1.0 - self._spending.spent
+
     def share_after(self, growth: float) -> float:
         """The share of the level that a look spends once there are `growth` times the replicates."""
-        return self._spending.share_of(len(self.looks) + max(1, round(np.log(growth) / np.log(GROWTH))))
+        return self._spending.share_of(self._spending.looks + max(1, round(np.log(growth) / np.log(GROWTH))))
 
     def fix_floor(self, reference: Moments) -> None:
         """Settle the floor from the moments (N, 3) of the first look; later ones change nothing."""
@@ -152,18 +159,22 @@ class SequentialTest:
         rare: np.ndarray | float = 0.0,
         unsupported: np.ndarray | float = 0.0,
         reached: np.ndarray | bool = False,
+        of: np.ndarray | None = None,
     ) -> None:
         """Judge the present data, moments (N, 3) of the region means.
 
         `rare` (N,) is the relative difference that unseen light may make.
         Light of unsupported materials, which the reference lacks, may make a difference of `unsupported` (N,) in the
-        regions `reached` (N,).
+        regions `reached` (N,). Only the regions `of` (N,) bool are judged, which have as many replicates each; by default those that
+        have most.
         """
         self.fix_floor(reference)
-        replicates = min(reference.most, candidate.most)
-        share = self._spending.take(last)
-        level = self._boundary.next(replicates, share)
-        now = np.broadcast_to(np.minimum(reference.n, candidate.n) >= replicates, self.bounds.shape)
+        counts = np.broadcast_to(np.minimum(reference.n, candidate.n), self.bounds.shape)
+        now = counts >= min(reference.most, candidate.most) if of is None else of
+        if not now.any():
+            return
+        replicates = int(counts[now].max())
+        share, level = self._spend(replicates, last, of is not None)
         rare = np.broadcast_to(np.asarray(rare, float), self.bounds.shape)
         unsupported = np.broadcast_to(np.asarray(unsupported, float), self.bounds.shape)
         self.unsupported = np.where(now, unsupported, self.unsupported)
@@ -185,9 +196,25 @@ class SequentialTest:
         self._brighter = np.where(now, self._reached & shown & (replicates >= FEWEST), self._brighter)
         gap = difference(candidate, reference, self.floor)
         self._claim(replicates, gap, np.isnan(reference.mean + candidate.mean).any(axis=1))
-        self.looks.append(
-            Look((reference.most, candidate.most), share, level, int(self.undecided.sum()), self.overall_bound())
-        )
+        most = (reference.most, candidate.most) if of is None else (replicates, replicates)
+        self.looks.append(Look(most, share, level, int(self.undecided.sum()), self.overall_bound()))
+
+    def _spend(self, replicates: int, last: bool, one_of_many: bool) -> tuple[float, float]:
+        """The share of the look at so many `replicates`, and the level of its test of one region.
+
+        Regions come to a number of replicates at different times, and some pass over looks. As `one_of_many`, a look has the
+        place among the looks of its number of replicates: what it may spend does not depend on when it comes.
+        """
+        if one_of_many:
+            for earlier in looks_between(max(self._spent, default=0), replicates):
+                self._take(earlier, last=False)
+        if replicates not in self._spent or not one_of_many:
+            self._take(replicates, last)
+        return self._spent[replicates]
+
+    def _take(self, replicates: int, last: bool) -> None:
+        share = self._spending.take(last)
+        self._spent[replicates] = share, self._boundary.next(replicates, share)
 
     def overall_bound(self, of: np.ndarray | slice = slice(None)) -> float:
         """The difference up to which all regions are shown to agree; infinite if there is none.

@@ -6,9 +6,12 @@ Where time is short, they are for what keeps the bound of the image up.
 
 import numpy as np
 import pytest
+from etalon.lib.comparison.attainable import Attainable, Standing
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.comparison.focus import HOPE, WORTHWHILE, decisive_regions, focus, weigh_round
+from etalon.lib.comparison.focus import CHEAP, choose_regions, find_windows, part_of, weigh_round
+from etalon.lib.comparison.pace import Pace
 from etalon.lib.film.regions import image_regions
+from etalon.lib.film.windows import CALL, Windows
 from etalon.lib.verdict.boundaries import next_look
 from etalon.lib.verdict.outcome import Outcome
 from etalon.lib.verdict.sequential import Look, SequentialTest
@@ -16,104 +19,132 @@ from etalon.tests.lib.renderers import Clock, Painter, blank, grey
 from scipy import stats
 
 SIDE, CELL, REPLICATES, LEVEL = 64, 16, 12, 1e-3
+NONE = np.zeros(17, bool)
 
 
-@pytest.mark.parametrize("share", [0.7, 0.3, 0.04, 1e-4])
+def window(share):
+    """One window that fills a `share` of a large image."""
+    return Windows((1000, 1000), ((0, 0, 999, max(round(1000 * share), 1) - 1),))
+
+
+@pytest.mark.parametrize("share", [0.7, 0.3, 0.04, 1e-3])
 @pytest.mark.parametrize("most", [None, 100])
 def test_rounds_end_at_every_look_and_cost_no_more_than_the_whole_image(share, most):
     replicates = 8
     while replicates < 100:
-        weight = weigh_round(share, replicates, 8, most)
+        weight = weigh_round(window(share), replicates, 1024, next_look(replicates), most)
         assert 1 <= weight <= max(1 / share, 1)
         assert replicates + weight <= next_look(replicates)
         replicates += weight
     assert most is None or replicates == most
 
 
+def test_rounds_of_many_windows_are_long_enough_to_pay_for_their_calls():
+    many = Windows((1000, 1000), tuple((x, 0, x + 9, 649) for x in range(0, 1000, 10)))
+    weight = weigh_round(many, 100, 2, 500)
+    assert weight * 2 * many.pixels >= CHEAP * CALL * 100
+    assert weigh_round(many, 100, 2, 103) == 3
+
+
+def test_rounds_up_to_a_look_are_about_equal():
+    assert weigh_round(window(1 / 7), 48, 8, 56) == 4
+
+
 def test_a_round_has_no_more_samples_than_a_renderer_adds_up():
-    assert weigh_round(1e-4, 1000, 4096) == 1
-    assert weigh_round(1e-4, 1000, 1024) == 4
+    assert weigh_round(window(1e-3), 1000, 4096, 1200) == 1
+    assert weigh_round(window(1e-3), 1000, 1024, 1200) == 4
 
 
 def test_small_parts_are_worth_windows_and_large_ones_are_not():
     regions = image_regions(64, 64, {}, (16,), None)
     cells = regions.families == regions.families.max()
     wanted = np.zeros(len(regions), bool)
-    assert focus(regions, wanted, 8, 8) is None
+    assert find_windows(regions, wanted, 8, 8) is None
     wanted[np.flatnonzero(cells)[:2]] = True
-    assert focus(regions, wanted, 8, 8).mask.mean() == 2 / 16
-    assert focus(regions, cells, 8, 8) is None
+    assert find_windows(regions, wanted, 8, 8).mask.mean() == 2 / 16
+    assert find_windows(regions, cells, 8, 8) is None
 
 
-def judged(bounds, rare=0.0):
-    """A test of an image and its 16 cells after a look, and its regions: the image is within the tolerance."""
+def test_windows_follow_what_is_seen_of_a_region_not_its_box():
+    frame = np.ones((400, 400))
+    frame[20:-20, 20:-20] = 0.0
+    regions = image_regions(400, 400, {"object": [("frame", frame)]}, (400,))
+    found = find_windows(regions, np.array([False, True, False]), 64, 40)
+    assert (found.mask >= (frame > 0)).all()
+    assert found.mask.mean() < 1.3 * frame.mean()
+
+
+def test_what_is_rendered_anyway_takes_part_if_it_has_as_many_replicates():
+    """The upper row of cells, of which the second has more replicates and the third has lost pixels."""
+    regions = image_regions(SIDE, SIDE, {}, (CELL,))
+    replicates = np.full(17, 12)
+    replicates[2] = 15
+    wanted, lost = NONE.copy(), NONE.copy()
+    wanted[[1, 4]], lost[3] = True, True
+    # Few samples: one window for both is cheaper than two.
+    part = part_of(regions, wanted, replicates, lost, 1, Pace())
+    assert part.windows.boxes == ((0, 0, 63, 15),)
+    assert np.flatnonzero(part.of).tolist() == [1, 4]
+    replicates[2], lost[3] = 12, False
+    assert np.flatnonzero(part_of(regions, wanted, replicates, lost, 1, Pace()).of).tolist() == [1, 2, 3, 4]
+
+
+def test_small_parts_pass_over_looks_while_calls_cost_more_than_pixels():
+    regions = image_regions(SIDE, SIDE, {}, (CELL,))
+    wanted = NONE.copy()
+    wanted[1] = True
+    targets = [part_of(regions, wanted, np.full(17, 40), NONE, 1, Pace(fixed)).target for fixed in (0.0, 0.3, 0.9)]
+    assert targets == [48, 48, 58]
+
+
+def judged(bounds, rare=0.0, image=0.005):
+    """A test of an image and its 16 cells after a look, where they stand, and what they cost."""
     regions = image_regions(SIDE, SIDE, {}, (CELL,))
     test = SequentialTest(len(regions), 0.01, 0.99, families=regions.families)
-    test.bounds, test.rare = np.array([0.005, *bounds]), np.full(len(regions), rare)
+    test.bounds, test.rare = np.array([image, *bounds]), np.full(len(regions), rare)
     test.looks.append(Look((REPLICATES, REPLICATES), 0.1, LEVEL, 16, max(bounds)))
-    return test, regions, ~test.within
+    counts = np.full(len(regions), REPLICATES)
+    return test, Standing(counts, counts, test.bounds), Attainable(regions), ~test.within
 
 
-def at_the_end(test, kept, wanted, rounds):
-    """The bound of the image at the end, by the formulas of docs/statistics.md, if `kept` get all the time and luck."""
-    growth = 1.0 + rounds * wanted.sum() / kept.sum() / REPLICATES
-    quantiles = [stats.t.isf(LEVEL, 2 * (n - 1)) for n in (REPLICATES, REPLICATES * growth)]
-    noise = (test.bounds - test.rare) * quantiles[1] / quantiles[0] / np.sqrt(growth)
-    return np.where(kept, HOPE * (noise + test.rare / growth), test.bounds)[wanted].max()
-
-
-@pytest.mark.parametrize("rare", [0.0, 0.008])
-@pytest.mark.parametrize("rounds", [3.0, 10.0, 40.0])
-def test_the_time_goes_where_the_bound_of_the_image_falls_most(rng, rounds, rare):
-    """No other number of cells with the largest bounds does better."""
-    test, regions, wanted = judged(0.06 + 0.06 * rng.random(16) + 0.5 * (np.arange(16) == 5), rare)
-    kept = decisive_regions(test, regions, wanted, rounds)
-    order = np.argsort(-test.bounds[1:]) + 1
-    others = []
-    for count in range(1, 17):
-        chosen = np.zeros(17, bool)
-        chosen[order[:count]] = True
-        others.append(at_the_end(test, chosen, wanted, rounds))
-    assert at_the_end(test, kept, wanted, rounds) == pytest.approx(min(others))
-    assert min(others) <= WORTHWHILE * others[-1]
-    assert not kept[0]
-
-
-def test_what_the_time_decides_is_not_given_up():
-    """Four cells need a few more replicates, and one hundreds."""
-    test, regions, wanted = judged([0.5] + [0.011] * 4 + [0.03] * 11)
-    kept = decisive_regions(test, regions, wanted, 8.0)
-    assert kept.tolist() == [False] + [True] * 5 + [False] * 11
+def test_the_noisiest_are_sampled_where_time_is_short():
+    test, now, cost, wanted = judged([0.5] + [0.03] * 15)
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, 8.0, False)).tolist() == [1]
+    assert choose_regions(test, cost, now, wanted, 1e-3, True).sum() == 0
 
 
 def test_all_goes_on_where_time_is_enough_or_nothing_is_gained():
-    test, regions, wanted = judged([0.03] * 15 + [0.04])
-    assert (decisive_regions(test, regions, wanted, 400.0) == wanted).all()
-    assert (decisive_regions(test, regions, wanted, 8.0) == wanted).all()
-    test, regions, wanted = judged([0.03] * 15 + [0.4])
-    assert decisive_regions(test, regions, wanted, 8.0).sum() == 1
-    assert (decisive_regions(test, regions, wanted, np.inf) == wanted).all()
-    assert (decisive_regions(test, regions, wanted, -0.5) == wanted).all()
-    test.bounds[3] = np.inf
-    assert (decisive_regions(test, regions, wanted, 8.0) == wanted).all()
+    test, now, cost, wanted = judged([0.03] * 15 + [0.4])
+    assert (choose_regions(test, cost, now, wanted, 1e4, False) == wanted).all()
+    test, now, cost, wanted = judged([0.05] * 16)
+    assert (choose_regions(test, cost, now, wanted, 8.0, False) == wanted).all()
 
 
-def test_the_whole_image_comes_first():
-    test, regions, _ = judged([0.03] * 15 + [0.4])
-    test.bounds[0] = 0.02
-    assert decisive_regions(test, regions, ~test.within, 8.0).all()
+def test_the_whole_image_comes_first_while_half_of_the_time_decides_it():
+    test, now, cost, wanted = judged([0.03] * 15 + [0.4], image=0.012)
+    assert choose_regions(test, cost, now, wanted, 30.0, False).all()
+    test, now, cost, wanted = judged([0.03] * 15 + [0.4], image=0.03)
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, 30.0, False)).tolist() == [16]
 
 
-def uneven(monkeypatch, gap, number):
-    """A comparison on a clock of a picture one of whose cells is far noisier, and in which Cycles is brighter by `gap`."""
+def test_those_with_as_many_replicates_as_the_worst_are_sampled_together():
+    test, now, cost, wanted = judged([0.5, 0.5, 0.3] + [0.015] * 13)
+    counts = now.replicates.copy()
+    counts[2] = 22
+    now = Standing(counts, counts, now.bounds)
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, 20.0, True)).tolist() == [1, 3]
+
+
+def uneven(monkeypatch, gap, number, change=None, noise=(0.4, 8.0)):
+    """A comparison on a clock of a picture one of whose cells is noisier, and in which Cycles is brighter by `gap`."""
     clock = Clock()
     monkeypatch.setattr("etalon.lib.comparison.run.time", clock)
-    truth, sigma = grey(1.0, 96, 96), np.full((96, 96, 1), 0.4)
-    sigma[:CELL, :CELL] = 8.0
+    truth, sigma = grey(1.0, 96, 96), np.full((96, 96, 1), noise[0])
+    sigma[:CELL, :CELL] = noise[1]
     brighter = truth.copy()
     brighter[:CELL, :CELL] *= 1.0 + gap
     sides = [
-        Painter(f"{name} {number}", image, sigma, clock=clock, cost=(0.01, 0.05))
+        Painter(f"{name} {number}", image, sigma, clock=clock, cost=(0.01, 0.05), change=change)
         for name, image in (("the reference", truth), ("Cycles", brighter))
     ]
     return compare(blank(96, 96), *sides, {}, CompareOptions(time=60.0)), sides
@@ -123,10 +154,39 @@ def test_a_noisy_part_is_sampled_more_than_the_rest(monkeypatch):
     found, sides = uneven(monkeypatch, 0.0, 0)
     counts = found.candidate.regions.moments.n
     worst = found.regions.names.index("x 0 to 15, y 0 to 15")
-    assert sides[0].windows[-1].mask.mean() < 0.1
+    windows = [window for window in sides[0].windows if window is not None]
+    assert windows[0].mask.mean() < 0.1
     assert counts[worst] == counts.max() > 2 * np.median(counts)
     plain = np.sqrt(counts[worst] / np.median(counts))
     assert found.verdict.bound < 0.75 * found.verdict.bounds[worst] * plain
+
+
+def test_no_replicate_is_rendered_twice_and_regions_that_were_left_come_again(monkeypatch):
+    """The noise of all other cells, once the worst has come near to them, is what is left to lower."""
+    found, sides = uneven(monkeypatch, 0.0, 0, noise=(1.5, 4.0))
+    numbers = [number for number, _ in sides[0].asked]
+    assert len(set(numbers)) == len(numbers)
+    shares = [1.0 if window is None else window.share for window in sides[1].windows]
+    focused = shares.index(min(shares))
+    assert max(shares[focused:]) > min(shares)
+    bounds = found.verdict.bounds[found.verdict.families == found.verdict.families.max()]
+    assert bounds.max() < 1.3 * np.median(bounds)
+
+
+def test_a_region_that_loses_a_pixel_is_sampled_no_more_where_its_pixels_are_unequal(monkeypatch):
+    """The whole image was left behind, so what the pixel has added to its mean is not known."""
+
+    def change(replicate, image):
+        if replicate >= 150:
+            image[3, 4] = np.nan
+        return image
+
+    found, _ = uneven(monkeypatch, 0.0, 1, change)
+    assert np.argwhere(found.excluded).tolist() == [[3, 4]]
+    regions, sizes = found.regions, found.candidate.regions.sizes
+    assert sizes[regions.names.index("whole image")] == 96 * 96
+    assert sizes[regions.names.index("x 0 to 15, y 0 to 15")] == CELL * CELL - 1
+    assert np.isfinite(found.verdict.bounds).all()
 
 
 @pytest.mark.slow

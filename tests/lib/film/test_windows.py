@@ -31,3 +31,18 @@ def test_everything_is_covered_by_few_windows(rng, count):
     assert (windows.mask | ~inside).all()
     assert 1 <= len(windows.boxes) <= 32
     assert windows.mask.sum() <= inside.size
+
+
+def test_windows_of_a_frame_leave_out_its_middle():
+    inside = np.zeros((300, 400), bool)
+    inside[20:280, 40:360] = True
+    inside[40:260, 60:340] = False
+    windows = windows_around(inside, 16)
+    assert (windows.mask | ~inside).all()
+    assert windows.pixels < 1.2 * inside.sum()
+    assert windows_around(inside, 0).boxes == ((40, 20, 359, 279),)
+
+
+def test_noise_all_over_a_large_image_is_one_window(rng):
+    inside = rng.random((2160, 3840)) < 1e-3
+    assert windows_around(inside, 8).share > 0.99

@@ -208,3 +208,23 @@ def test_the_parts_of_the_level_add_up_to_one():
 
 def test_what_is_held_back_is_not_spent(rng):
     assert SequentialTest(1, TOLERANCE, 0.99, held_back=0.1).level == pytest.approx(0.009)
+
+
+def test_looks_at_parts_spend_by_their_number_of_replicates_whenever_they_come():
+    """Regions that come late, or pass over looks, are judged at the level that they would have in their turn."""
+
+    def look(test, counts, of):
+        counts = np.array(counts)
+        one = Moments(counts, np.ones((2, 3)), np.full((2, 3), 0.01))
+        test.look(one, one, last=False, of=np.array(of))
+
+    whole, parts = (SequentialTest(2, 0.01, 0.99) for _ in range(2))
+    for n in (8, 10, 12, 15, 18):
+        look(whole, [n, n], [True, True])
+    for counts, of in ([8, 8], [1, 1]), ([15, 8], [1, 0]), ([15, 10], [0, 1]), ([15, 18], [0, 1]), ([18, 18], [1, 0]):
+        look(parts, counts, np.array(of, bool))
+    levels = {one.replicates[0]: (one.share, one.level) for one in whole.looks}
+    assert [one.replicates[0] for one in parts.looks] == [8, 15, 10, 18, 18]
+    assert all((one.share, one.level) == levels[one.replicates[0]] for one in parts.looks)
+    assert parts.bounds == pytest.approx(whole.bounds)
+    assert parts.share_left == pytest.approx(whole.share_left)
