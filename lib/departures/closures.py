@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Departures in surface closures.
 
-They are a lobe that states a wrong density, the distributions that lead to it, and light from below the face.
+They are a lobe that states a wrong density, and the distributions that lead to it.
 """
 
 from __future__ import annotations
@@ -17,9 +17,6 @@ from ..bsdfs.lobe import Lobe, Wrapper, to_rgb
 from ..microfacets.beckmann import Beckmann, smith_lambda_rational
 from ..microfacets.distribution import Alpha, Distribution
 from ..vectors import dot
-
-LIGHT_BELOW = "light below the face"
-"""The departure that lets light sampling reach below faces whose shading normal leans."""
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ from ..bsdfs.tilted import Tilted
 from ..bsdfs.toon import Toon as ToonLobe
 from ..bsdfs.velvet import Velvet as VelvetLobe
 from ..departures.closures import ashikhmin_shirley_form, distribution_form, oren_nayar_form, with_stated_density
+from ..departures.light_below import LIGHT_BELOW, hold_against_face
 from ..microfacets.cycles_tables import Tables, average_glass_albedo_cycles, glass_albedo_cycles
 from ..microfacets.dispersion import cauchy_index
 from ..microfacets.distribution import Distribution
@@ -94,14 +95,16 @@ class Site:
 def build(closure: Closure, site: Site) -> tuple[Lobe, np.ndarray]:
     """The lobe of a closure and the colour, (3, 1) or (3, n), that multiplies it."""
     normal: Expression | None = getattr(closure, "normal", None)
-    if normal is None:
+    if normal is None and LIGHT_BELOW not in site.options.departures:
         return _BUILDERS[type(closure)](closure, site)
-    n = np.broadcast_to(site.read(normal), site.n.shape)
+    n = site.n if normal is None else np.broadcast_to(site.read(normal), site.n.shape)
     t, s = orthonormal_basis(n)
     turned = replace(site, wo=to_local(site.points.wo, t, s, n), t=t, s=s, n=n)
     lobe, color = _BUILDERS[type(closure)](closure, turned)
-    rows = [to_local(axis, site.t, site.s, site.n) for axis in (t, s, n)]
-    return Tilted(lobe, np.stack(rows)), color
+    rows = np.stack([to_local(axis, site.t, site.s, site.n) for axis in (t, s, n)])
+    if LIGHT_BELOW not in site.options.departures:
+        return Tilted(lobe, rows), color
+    return hold_against_face(lobe, rows, to_local(site.points.ng, site.t, site.s, site.n), closure), color
 
 
 def _diffuse(closure: Diffuse, site: Site) -> tuple[Lobe, np.ndarray]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..bsdfs.mixture import Mixture
 from ..bsdfs.toon import cone_half_angle
-from ..departures.closures import LIGHT_BELOW
+from ..departures.light_below import LIGHT_BELOW
 from ..effects.facts import adding_lobes, is_zero
 from ..microfacets.cycles_tables import Tables
 from ..scene.expressions import WHITE, Expression, SurfaceNormal

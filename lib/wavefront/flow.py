@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..departures.closures import LIGHT_BELOW
+from ..departures.light_below import LIGHT_BELOW
 from ..effects.names import Effect
 from .kernel import Kernel
 

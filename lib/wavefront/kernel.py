@@ -9,7 +9,7 @@ import numpy as np
 
 from ..bsdfs.split import Split
 from ..departures.catalogue import refuse_absent
-from ..departures.closures import LIGHT_BELOW
+from ..departures.light_below import LIGHT_BELOW
 from ..departures.scene import departed
 from ..effects.names import Effect
 from ..effects.plan import Plan

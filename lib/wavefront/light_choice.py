@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..departures.closures import LIGHT_BELOW
+from ..departures.light_below import LIGHT_BELOW
 from ..effects.names import Effect
 from ..lights.light import LightSample
-from ..sampling.mis import cutoff_power_heuristic
+from ..sampling.mis import cutoff_power_heuristic, power_heuristic
 from .kernel import Kernel
 
 
@@ -105,14 +105,20 @@ def choose_light(
     return LightChoice(kernel.selection.sample(index, cell, position, u1, u2), index, probability, alone, cell)
 
 
-def weigh_light(sampling: LightSampling, light: LightChoice, pdf: np.ndarray) -> np.ndarray:
+def weigh_light(
+    sampling: LightSampling, light: LightChoice, pdf: np.ndarray, below: np.ndarray | None = None
+) -> np.ndarray:
     """The weight of light samples over their density, (n,).
 
-    `pdf` (n,) is the density with which lobes or phase functions are sampled in their directions.
+    `pdf` (n,) is the density with which lobes or phase functions are sampled in their directions. What is `below` (n,) bool, where
+    lobe sampling finds no light, keeps the weight that it has in Cycles, by the power heuristic.
     """
     density = light.sample.pdf * light.probability
     if sampling.weighs:
-        factor = cutoff_power_heuristic(density, np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf)
+        other = np.where(light.alone, 0.0, pdf) if light.alone.any() else pdf
+        factor = cutoff_power_heuristic(density, other)
+        if below is not None:
+            factor = np.where(below, power_heuristic(density, other), factor)
         factor /= density
         return factor
     if sampling.by_lobes:

@@ -125,7 +125,7 @@ def _shade(
         local, weight, pdf = mixture.sample(*uniforms, split)
     shares = None if split is None else split.shares(weight)
     wi = to_world(local, *frame)
-    if departing is not None or not kernel.tables.all_flat:  # both normals must see wi on the same side
+    if not kernel.tables.all_flat and not sampling.below_faces:  # both normals must see wi on the same side
         weight = weight * (local[2] * dot(points.ng, wi) > 0.0)
     return Shaded(direct, wi, weight, pdf, ray_class, direct_shares, shares)
 
@@ -145,10 +145,11 @@ def _direct(
     """
     sample, sight = light.sample, kernel.sight
     toward = to_local(sample.wi, *frame)
+    below = toward[2] * dot(points.ng, sample.wi) < 0.0 if sampling.below_faces else None
     if isinstance(mixture, ClassedMixture):
         value = np.zeros_like(toward)
         for ray_class, pdf, of_lobes in mixture.evaluate_classes(toward):
-            weight = weigh_light(sampling, light, pdf) * sight.sees[ray_class, light.number]
+            weight = weigh_light(sampling, light, pdf, below) * sight.sees[ray_class, light.number]
             for k, part in of_lobes:
                 value += part * weight
                 if split is not None:
@@ -157,7 +158,7 @@ def _direct(
     else:
         value, pdf = mixture.evaluate(toward, split)
         shares = None if split is None else split.shares(value)
-        value = value * weigh_light(sampling, light, pdf)
+        value = value * weigh_light(sampling, light, pdf, below)
         if sight.class_of is not None and not sight.sees[1].all():
             value *= sight.sees[1, light.number]
     if not kernel.tables.all_flat and not sampling.below_faces:

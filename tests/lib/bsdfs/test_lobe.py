@@ -23,6 +23,7 @@ from etalon.lib.bsdfs.tilted import Tilted
 from etalon.lib.bsdfs.toon import Toon
 from etalon.lib.bsdfs.velvet import Velvet
 from etalon.lib.departures.closures import Misstated
+from etalon.lib.departures.light_below import HeldAgainstFace
 from etalon.lib.empirical.models import EMPIRICAL
 from etalon.lib.microfacets.beckmann import Beckmann
 from etalon.lib.microfacets.ggx import GGX
@@ -39,6 +40,7 @@ ROWS = np.repeat(np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])[
 TURN = np.full(COUNT, 0.6), np.full(COUNT, 0.8)
 FILM = FilmF82(Film(np.float64(300.0), np.float64(1.5), cycles_sensitivity()), np.full((3, 1), 0.5), WHITE)
 CURVE = F82(np.full((3, 1), 0.5), WHITE)
+UP = np.repeat([[0.0], [0.0], [1.0]], COUNT, axis=1)
 LAFORTUNE = (), (-1.0, -0.9, 0.8)
 
 
@@ -70,6 +72,8 @@ LOBES = {
     "glossy toon": Toon(WO, np.full(COUNT, 0.2), np.full(COUNT, 0.1), True),
     "tilted": Tilted(Lambert(), ROWS),
     "tilted mirror": Tilted(Mirror(WO), ROWS),
+    "held against the face": HeldAgainstFace(Lambert(), ROWS, UP, True),
+    "mirror held against the face": HeldAgainstFace(Mirror(WO), ROWS, UP, False),
     "misstated": Misstated(glossy("visible"), np.full(COUNT, 1.01)),
 }
 EACH = pytest.mark.parametrize("lobe", LOBES.values(), ids=LOBES)
@@ -124,7 +128,13 @@ def test_samples_carry_the_energy_of_the_values(name, rng):
 
 
 @pytest.mark.parametrize(
-    "wrap", [lambda x: Tilted(x, ROWS), lambda x: Rotated(x, *TURN), lambda x: Misstated(x, TURN[0])]
+    "wrap",
+    [
+        lambda x: Tilted(x, ROWS),
+        lambda x: HeldAgainstFace(x, ROWS, UP, False),
+        lambda x: Rotated(x, *TURN),
+        lambda x: Misstated(x, TURN[0]),
+    ],
 )
 def test_a_wrapped_lobe_is_picked_and_widened_as_it_would_be_alone(wrap, rng):
     np.testing.assert_array_equal(wrap(LOBES["reflected"]).estimate, LOBES["reflected"].estimate)
