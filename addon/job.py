@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -116,11 +117,14 @@ def _with_parts(
     Also the parts, why light passes are among them or not, and how many times narrower and lower the image is than
     the scene's. Raises EtalonError where memory is lacking, Cancelled when the run is to end.
     """
-    choice, divisor = choose_passes(reference, settings), 1
+    with ThreadPoolExecutor(1) as pool:
+        # Faces in one plane are searched for meanwhile.
+        among = pool.submit(alternatives, reference)
+        choice, divisor = choose_passes(reference, settings), 1
     parts = asked_parts(reference, replace(settings, passes=choice.passes))
     sides: tuple[ReferenceRenderer, Renderer] = reference.with_passes(parts), candidate.with_passes(parts)
     if settings.size == "auto" and settings.samples is None:
-        divisor = choose_divisor(sides, reference.scene.camera, run, images_of_search(alternatives(reference)))
+        divisor = choose_divisor(sides, reference.scene.camera, run, images_of_search(among.result()))
     if divisor > 1:
         sides = _shrink(reference.scene, *sides, divisor)
     size = sides[0].scene.camera.width, sides[0].scene.camera.height
