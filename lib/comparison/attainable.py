@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.special import stdtrit
+from scipy.special import ndtri, stdtrit
 
 from ..film.moments import Moments
 from ..film.regions import Regions
@@ -21,7 +21,10 @@ from ..verdict.boundaries import GROWTH, looks_between
 from ..verdict.claims import combine, difference
 from ..verdict.outcome import Outcome
 from ..verdict.sequential import SequentialTest
+from .pace import Pace
 
+# From one look that a small part is given to the next, its replicates grow by this factor at most.
+FURTHEST = 1.5
 # Areas are counted in squares of so many pixels.
 EDGE = 8
 # Nothing is planned beyond so many replicates.
@@ -38,7 +41,8 @@ class Standing:
     """What is known of K regions.
 
     `replicates` (K,) is their number by weight, `observed` (K,) how often each region was rendered. `bounds` (K,) are those of the last
-    look, or an estimate where that gave none; what differs counts by its noise alone.
+    look, or an estimate where that gave none. Once a region differs, they are those up to which each region agrees on its own, and what
+    differs counts by its noise.
     """
 
     replicates: np.ndarray
@@ -56,7 +60,11 @@ def find_standing(test: SequentialTest, reference: Moments, candidate: Moments) 
     scale = np.maximum(difference_scale(reference.mean, test.floor), TINY)
     noise = (-stdtrit(plain.df, test.looks[-1].level) * plain.error / scale).max(axis=1)
     bounds = np.where(np.isfinite(test.bounds), test.bounds, gap + noise + test.rare + test.unsupported)
-    bounds = np.where(test.outcomes == Outcome.DIFFERENT, bounds - gap, bounds)
+    differs = test.outcomes == Outcome.DIFFERENT
+    bounds = np.where(differs, bounds - gap, bounds)
+    if differs.any():
+        room = test.rare + test.unsupported
+        bounds = room + (bounds - room) * ndtri(test.level_alone) / ndtri(test.looks[-1].level)
     return Standing(replicates, observed, np.nan_to_num(bounds, nan=0.0, posinf=1.0 / TINY))
 
 
@@ -96,21 +104,22 @@ class Attainable:
 
     def work(self, replicates: np.ndarray) -> float:
         """What it takes to give each region so many `replicates` (K,), in replicates of the whole image."""
-        if np.isinf(replicates).any():
-            return np.inf
         most = np.zeros(self._squares)
         np.maximum.at(most, self._square, np.repeat(replicates, self._count))
         return float(most.mean())
 
-    def bound(self, test: SequentialTest, wanted: np.ndarray, now: Standing, limit: float) -> float:
-        """The bound that all regions `wanted` (K,) bool are expected to reach in the time of `limit` replicates of the image.
+    def bound(self, test: SequentialTest, wanted: np.ndarray, now: Standing, pace: Pace, seconds: float) -> float:
+        """The bound that all regions `wanted` (K,) bool are expected to reach in so many `seconds`.
 
         It is the tolerance where that is within reach.
         """
 
         def is_within_reach(bound: float) -> bool:
-            more = needed_replicates(test, now, bound) - now.replicates
-            return self.work(np.where(wanted, more, 0.0)) <= limit
+            needed = np.where(wanted, needed_replicates(test, now, bound), now.replicates)
+            growth = float((needed / np.maximum(now.replicates, 1)).max())
+            if np.isinf(growth):
+                return False
+            return pace.seconds(self.work(needed - now.replicates), np.log(growth) / np.log(FURTHEST)) <= seconds
 
         low, high = test.tolerance, float(now.bounds[wanted].max(initial=0.0))
         if is_within_reach(low):

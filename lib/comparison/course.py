@@ -20,6 +20,9 @@ from .pace import Pace
 from .run import Stop
 from .sides import Side
 
+# What is laid down does not depend on time.
+NO_PACE = Pace()
+
 
 class Course:
     """The part that is rendered now, of the `regions` of both `sides`.
@@ -146,26 +149,25 @@ class Course:
         """What is open of all that was sampled so far."""
         self._kept = open_ if self._kept is None else self._kept & open_
         if self._kept.any():
-            return self._part_of(self._kept)
+            return self._part_of(self._kept, NO_PACE)  # the same part, however long calls take
         return replace(self.part, replicates=self.replicates, target=next_look(self.replicates))
 
     def _planned(self, open_: np.ndarray) -> Part | None:
         """What the time that is left is best spent on; None where it is too short for anything."""
         left = self._meter.sampling_left
         now = find_standing(self._test, *(side.regions.moments for side in self._sides))
-        limit = left / self._pace.whole
-        chosen = choose_regions(self._test, self._attainable, now, open_, limit, self.is_split)
+        chosen = choose_regions(self._test, self._attainable, now, open_, self._pace, left, self.is_split)
         while chosen.any():
-            part = self._part_of(chosen)
+            part = self._part_of(chosen, self._pace)
             if part.windows is None:
                 return part
             replicates = part.target - part.replicates
             weight = weigh_round(part.windows, part.replicates, self._samples, part.target)
-            if self._pace.seconds(part.share, replicates, math.ceil(replicates / weight)) <= left:
+            if self._pace.seconds(part.share * replicates, math.ceil(replicates / weight)) <= left:
                 return part
             chosen = chosen & (now.bounds > np.median(now.bounds[chosen]))
         return None
 
-    def _part_of(self, wanted: np.ndarray) -> Part:
+    def _part_of(self, wanted: np.ndarray, pace: Pace) -> Part:
         counts = np.broadcast_to(self._sides[1].regions.moments.n, self._lost.shape)
-        return part_of(self._regions, wanted, counts, self._lost, self._samples, self._pace)
+        return part_of(self._regions, wanted, counts, self._lost, self._samples, pace)

@@ -21,7 +21,7 @@ from ..film.windows import CALL, Windows, windows_around
 from ..verdict.allocation import MOST_SAMPLES
 from ..verdict.boundaries import next_look
 from ..verdict.sequential import SequentialTest
-from .attainable import Attainable, Standing, needed_replicates
+from .attainable import FURTHEST, Attainable, Standing, needed_replicates
 from .pace import Pace
 
 # Parts that are together larger than this share of the image save too little.
@@ -29,8 +29,6 @@ LARGEST = 0.75
 # Windows are chosen for at least so many replicates at once, if the next look is not nearer; and rounds in them are long enough for
 # pixels to cost so many times what calls cost.
 LEAST_AT_ONCE, CHEAP = 2, 3
-# Small parts pass over looks until they take as long as a call's fixed part, but never further than this factor.
-FURTHEST = 1.5
 # The whole image goes on while that is expected to decide it in this part of the time that is left.
 IMAGE_SHARE = 0.5
 # Parts are worth leaving the whole image for where they are expected to lower its bound to this part of what it would be.
@@ -78,7 +76,7 @@ def part_of(
         rendered = windows.mask.ravel()[regions.weights.indices]
         of &= np.logical_and.reduceat(rendered, regions.weights.indptr[:-1])
     target = next_look(count)
-    while share * (target - count) * (1.0 - pace.fixed) < pace.fixed and next_look(target) <= FURTHEST * count:
+    while pace.seconds(share * (target - count), 0) < pace.of_round and next_look(target) <= FURTHEST * count:
         target = next_look(target)
     return Part(None if of.all() else of, windows, count, target)
 
@@ -108,16 +106,23 @@ def weigh_round(windows: Windows, replicates: int, samples: int, target: int, mo
 
 
 def choose_regions(
-    test: SequentialTest, attainable: Attainable, now: Standing, wanted: np.ndarray, limit: float, is_split: bool
+    test: SequentialTest,
+    attainable: Attainable,
+    now: Standing,
+    wanted: np.ndarray,
+    pace: Pace,
+    seconds: float,
+    is_split: bool,
 ) -> np.ndarray:
     """Those of the regions `wanted` (K,) bool to sample next; they have equally many replicates.
 
-    The time that is left allows `limit` replicates of the whole image. If that decides all that is wanted, all are to be sampled, else those
-    whose bound is above the one that all can reach. Of these, the ones with as many replicates as the region with the largest
-    bound come first. The whole image, where that is wanted, comes before all others while half of the time may decide it. As long as
-    the sampling `is_split` nowhere, all goes on where parts gain little. None is left where nothing more is in reach.
+    So many `seconds` are left. If they decide all that is wanted, all are to be sampled, else those
+    whose bound is above the one that all can reach. Of these, the ones in the upper half come first, between that bound and the largest on a
+    logarithmic scale, that have as many replicates as the region with the largest. The whole image, where that is wanted, comes before all
+    others while half of the time may decide it. As long as the sampling `is_split` nowhere, all goes on where parts gain little.
+    None is left where nothing more is in reach.
     """
-    bound = attainable.bound(test, wanted, now, limit)
+    bound, limit = attainable.bound(test, wanted, now, pace, seconds), seconds / pace.whole
     chosen = wanted
     if bound > test.tolerance:
         more = needed_replicates(test, now, test.tolerance) - now.replicates
@@ -125,7 +130,8 @@ def choose_regions(
         if image.size:
             return wanted & (now.replicates == now.replicates[image[0]])
         if is_split or bound <= WORTHWHILE * bound_of_whole(test, now, wanted, limit):
-            chosen = wanted & (now.bounds > bound)
+            largest = float(now.bounds[wanted].max())
+            chosen = wanted & (now.bounds > bound) & (now.bounds >= np.sqrt(bound * largest))
     if not chosen.any():
         return chosen
     first = int(np.argmax(np.where(chosen, now.bounds, -np.inf)))

@@ -36,9 +36,6 @@ ENOUGH = 12
 COLUMNS, ROWS = 16, 9
 # Of a main run that is worth starting: it has so many times the samples of the first look.
 WORTHWHILE = 4
-# A grid is fine enough where this part of its cells that have noise is expected to be decided. A pixel's relative variance below the
-# second number is rounding.
-DECIDED_PART, ROUNDING = 0.9, 1e-10
 # Focusing on open regions can multiply replicates by this; the looks share the level among so many.
 FOCUS_GAIN = 16
 
@@ -187,16 +184,15 @@ def relative_variances(side: RegionMoments, samples: int) -> np.ndarray:
 def choose_grids(coarse: int, variance: np.ndarray, error: float) -> tuple[int, ...]:
     """The edges of the grids from coarse to fine.
 
-    They are halved while most cells can still reach the relative standard `error`. `variance` (K,) is the relative
-    variance, at the end of the run, of one pixel's mean in each coarse cell. Cells without noise, such as those of a
-    plain background, have no say where others have some.
+    They are halved while all cells can be expected to reach the relative standard `error`, if the time goes where the noise is.
+    `variance` (K,) is the relative variance of one pixel's mean in each coarse cell, at the end of a run that renders all of them equally
+    often. Cells that end with the same error have shares of the time in proportion to that, and so their mean decides.
     """
     edges = [coarse]
     known = variance[np.isfinite(variance)]
-    known = known[known > ROUNDING] if (known > ROUNDING).any() else known
     while edges[-1] > BLOCK and known.size:
         half = edges[-1] // 2
-        if np.mean(np.sqrt(known) / half <= error) < DECIDED_PART:
+        if np.sqrt(known.mean()) / half > error:
             break
         edges.append(half)
     return tuple(edges)

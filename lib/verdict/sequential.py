@@ -142,6 +142,11 @@ class SequentialTest:
         """The share of the level that no look has spent."""
         return 1.0 - self._spending.spent
 
+    @property
+    def level_alone(self) -> float:
+        """The level of the last look at which a region would be shown to agree on its own, before all others."""
+        return ONE_AGREES * self.level * self.looks[-1].share / self.outcomes.size
+
     def share_after(self, growth: float) -> float:
         """The share of the level that a look spends once there are `growth` times the replicates."""
         return self._spending.share_of(self._spending.looks + max(1, round(np.log(growth) / np.log(GROWTH))))

@@ -22,6 +22,13 @@ SIDE, CELL, REPLICATES, LEVEL = 64, 16, 12, 1e-3
 NONE = np.zeros(17, bool)
 
 
+def timed(fixed=0.0):
+    """A pace of one second for each replicate of the image."""
+    pace = Pace(fixed)
+    pace.learn(8.0, 1.0, 8, 8)
+    return pace
+
+
 def window(share):
     """One window that fills a `share` of a large image."""
     return Windows((1000, 1000), ((0, 0, 999, max(round(1000 * share), 1) - 1),))
@@ -82,18 +89,18 @@ def test_what_is_rendered_anyway_takes_part_if_it_has_as_many_replicates():
     wanted, lost = NONE.copy(), NONE.copy()
     wanted[[1, 4]], lost[3] = True, True
     # Few samples: one window for both is cheaper than two.
-    part = part_of(regions, wanted, replicates, lost, 1, Pace())
+    part = part_of(regions, wanted, replicates, lost, 1, timed())
     assert part.windows.boxes == ((0, 0, 63, 15),)
     assert np.flatnonzero(part.of).tolist() == [1, 4]
     replicates[2], lost[3] = 12, False
-    assert np.flatnonzero(part_of(regions, wanted, replicates, lost, 1, Pace()).of).tolist() == [1, 2, 3, 4]
+    assert np.flatnonzero(part_of(regions, wanted, replicates, lost, 1, timed()).of).tolist() == [1, 2, 3, 4]
 
 
 def test_small_parts_pass_over_looks_while_calls_cost_more_than_pixels():
     regions = image_regions(SIDE, SIDE, {}, (CELL,))
     wanted = NONE.copy()
     wanted[1] = True
-    targets = [part_of(regions, wanted, np.full(17, 40), NONE, 1, Pace(fixed)).target for fixed in (0.0, 0.3, 0.9)]
+    targets = [part_of(regions, wanted, np.full(17, 40), NONE, 1, timed(fixed)).target for fixed in (0.0, 0.3, 0.9)]
     assert targets == [48, 48, 58]
 
 
@@ -109,30 +116,30 @@ def judged(bounds, rare=0.0, image=0.005):
 
 def test_the_noisiest_are_sampled_where_time_is_short():
     test, now, cost, wanted = judged([0.5] + [0.03] * 15)
-    assert np.flatnonzero(choose_regions(test, cost, now, wanted, 8.0, False)).tolist() == [1]
-    assert choose_regions(test, cost, now, wanted, 1e-3, True).sum() == 0
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, timed(), 8.0, False)).tolist() == [1]
+    assert choose_regions(test, cost, now, wanted, timed(), 1e-3, True).sum() == 0
 
 
 def test_all_goes_on_where_time_is_enough_or_nothing_is_gained():
     test, now, cost, wanted = judged([0.03] * 15 + [0.4])
-    assert (choose_regions(test, cost, now, wanted, 1e4, False) == wanted).all()
+    assert (choose_regions(test, cost, now, wanted, timed(), 1e4, False) == wanted).all()
     test, now, cost, wanted = judged([0.05] * 16)
-    assert (choose_regions(test, cost, now, wanted, 8.0, False) == wanted).all()
+    assert (choose_regions(test, cost, now, wanted, timed(), 8.0, False) == wanted).all()
 
 
 def test_the_whole_image_comes_first_while_half_of_the_time_decides_it():
     test, now, cost, wanted = judged([0.03] * 15 + [0.4], image=0.012)
-    assert choose_regions(test, cost, now, wanted, 30.0, False).all()
+    assert choose_regions(test, cost, now, wanted, timed(), 30.0, False).all()
     test, now, cost, wanted = judged([0.03] * 15 + [0.4], image=0.03)
-    assert np.flatnonzero(choose_regions(test, cost, now, wanted, 30.0, False)).tolist() == [16]
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, timed(), 30.0, False)).tolist() == [16]
 
 
 def test_those_with_as_many_replicates_as_the_worst_are_sampled_together():
-    test, now, cost, wanted = judged([0.5, 0.5, 0.3] + [0.015] * 13)
+    test, now, cost, wanted = judged([0.5, 0.5, 0.4, 0.05] + [0.015] * 12)
     counts = now.replicates.copy()
     counts[2] = 22
     now = Standing(counts, counts, now.bounds)
-    assert np.flatnonzero(choose_regions(test, cost, now, wanted, 20.0, True)).tolist() == [1, 3]
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, timed(), 20.0, True)).tolist() == [1, 3]
 
 
 def uneven(monkeypatch, gap, number, change=None, noise=(0.4, 8.0)):

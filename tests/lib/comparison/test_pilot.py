@@ -103,23 +103,24 @@ def test_the_coarse_grid_has_about_16_by_9_cells(width, height, edge):
     assert coarse_grid(height, width) == edge
 
 
-def test_grids_are_halved_as_long_as_most_cells_can_be_decided():
+def test_grids_are_halved_as_long_as_the_time_decides_their_cells():
     quiet, noisy = np.full(100, 1e-4), np.full(100, 4.0)
     assert choose_grids(128, quiet, 0.003) == (128, 64, 32, 16)
     # A pixel's mean has a deviation of 2; a cell of 64 x 64 pixels one of 2 / 64.
     assert choose_grids(128, noisy, 2 / 64 * 1.01) == (128, 64)
     assert choose_grids(128, noisy, 1e-9) == (128,)
-    few = np.where(np.arange(100) < 5, 1e6, 1e-4)
-    assert choose_grids(64, few, 0.003) == (64, 32, 16)
+    assert choose_grids(64, np.zeros(100), 0.003) == (64, 32, 16)
     assert choose_grids(64, np.full(3, np.nan), 0.003) == (64,)
 
 
-def test_a_plain_background_makes_no_grid_finer():
-    """95 of 100 cells have no noise but rounding; the others are too noisy for finer cells."""
-    few = np.where(np.arange(100) < 5, 1e6, 1e-14)
-    assert choose_grids(64, few, 0.003) == (64,)
-    assert choose_grids(64, np.where(few > 1.0, 1e-4, few), 0.003) == (64, 32, 16)
-    assert choose_grids(64, np.zeros(100), 0.003) == (64, 32, 16)
+@pytest.mark.parametrize("rest", [0.0, 1e-14])
+def test_a_few_noisy_cells_have_all_the_time_and_no_more(rest):
+    """4 of 100 cells get 25 times the samples of a run that renders all of them equally often."""
+    few = np.where(np.arange(100) < 4, 1.0, rest)
+    alone = np.sqrt(1.0 / 25) / np.array([64, 32, 16])
+    for count, error in enumerate(alone, 1):
+        assert choose_grids(128, few, error * 1.001) == (128, 64, 32, 16)[: count + 1]
+        assert choose_grids(128, few, error * 0.999) == (128, 64, 32, 16)[:count]
 
 
 @pytest.mark.parametrize(
