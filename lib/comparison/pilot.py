@@ -73,8 +73,8 @@ class Layout:
 def time_calls(renderers: tuple[Replicates, Replicates], run: TimedRun) -> tuple[Timings, Timings]:
     """Measure timings of both sides; raises Cancelled.
 
-    Samples grow until they cost more than the rest of the call, and while the next call, were it STEP times as long as
-    the last, would stay within CALL_SHARE of the time.
+    Samples grow until a call takes TELLING times as long as the one before, and while the next call, were it STEP times as
+    long as the last, would stay within CALL_SHARE of the time.
     """
     both = Timings(), Timings()
     number = 0

@@ -169,7 +169,7 @@ def timed(monkeypatch, cost, seconds=60.0, late=lambda call: 0.0):
         ((0.2, 0.6), [1, 1]),
     ],
 )
-def test_calls_are_timed_until_their_samples_cost_more_than_the_rest(monkeypatch, cost, asked):
+def test_calls_are_timed_until_one_takes_twice_as_long_as_the_one_before(monkeypatch, cost, asked):
     found, fitted = timed(monkeypatch, cost)
     assert found == asked
     if asked[-1] > 1 and cost[1] > 0.0:
