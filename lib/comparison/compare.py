@@ -42,6 +42,8 @@ __all__ = ["CompareOptions", "Comparison", "Renderer", "Side", "compare", "versi
 
 # The part of the time that is set aside to seek causes at the last look, where there are departures. Earlier searches take more.
 ASIDE_SHARE = 0.05
+# A bound is told where it is this part of the one that was told before, or less.
+TOLD = 0.9
 
 
 def compare(
@@ -147,7 +149,7 @@ class _Loop:
         """Set up regions, both sides and the test, before anything that counts is rendered."""
         self._layout = layout
         self._meter.progress.begin("first look" if self._is_first else "rendering")
-        self._is_last = False
+        self._is_last, self._told = False, math.inf
         height, width = self._left_out.shape
         self._regions = image_regions(height, width, self._coverage, layout.blocks, self._compared)
         self._caustics = caustics_in(self._scouted, self._regions) if self._scouted is not None else None
@@ -222,7 +224,9 @@ class _Loop:
             self._pass_test.look(*passes, self._layout.samples, self._test.floor, self._is_last)
         bound = BoundAt(self._meter.elapsed, self._sides[1].replicates, self._test.overall_bound(), self._is_first)
         self._history.append(bound)
-        self._meter.progress.tell(_describe(bound))
+        if not bound.bound > TOLD * self._told:
+            self._told = bound.bound
+            self._meter.progress.tell(_describe(bound))
         self._meter.progress.show(self._interim(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
         differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())

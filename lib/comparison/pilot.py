@@ -36,6 +36,8 @@ ENOUGH = 12
 COLUMNS, ROWS = 16, 9
 # Of a main run that is worth starting: it has so many times the samples of the first look.
 WORTHWHILE = 4
+# Cells are to be decided with so many times the noise that is expected: noises of few replicates are themselves noisy, and some time is lost.
+SPARE = 2.0
 # Focusing on open regions can multiply replicates by this; the looks share the level among so many.
 FOCUS_GAIN = 16
 
@@ -184,7 +186,8 @@ def relative_variances(side: RegionMoments, samples: int) -> np.ndarray:
 def choose_grids(coarse: int, variance: np.ndarray, error: float) -> tuple[int, ...]:
     """The edges of the grids from coarse to fine.
 
-    They are halved while all cells can be expected to reach the relative standard `error`, if the time goes where the noise is.
+    They are halved while all cells can be expected to reach the relative standard `error`, and twice as little, if the time goes where the
+    noise is.
     `variance` (K,) is the relative variance of one pixel's mean in each coarse cell, at the end of a run that renders all of them equally
     often. Cells that end with the same error have shares of the time in proportion to that, and so their mean decides.
     """
@@ -192,7 +195,7 @@ def choose_grids(coarse: int, variance: np.ndarray, error: float) -> tuple[int, 
     known = variance[np.isfinite(variance)]
     while edges[-1] > BLOCK and known.size:
         half = edges[-1] // 2
-        if np.sqrt(known.mean()) / half > error:
+        if SPARE * np.sqrt(known.mean()) / half > error:
             break
         edges.append(half)
     return tuple(edges)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import CompareOptions, compare
-from etalon.lib.comparison.pilot import balance_samples, choose_grids, coarse_grid, time_calls
+from etalon.lib.comparison.pilot import SPARE, balance_samples, choose_grids, coarse_grid, time_calls
 from etalon.lib.comparison.run import Stop, TimedRun
 from etalon.lib.errors import Cancelled
 from etalon.lib.progress import NO_PROGRESS
@@ -107,7 +107,7 @@ def test_grids_are_halved_as_long_as_the_time_decides_their_cells():
     quiet, noisy = np.full(100, 1e-4), np.full(100, 4.0)
     assert choose_grids(128, quiet, 0.003) == (128, 64, 32, 16)
     # A pixel's mean has a deviation of 2; a cell of 64 x 64 pixels one of 2 / 64.
-    assert choose_grids(128, noisy, 2 / 64 * 1.01) == (128, 64)
+    assert choose_grids(128, noisy, SPARE * 2 / 64 * 1.01) == (128, 64)
     assert choose_grids(128, noisy, 1e-9) == (128,)
     assert choose_grids(64, np.zeros(100), 0.003) == (64, 32, 16)
     assert choose_grids(64, np.full(3, np.nan), 0.003) == (64,)
@@ -117,7 +117,7 @@ def test_grids_are_halved_as_long_as_the_time_decides_their_cells():
 def test_a_few_noisy_cells_have_all_the_time_and_no_more(rest):
     """4 of 100 cells get 25 times the samples of a run that renders all of them equally often."""
     few = np.where(np.arange(100) < 4, 1.0, rest)
-    alone = np.sqrt(1.0 / 25) / np.array([64, 32, 16])
+    alone = SPARE * np.sqrt(1.0 / 25) / np.array([64, 32, 16])
     for count, error in enumerate(alone, 1):
         assert choose_grids(128, few, error * 1.001) == (128, 64, 32, 16)[: count + 1]
         assert choose_grids(128, few, error * 0.999) == (128, 64, 32, 16)[:count]
