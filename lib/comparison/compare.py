@@ -64,7 +64,8 @@ def compare(
 
     Sampling ends when every region is decided, or at a limit of `options`. `coverage` maps a kind of region
     ('material', 'object') to its (name, weights (height, width)) pairs. A first look at a few small replicates gives a
-    first answer and lays out the rest. Once the open regions fill a part of the image, only that is sampled on.
+    first answer and lays out the rest. Once the open regions fill a part of the image, or time
+    is short, parts are sampled on.
     `progress` receives the share of the time (or of the replicates) spent, and at each look the bound and an Interim.
     Cancelling keeps what both sides finished. Where regions differ, the causes are sought `among` departures, in time
     set aside for it, and sampling goes on until they are found or ruled out. Pixels (height, width) that are `left_out`

@@ -39,8 +39,8 @@ WORTHWHILE = 0.9
 class Part:
     """What is rendered until the next look.
 
-    The regions `of` (K,) bool, None for all, that have so many `replicates`, in `windows`, None for the whole image. Their pixels are
-    a `share` of the image, and the look comes at `target` replicates.
+    The regions `of` (K,) bool, None for all, have so many `replicates` as it begins, and are looked at when they have `target`. Their pixels
+    are in `windows`, None for the whole image.
     """
 
     of: np.ndarray | None
@@ -69,10 +69,8 @@ def part_of(
     """
     count = int(replicates[wanted].max())
     windows = find_windows(regions, wanted, samples, count)
-    of = (replicates == count) & ~lost
-    share = 1.0
+    of, share = (replicates == count) & ~lost, 1.0 if windows is None else windows.share
     if windows is not None:
-        share = windows.share
         rendered = windows.mask.ravel()[regions.weights.indices]
         of &= np.logical_and.reduceat(rendered, regions.weights.indptr[:-1])
     target = next_look(count)
@@ -116,11 +114,10 @@ def choose_regions(
 ) -> np.ndarray:
     """Those of the regions `wanted` (K,) bool to sample next; they have equally many replicates.
 
-    So many `seconds` are left. If they decide all that is wanted, all are to be sampled, else those
-    whose bound is above the one that all can reach. Of these, the ones in the upper half come first, between that bound and the largest on a
-    logarithmic scale, that have as many replicates as the region with the largest. The whole image, where that is wanted, comes before all
-    others while half of the time may decide it. As long as the sampling `is_split` nowhere, all goes on where parts gain little.
-    None is left where nothing more is in reach.
+    So many `seconds` are left. If they decide all that is wanted, all is to be sampled, else what has a bound above the one that all can
+    reach. Of that, the worst comes first: the upper half between that bound and the largest, on a logarithmic scale. The whole image,
+    where it is wanted, comes before all else while IMAGE_SHARE of the time may decide it. Until the sampling `is_split`, all goes on where
+    parts gain little. None is returned where nothing more is in reach.
     """
     bound, limit = attainable.bound(test, wanted, now, pace, seconds), seconds / pace.whole
     chosen = wanted
@@ -139,9 +136,9 @@ def choose_regions(
 
 
 def bound_of_whole(test: SequentialTest, now: Standing, wanted: np.ndarray, limit: float) -> float:
-    """The bound of the regions `wanted` (K,) bool if `limit` more replicates of the whole image end with a last look.
+    """The bound expected of the regions `wanted` (K,) bool after `limit` more replicates of the whole image.
 
-    That look has all of the level that is left.
+    They end with a last look, which has all of the level that is left.
     """
     growth = 1.0 + limit / np.maximum(now.replicates, 1)
     look = test.looks[-1]

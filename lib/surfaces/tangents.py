@@ -44,8 +44,9 @@ class CornerFrames:
                 wanted[owner] = True
                 wanted &= ~self._is_made
                 some = np.flatnonzero(wanted[self._mesh.object_index])
-                self._frames[:, :, some] = self._make(some)
-                self._is_made |= wanted
+                if some.size:  # unless another thread made them in the meantime
+                    self._frames[:, :, some] = self._make(some)
+                    self._is_made |= wanted
         return np.take(self._frames, triangle, axis=2)
 
     def _make(self, triangle: np.ndarray) -> np.ndarray:
