@@ -29,6 +29,7 @@ from .relevance import (
     has_narrow_spread,
     has_rough_diffuse,
     has_rough_facets,
+    has_tilted_faces_in_one_plane,
     interpolates_codes,
     multiplies_alpha,
     nodes_of,
@@ -58,7 +59,7 @@ class Departure:
     so, as read in Cycles' source since 4.2 and measured on 4.5, 5.2 and 5.3. `relevant` asks a folded scene whether it can change anything.
     `neutralised` names the setting by which Étalon's neutral state removes it from Cycles; such a departure has no switch in the reference.
     `by_rounding`: rounding, or how Cycles weighs light samples, decides how much of it acts, so that Cycles may lie anywhere between none
-    and all of its effect.
+    and all of its effect. `form_of` names another departure of which it is a form: the two do not add up.
     `finding` is the check of the scene check that says what in the scene calls for it, where that is a fault of the scene.
     `passes` are the light passes that it can act on. `forms` are the releases, in order, from which on it has another form.
     """
@@ -70,6 +71,7 @@ class Departure:
     relevant: Callable[[Scene], bool] = lambda scene: False
     neutralised: str = ""
     by_rounding: bool = False
+    form_of: str = ""
     finding: str = ""
     passes: frozenset[LightPass] = EVERYWHERE
     forms: tuple[str, ...] = ()
@@ -284,6 +286,16 @@ DEPARTURES: tuple[Departure, ...] = (
         "kernel/bvh/util.h",
         relevant=has_faces_in_one_plane,
         by_rounding=True,
+        finding=OVERLAPPING_FACES,
+    ),
+    Departure(
+        "rounding in one plane",
+        "Where faces overlap in a plane that is not along two axes, single precision decides at each point whether rays that leave one face "
+        "meet the other. A part of the light is hidden, and some goes on behind the face, into closed bodies and out of them elsewhere.",
+        "kernel/bvh/util.h",
+        relevant=has_tilted_faces_in_one_plane,
+        by_rounding=True,
+        form_of="faces in one plane",
         finding=OVERLAPPING_FACES,
     ),
     Departure(

@@ -97,6 +97,13 @@ def has_faces_in_one_plane(scene: Scene) -> bool:
     return scene.mesh.overlaps.count > 0
 
 
+def has_tilted_faces_in_one_plane(scene: Scene) -> bool:
+    """Whether faces overlap in a plane that is not along two axes, in single precision."""
+    mesh = scene.mesh
+    corners = mesh.vertices.astype(np.float32)[:, mesh.triangles[:, mesh.overlaps.pairs]].reshape(3, 6, -1)
+    return bool((np.ptp(corners, axis=1) > 0.0).all(axis=0).any())
+
+
 def has_materials_in_one_plane(scene: Scene) -> bool:
     """Whether faces of two materials overlap."""
     mesh = scene.mesh

@@ -1,24 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage of two departures: what rays meet where faces overlap in one plane.
+"""Stage of three departures: what rays meet where faces overlap in one plane.
 
-Rays that leave a face meet the others at distance 0; and of two faces of different materials rays meet the other one.
+Rays that leave a face meet the others at distance 0, all of them or those that single precision makes meet them; and of two faces of different
+materials rays meet the other one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Set
 from typing import NamedTuple
 
 import numpy as np
 
 from ..scene.mesh import Mesh
-from ..vectors import cross, dot
+from ..surfaces.surface import SurfacePoints
+from ..vectors import cross, dot, gather
 from .paths import Paths
 from .raycaster import Hits
+from .single_precision import corners_of, meet, place
 
 FACES_IN_ONE_PLANE = "faces in one plane"
 """The departure that has rays skip only the face that they leave."""
+ROUNDED_FACES = "rounding in one plane"
+"""The departure that has them meet other faces in its plane only where single precision does."""
 OTHER_FACE = "other of two faces"
 """The departure that has rays meet, of two faces in one plane, the one that the reference does not meet."""
+
+
+class Left(NamedTuple):
+    """What rays leave: the triangles (n,), -1 for none, the points (3, n), and the barycentrics u, v (2, n) of these."""
+
+    triangle: np.ndarray
+    point: np.ndarray
+    uv: np.ndarray
 
 
 class Met(NamedTuple):
@@ -52,26 +66,63 @@ class CoplanarFaces:
         self._start = np.searchsorted(both[0][order], np.arange(mesh.triangle_count + 1))
         self._mesh = mesh
 
-    def met_by(self, triangle: np.ndarray, point: np.ndarray) -> Met:
-        """The faces at distance 0 that rays meet which leave `point` (3, n) on `triangle` (n,).
+    def met_by(self, left: Left, direction: np.ndarray) -> Met:
+        """The faces at distance 0 that rays along `direction` (3, n) meet.
 
-        The direction does not matter. Rays that leave no triangle (-1) meet nothing.
+        Rays that leave no triangle meet nothing. Here the direction does not matter.
         """
+        return self.at(left.triangle, left.point)
+
+    def at(self, triangle: np.ndarray, point: np.ndarray) -> Met:
+        """The other faces at `point` (3, n) on `triangle` (n,)."""
+        ray, other = self._pairs(triangle)
+        if ray.size == 0:
+            return Met(ray, other, np.empty(0), np.empty(0))
+        a, b, c = (np.take(self._mesh.vertices, row[other], axis=1) for row in self._mesh.triangles)
+        along, across, away = b - a, c - a, point[:, ray] - a
+        normal = cross(along, across)
+        doubled = dot(normal, normal)
+        u = dot(cross(away, across), normal) / doubled
+        v = dot(cross(along, away), normal) / doubled
+        inside = np.flatnonzero((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0))
+        return Met(ray[inside], other[inside], u[inside], v[inside])
+
+    def _pairs(self, triangle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The rays (k,) that leave `triangle` (n,), once for each other triangle (k,) in its plane."""
         start = self._start[triangle]
         count = np.where(triangle < 0, 0, self._start[triangle + 1] - start)
         ray = np.repeat(np.arange(triangle.size), count)
-        if ray.size == 0:
-            return Met(ray, np.empty(0, np.int32), np.empty(0), np.empty(0))
         number = np.arange(ray.size) - np.repeat(np.cumsum(count) - count, count)
-        other = self._others[start[ray] + number]
-        a, b, c = (np.take(self._mesh.vertices, row[other], axis=1) for row in self._mesh.triangles)
-        along, across, place = b - a, c - a, point[:, ray] - a
-        normal = cross(along, across)
-        doubled = dot(normal, normal)
-        u = dot(cross(place, across), normal) / doubled
-        v = dot(cross(along, place), normal) / doubled
-        inside = np.flatnonzero((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0))
-        return Met(ray[inside], other[inside], u[inside], v[inside])
+        return ray, self._others[start[ray] + number]
+
+
+class RoundedFaces(CoplanarFaces):
+    """The same, met only where single precision puts the point that a ray leaves behind the other face.
+
+    That is so at about half of the points of a plane that is not along two axes, and at all points of others. Behind the one face the
+    path goes on: into a closed body, and out of it elsewhere.
+    """
+
+    def met_by(self, left: Left, direction: np.ndarray) -> Met:
+        """The faces that rays along `direction` (3, n) meet, the nearest first."""
+        ray, other = self._pairs(left.triangle)
+        origin = place(corners_of(self._mesh, left.triangle[ray]), *left.uv[:, ray])
+        hits = meet(corners_of(self._mesh, other), origin, direction[:, ray])
+        order = np.lexsort((hits.distance, ray))
+        met = order[hits.meets[order]]
+        return Met(ray[met], other[met], *(x[met].astype(np.float64) for x in (hits.u, hits.v)))
+
+
+def find_coplanar(mesh: Mesh, departures: Set[str]) -> CoplanarFaces | None:
+    """The faces that overlap others, if rays meet them at distance 0 under `departures`."""
+    if FACES_IN_ONE_PLANE in departures:
+        return CoplanarFaces(mesh)
+    return RoundedFaces(mesh) if ROUNDED_FACES in departures else None
+
+
+def place_left(points: SurfacePoints, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The triangles (k,) that rays leave from the points at `index`, and the barycentrics (2, k) there."""
+    return gather(points.triangle, index), np.stack([gather(points.u, index), gather(points.v, index)])
 
 
 def with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
@@ -82,16 +133,18 @@ def with_other_faces(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
     index = np.flatnonzero(hits.triangle >= 0)
     distance = hits.distance[index]
     point = np.take(paths.origin, index, axis=1) + np.take(paths.direction, index, axis=1) * distance
-    met = faces.met_by(hits.triangle[index], point).first()
+    met = faces.at(hits.triangle[index], point).first()
     there = Hits(met.triangle, distance[met.ray], met.u.astype(np.float32), met.v.astype(np.float32))
     return hits.replaced(index[met.ray], there)
 
 
-def with_coplanar_hits(faces: CoplanarFaces, left: np.ndarray, origin: np.ndarray, hits: Hits) -> Hits:
-    """The hits, with those at distance 0 for rays that leave the triangles `left` (n,).
+def with_coplanar_hits(faces: CoplanarFaces, paths: Paths, hits: Hits) -> Hits:
+    """The hits, with those at distance 0 for rays that leave triangles.
 
     Such rays meet other triangles in the plane of the one that they leave.
     """
-    met = faces.met_by(left, origin).first()
+    if paths.left is None or paths.left_uv is None:
+        return hits
+    met = faces.met_by(Left(paths.left, paths.origin, paths.left_uv), paths.direction).first()
     there = Hits(met.triangle, np.zeros(met.ray.size), met.u.astype(np.float32), met.v.astype(np.float32))
     return hits.replaced(met.ray, there)

@@ -37,7 +37,7 @@ from .bevels import Bevels
 from .bodies import Bodies, exit_materials, objects_entered
 from .casters import Casters
 from .catchers import catching_faces
-from .coplanar import FACES_IN_ONE_PLANE, OTHER_FACE, CoplanarFaces
+from .coplanar import OTHER_FACE, CoplanarFaces, find_coplanar
 from .coplanar_lights import LIGHTS_IN_ONE_PLANE, CoplanarLights
 from .direction import Directions
 from .emissive import EmissiveMesh, places_on
@@ -121,7 +121,7 @@ class Kernel:
         self.occluders = Occluders(self.scene, self._casters) if plan.needs(Effect.AMBIENT_OCCLUSION) else None
         self.bevels = Bevels(self.scene, self.tables, self._casters) if plan.needs(Effect.BEVELS) else None
         lit_from_below = LIGHT_BELOW in options.departures
-        self.coplanar = CoplanarFaces(scene.mesh) if FACES_IN_ONE_PLANE in options.departures else None
+        self.coplanar = find_coplanar(scene.mesh, options.departures)
         self.other_faces = (
             CoplanarFaces(scene.mesh, of_two_materials=True) if OTHER_FACE in options.departures else None
         )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..surfaces.surface import SurfacePoints
+from .coplanar import place_left
 from .kernel import Kernel
 from .paths import Paths
 
@@ -87,5 +88,5 @@ def _passed(
     if kernel.media is not None and paths.medium is not None:
         going.medium = kernel.media.crossed(paths.medium, points, np.ones(paths.size, bool))[index]
     if going.left is not None:
-        going.left = points.triangle[index]
+        going.left, going.left_uv = place_left(points, index)
     return going

@@ -22,13 +22,13 @@ class Paths:
     two are kept only where an index depends on the wavelength: the wavelength in nanometres, and whether the throughput still awaits
     its colour (bool). `ray_class` (n,), as sight.py has them, is kept only where rays of different kinds see different
     things. `depths` (3, n), how often each was reflected by diffuse and by other lobes and transmitted, is kept only where
-    shaders ask. `left`, the triangle that the ray left, is kept only where rays meet others in its plane. `receiver` (n,),
-    the set of linked objects that scattered the ray, -1 for camera rays, is kept only where lights are linked. `medium`
-    (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes` (n,), how
-    often each scattered in them, where they scatter. `cell` (n,), the cell of the grid of lights where each scattered last,
-    is kept only where lights or their parts are chosen by place. `least_pdf` (n,), the least of all densities so far, is kept only
-    where shaders average normals. `footprint` (n,), the radius of the pixel's cone in metres, and `spread` (n,), what it grows by
-    for each metre, are kept only where shaders ask for the width of pixels. `at_camera` says that these are the camera rays themselves.
+    shaders ask. `left` (n,), the triangle that the ray left, -1 for none, and `left_uv` (2, n), its place there, are kept only where rays
+    meet others in its plane. `receiver` (n,), the set of linked objects that scattered the ray, -1 for camera rays, is kept only where
+    lights are linked. `medium` (n,), the number of what the ray is in (media.py), is kept only where there are volumes, and `in_volumes`
+    (n,), how often each scattered in them, where they scatter. `cell` (n,), the cell of the grid of lights where each scattered last, is
+    kept only where lights or their parts are chosen by place. `least_pdf` (n,), the least of all densities so far, is kept only where
+    shaders average normals. `footprint` (n,), the radius of the pixel's cone in metres, and `spread` (n,), what it grows by for each metre,
+    are kept only where shaders ask for the width of pixels. `at_camera` says that these are the camera rays themselves.
     """
 
     pixel: np.ndarray
@@ -46,6 +46,7 @@ class Paths:
     ray_class: np.ndarray | None = None
     depths: np.ndarray | None = None
     left: np.ndarray | None = None
+    left_uv: np.ndarray | None = None
     receiver: np.ndarray | None = None
     medium: np.ndarray | None = None
     in_volumes: np.ndarray | None = None

@@ -31,7 +31,7 @@ from ..surfaces.surface import SurfacePoints
 from ..vectors import gather
 from .camera_rays import camera_rays, pixel_cone
 from .catchers import end_at_catchers
-from .coplanar import with_coplanar_hits, with_other_faces
+from .coplanar import place_left, with_coplanar_hits, with_other_faces
 from .direct_light import DirectLight
 from .emitters import Emitters
 from .flow import Flow
@@ -111,8 +111,8 @@ class Tracer:
             hits = kernel.caster.closest(paths.origin, paths.direction)
             if self._flow.hides and self._flow.transparent:
                 hits = self._with_camera_hits(paths, hits)
-        if step and kernel.coplanar is not None and paths.left is not None:
-            hits = with_coplanar_hits(kernel.coplanar, paths.left, paths.origin, hits)
+        if step and kernel.coplanar is not None:
+            hits = with_coplanar_hits(kernel.coplanar, paths, hits)
         if kernel.other_faces is not None:
             hits = with_other_faces(kernel.other_faces, paths, hits)
         self._rays += paths.size
@@ -165,7 +165,7 @@ class Tracer:
             seen = slice(None) if rays.index is None else rays.index
             paths.footprint, paths.spread = pixel_cone(camera, x[seen], y[seen])
         if self._kernel.coplanar is not None:
-            paths.left = np.full(count, -1, np.int32)
+            paths.left, paths.left_uv = np.full(count, -1, np.int32), np.zeros((2, count))
         if self._kernel.sight.receiver_of is not None:
             paths.receiver = np.full(count, -1, np.intp)
         if self._kernel.media is not None:
@@ -380,7 +380,7 @@ class Tracer:
         if paths.footprint is not None and paths.spread is not None:
             following.footprint, following.spread = paths.footprint[index], paths.spread[index]
         if self._kernel.coplanar is not None:
-            following.left = gather(origins.points.triangle, index)
+            following.left, following.left_uv = place_left(origins.points, index)
         following.medium = origins.medium(index, following.direction)
         if paths.in_volumes is not None:
             following.in_volumes = paths.in_volumes[index]

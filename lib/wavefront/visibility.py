@@ -9,7 +9,7 @@ from ..scene.rays import COUNTS
 from ..surfaces.surface import SurfacePoints
 from ..vectors import dot
 from .casters import PartCaster
-from .coplanar import CoplanarFaces
+from .coplanar import CoplanarFaces, Left
 from .kernel import Kernel
 from .raycaster import Raycaster
 
@@ -127,7 +127,7 @@ def coplanar_transmittance(
     `tally` (counts, n) is what the rays have counted, where shaders ask. It is part of a departure, see coplanar.py.
     """
     through = np.ones_like(direction)
-    met = coplanar.met_by(points.triangle, points.position)
+    met = coplanar.met_by(Left(points.triangle, points.position, np.stack([points.u, points.v])), direction)
     if met.ray.size == 0:
         return through
     position = np.take(points.position, met.ray, axis=1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces that overlap in one plane, under one sun.
 
-Every point must show what the plane shows alone, albedo * E / pi.
+Every point must show what the plane shows alone, albedo * E / pi. The side of a closed box that is turned away from the sun must be black.
 """
 
 import numpy as np
@@ -45,6 +45,35 @@ def apart(distance):
     return build
 
 
+def turn(angles):
+    """The axes of a turned frame, one a row."""
+    from mathutils import Euler
+
+    return np.array(Euler(angles).to_matrix()).T
+
+
+def tilted(angles):
+    """Two quads in one plane that is along no axis."""
+
+    def build(scene):
+        corners = np.array([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)]) @ turn(angles)
+        probe.add_mesh(scene, np.tile(corners, (2, 1)), [(0, 1, 2, 3), (4, 5, 6, 7)], white(scene))
+
+    return build
+
+
+def dark_side(angles, copies):
+    """What a turned box shows where the sun does not shine. It is there `copies` times."""
+    scene = probe.start(size=32, samples=256)
+    corners = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) @ turn(angles)
+    sides = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
+    faces = [tuple(side + 8 * k) for k in range(copies) for side in sides]
+    probe.add_mesh(scene, np.tile(corners, (copies, 1)), faces, white(scene))
+    probe.look_from(scene, -turn(angles)[2], width=1.0)
+    probe.add_sun(scene, turn(angles)[2], STRENGTH)
+    return probe.render(scene)
+
+
 CASES = {
     "alone": alone,
     "object copy": copy_of_object,
@@ -64,3 +93,20 @@ for name, build in CASES.items():
     dark = np.mean(image < 0.5 * EXPECTED)
     rows.append((name, f"{100 * dark:.1f} %", EXPECTED, image.mean(), 0.0))
 probe.show("two diffuse planes in one place, one sun", ("second face", "dark pixels"), rows)
+
+ANGLES = (0.5, 0.2, 0.1), (0.3, 0.03, 0.06), (0.7, -0.4, 0.2)
+
+rows = []
+for angles in ANGLES:
+    scene = probe.start(size=32, samples=64)
+    tilted(angles)(scene)
+    probe.look_from(scene, (0.0, 0.0, 1.0), width=1.0)
+    probe.add_sun(scene, turn(angles)[2], STRENGTH)
+    rows.append((str(angles), ALBEDO * STRENGTH / np.pi, *probe.mean(probe.render(scene))))
+probe.show("two quads in one tilted plane, the sun upright on it", ("angles",), rows)
+
+rows = []
+for angles in ANGLES:
+    for copies in (1, 2):
+        rows.append((str(angles), copies, 0.0, *probe.mean(dark_side(angles, copies))))
+probe.show("the dark side of a turned box", ("angles", "copies"), rows)

@@ -28,6 +28,7 @@ from etalon.lib.scene.motion import Motion
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
+from scipy.spatial.transform import Rotation
 
 ANGLES = np.radians([64.0, 78.0, 87.1])
 
@@ -223,6 +224,16 @@ def rug():
     return scenes.scene(parts, materials, scenes.orthographic(4, 2, 4.0, (0.0, 0.0, 5.0)), (sun,))
 
 
+def turned_rug():
+    """A floor and its copy, in no plane along two axes, under a sun."""
+    turn = Rotation.from_rotvec((0.5, 0.2, 0.1))
+    floor = scenes.floor(3.0)
+    floor = replace(floor, vertices=turn.apply(floor.vertices.T).T)
+    sun = SunLight("sun", tuple(turn.apply((0.0, 0.6, 0.8))), 0.0, (1.0, 1.0, 1.0))
+    camera = scenes.orthographic(2, 2, 2.0, (0.0, 0.0, 5.0))
+    return scenes.scene([floor, floor], scenes.diffuse(0.8, 0.6, 0.4), camera, (sun,))
+
+
 def panels():
     """A floor under two area lights, of which one covers a half of the other in its plane."""
     first = AreaLight(
@@ -292,6 +303,7 @@ SCENES = {
     films: (5e-3, 1024, set()),
     curved: (5e-3, 64, set()),
     rug: (1e-2, 64, set()),
+    turned_rug: (1e-2, 1024, set()),
     panels: (1e-2, 256, set()),
     decal: (1e-2, 64, set()),
     wax: (1e-2, 256, set()),

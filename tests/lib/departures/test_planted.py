@@ -71,8 +71,10 @@ def cases():
         # It would take too long to tell these from noise; test_short_walks.py and test_moments.py have their proofs.
         if make in (wax, trail):
             continue
-        names = [d.name for d in relevant(make(), masking(make))]
-        pairs = list(combinations(names, 2))
+        found = relevant(make(), masking(make))
+        names, forms = [d.name for d in found], [{d.name, d.form_of} for d in found]
+        # Of two forms of one departure the other adds nothing.
+        pairs = [pair for pair in combinations(names, 2) if set(pair) not in forms]
         if make is furnace:
             pairs = [pair for pair in pairs if pair in PAIRS or pair in neighbours(names)]
         for chosen in [*((name,) for name in names), *pairs]:

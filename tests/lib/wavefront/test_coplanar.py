@@ -4,16 +4,19 @@
 With its departures they hide light from each other, or change places.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from etalon.lib.scene.lights import SunLight
 from etalon.lib.settings.reference import Options
 from etalon.lib.wavefront.render import ReferenceRenderer
 from etalon.tests import scenes
+from scipy.spatial.transform import Rotation
 
 SUN = SunLight("sun", (0.0, 0.6, 0.8), 0.0, (np.pi, np.pi, np.pi))
 LIT = 0.8 * 0.8  # albedo times cosine
-HIDING, SWAPPING = "faces in one plane", "other of two faces"
+HIDING, SWAPPING, ROUNDING = "faces in one plane", "other of two faces", "rounding in one plane"
 
 
 def shown(parts, materials, departures=(), bounces=0, world=0.0, samples=64):
@@ -35,9 +38,11 @@ def test_copies_in_one_place_are_one_surface_to_the_reference(copies):
     assert shown([scenes.floor()] * copies, scenes.diffuse(0.8)) == pytest.approx([LIT, LIT], rel=1e-12)
 
 
+@pytest.mark.parametrize("name", [HIDING, ROUNDING])
 @pytest.mark.parametrize("copies", [2, 3])
-def test_with_the_departure_copies_hide_all_light_from_each_other(copies):
-    assert shown([scenes.floor()] * copies, scenes.diffuse(0.8), [HIDING], 4, 1.0) == pytest.approx([0.0, 0.0])
+def test_with_the_departures_copies_in_a_plane_along_two_axes_hide_all_light(copies, name):
+    """There, single precision puts all points in the plane of the other face exactly."""
+    assert shown([scenes.floor()] * copies, scenes.diffuse(0.8), [name], 4, 1.0) == pytest.approx([0.0, 0.0])
 
 
 def test_light_is_hidden_only_where_faces_overlap():
@@ -77,3 +82,41 @@ def test_of_two_materials_the_departure_shows_the_other():
     plain, other = shown(parts, materials), shown(parts, materials, [SWAPPING])
     assert plain[0] + other[0] == pytest.approx(1.0, rel=1e-12)
     assert plain[1] == other[1] == pytest.approx(0.25, rel=1e-12)
+
+
+def turned(part):
+    """The part turned about no axis of the scene."""
+    return replace(part, vertices=Rotation.from_rotvec((0.5, 0.2, 0.1)).apply(part.vertices.T).T)
+
+
+def test_in_a_tilted_plane_rounding_hides_a_part_of_the_light():
+    parts = [turned(scenes.floor(2.0))] * 2
+    plain, part = (shown(parts, scenes.diffuse(0.8), names, samples=4096) for names in ((), [ROUNDING]))
+    assert (0.1 * plain < part).all()
+    assert (part < 0.9 * plain).all()
+
+
+@pytest.mark.parametrize(("name", "exact"), [(ROUNDING, 1.0), (HIDING, 0.0)])
+def test_no_light_is_lost_in_a_white_body_that_is_there_twice(name, exact):
+    """A furnace: whatever rays meet, all that is white shows the world's radiance, if paths leave it in the end.
+
+    They enter the closed body between its faces, and leave it so. Where all points meet the other face, none comes out.
+    """
+    camera = scenes.orthographic(2, 1, 2.0, (0.0, 0.0, 5.0))
+    scene = scenes.scene([turned(scenes.cube(2.0))] * 2, scenes.diffuse(1.0), camera, (), 1.0, 1000)
+    options = Options(threads=1, departures=frozenset([name]))
+    assert ReferenceRenderer(scene, options).render(0, 256).radiance == pytest.approx(
+        np.full((1, 2, 3), exact), rel=1e-9
+    )
+
+
+def test_light_comes_out_of_a_body_where_no_lamp_shines():
+    """The sun shines from above on a closed body that is there twice, and the camera sees its dark side from below."""
+    camera = scenes.orthographic(1, 1, 0.5, (0.0, 0.0, -5.0), (0.0, 0.0, 1.0))
+    scene = scenes.scene([turned(scenes.cube())] * 2, scenes.diffuse(0.9), camera, (SUN,), 0.0, 12)
+    plain, hiding, rounding = (
+        ReferenceRenderer(scene, Options(threads=1, departures=frozenset(names))).render(0, 1024).radiance[0, 0, 0]
+        for names in ((), [HIDING], [ROUNDING])
+    )
+    assert plain == hiding == 0.0
+    assert rounding > 0.01
