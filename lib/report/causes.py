@@ -151,10 +151,16 @@ def _rounded(comparison: Comparison, why: Explanation) -> list[str]:
     whole = comparison.verdict.count(Outcome.EXPLAINED)
     where = plural(count, "region") if count == whole else f"{count} of the {whole} regions that differ"
     names = {name for names, here in zip(why.causes, why.rounded, strict=True) if here for name in names}
+    beside = names - {departure.name for departure in why.departures if departure.by_rounding}
+    full = (
+        f" Beside it, {listed(tuple(sorted(beside)))} {'acts' if len(beside) == 1 else 'act'} in full."
+        if beside
+        else ""
+    )
     return [
-        f"Explained by the scene: {listed(tuple(sorted(names)))}. Rounding in single precision, or how Cycles weighs light samples, "
-        f"decides how much of it acts. In {where}, {comparison.candidate.name} lies between the reference with this departure and the "
-        "reference without it."
+        f"Explained by the scene: {listed(tuple(sorted(names - beside)))}. Rounding in single precision, or how Cycles weighs light "
+        f"samples, decides how much of it acts. In {where}, {comparison.candidate.name} lies between the reference with this departure "
+        f"and the reference without it.{full}"
     ]
 
 

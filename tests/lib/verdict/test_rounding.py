@@ -65,3 +65,30 @@ def test_what_rounding_decides_is_rendered_first(rng):
     test.look(sides[0].moments, sides[1].moments, False)
     search.look(*sides, effects, False)
     assert {name: rendered[frozenset([name])] for name in "abc"} == {"a": 2, "b": 2, "c": 1}
+
+
+def test_other_departures_act_in_full_beside_what_rounding_decides(rng):
+    """Where "a" does nothing "c" takes 0.3 away; the rest is "c" and a part of "a"."""
+    effects = {"a": np.array([-0.8, -0.8, -0.8, -0.8, 0.0]), "b": NOTHING, "c": np.full(5, -0.3)}
+    why = found(rng, np.array([-0.6, -0.5, -0.9, -0.35, -0.3]), effects)
+    assert why.state is State.ROUNDED
+    assert why.rounded[:4].all()
+    assert why.causes[:4] == (("a", "c"),) * 4
+    assert why.causes[4] in {("c",), ("a", "c")}
+
+
+def test_what_takes_regions_that_agree_out_of_the_tolerance_does_not_act_beside(rng):
+    """Region 3 agrees, and "c" would take 0.3 from it; so region 4 stays unexplained, and the image."""
+    effects = {"a": np.array([-0.8, -0.8, -0.8, 0.0, 0.0]), "b": NOTHING, "c": np.full(5, -0.3)}
+    why = found(rng, np.array([-0.6, -0.5, -0.7, 0.0, -0.3]), effects)
+    assert why.rounded.tolist() == [False, True, True, False, False]
+    assert why.causes[1] == ("a",)
+
+
+def test_two_forms_of_one_departure_do_not_add_up(rng):
+    """More than either form does is no part of them, and of two departures that add up it is one."""
+    effects = {"a": np.full(5, -0.4), "b": np.full(5, -0.3), "c": NOTHING}
+    gap = np.full(5, -0.6)
+    forms = (KNOWN[0], Departure("b", "", "", by_rounding=True, form_of="a"), KNOWN[2])
+    assert found(rng, gap, effects).rounded.all()
+    assert not simulated(rng, effects, 1.0 + gap, inside=lambda: INSIDE, departures=forms)[2].rounded.any()
