@@ -51,7 +51,7 @@ class Emitters:
 
     def __init__(self, ball: Ball, emitters: Sequence[Emitter], power: np.ndarray) -> None:
         self._ball, self._emitters = ball, emitters
-        self._choice = Distribution1D(chances_by_power(power))
+        self._choice = Distribution1D(chances_by_power(power[:, None]))
 
     def emit(self, choice: np.ndarray, place: Pair, heading: Pair) -> Emitted:
         """Return the ray (n,) of each path.

@@ -13,7 +13,7 @@ import numpy as np
 from ..sampling.warps import uniform_disk
 from ..scene.lights import AreaLight
 from ..vectors import dot
-from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance, power_of
 from .spread import Spread
 
 _SMALLEST = 1e-300
@@ -59,7 +59,8 @@ class AreaSampler:
         self._reach2 = 0.25 * ((self._length_u + abs(self._skew)) ** 2 + self._length_v**2)
         self._radiance = column(light.radiance)
         self._spread = Spread(light.spread) if 0.0 < light.spread < math.pi else None
-        self.power = math.pi * area * self._area_of_unit * float(luminance(np.abs(self._radiance))[0])
+        self.flux = math.pi * area * self._area_of_unit * np.abs(self._radiance[:, 0])
+        self.power = power_of(self.flux)
 
     @property
     def area(self) -> float:

@@ -24,7 +24,7 @@ class BeamSampler:
         self._shape = shape
         self._towards = -shape.normal
         self._irradiance = math.pi * column(light.radiance)
-        self.power = shape.power
+        self.flux, self.power = shape.flux, shape.power
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Straight back to the light."""

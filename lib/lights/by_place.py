@@ -10,7 +10,7 @@ import numpy as np
 from ..sampling.tables import Rows
 from .cells import Cells, Parts, Places
 from .falling_off import FallingOff
-from .light import Aimable, Divided, LightSampler
+from .light import Aimable, Divided, LightSampler, power_of
 
 EVEN_SHARE = 1.0 / 16.0
 """What all lights that shine share evenly, whatever their power and place."""
@@ -20,8 +20,19 @@ LEAST_GAIN = 1.5
 """Parts are chosen by place where a choice by power alone has at least so many times the second moment."""
 
 
-def chances_by_power(power: np.ndarray) -> np.ndarray:
-    """Return the chances (k,) of lights of `power` (k,), by power but for EVEN_SHARE.
+def shares_of(flux: np.ndarray) -> np.ndarray:
+    """Return the share (..., k) that each of k lights has of their `flux` (..., k, c), not negative.
+
+    It is the mean over the channels in which any light shines: a verdict is about every channel, and a dim red lamp among bright green
+    ones may be all of the red light. 0 where nothing shines.
+    """
+    total = flux.sum(axis=-2, keepdims=True)
+    share = np.divide(flux, total, out=np.zeros(flux.shape), where=total > 0.0)
+    return share.sum(axis=-1) / np.maximum((total > 0.0).sum(axis=-1), 1)
+
+
+def chances_by_power(flux: np.ndarray) -> np.ndarray:
+    """Return the chances (k,) of lights of `flux` (k, c), by `shares_of` it but for EVEN_SHARE.
 
     All lights that shine have an equal part of EVEN_SHARE.
 
@@ -29,28 +40,24 @@ def chances_by_power(power: np.ndarray) -> np.ndarray:
     (Hesterberg 1995) no sample weighs more than 1 / EVEN_SHARE times what it would by even chances. All 0 where
     nothing shines.
     """
-    total, shines = float(power.sum()), power > 0.0
-    if not total > 0.0:
-        return np.zeros(power.shape)
-    return (1.0 - EVEN_SHARE) * (power / total) + EVEN_SHARE * shines / shines.sum()
+    shines = flux.any(axis=1)
+    return (1.0 - EVEN_SHARE) * shares_of(flux) + EVEN_SHARE * shines / max(shines.sum(), 1)
 
 
-def chances_by_place(power: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """Return the chances (c, k) of lights in c cells, by the light that each cell can expect.
+def chances_by_place(flux: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    """Return the chances (n, k) of lights in n cells, by the light that each cell can expect.
 
-    `power` (k,); `expected` (c, k), not negative, 0 where the power is. As `chances_by_power`, but NEAR_SHARE of what goes by power
+    `flux` (k, c); `expected` (n, k, c), not negative, 0 where the flux is. As `chances_by_power`, but NEAR_SHARE of what goes by power
     there goes by what is expected. The rest bounds what a sample weighs where walls hide the near lights.
     """
-    by_power, near = _shares(power, expected)
-    return chances_by_power(power) + (1.0 - EVEN_SHARE) * NEAR_SHARE * (near - by_power)
+    by_power, near = _shares(flux, expected)
+    return chances_by_power(flux) + (1.0 - EVEN_SHARE) * NEAR_SHARE * (near - by_power)
 
 
-def _shares(power: np.ndarray, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Each light's share (k,) of the power, and (c, k) of what is expected; of the power, too, where nothing is."""
-    total = expected.sum(axis=1, keepdims=True)
-    by_power = power / max(float(power.sum()), 1e-300)
-    near = np.divide(expected, total, out=np.broadcast_to(by_power, expected.shape).copy(), where=total > 0.0)
-    return by_power, near
+def _shares(flux: np.ndarray, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each light's share (k,) of the flux, and (n, k) of what is expected; of the flux, too, where nothing is."""
+    by_power, near = shares_of(flux), shares_of(expected)
+    return by_power, np.where(near.any(axis=1, keepdims=True), near, by_power)
 
 
 class PartChances:
@@ -61,7 +68,7 @@ class PartChances:
     """
 
     def __init__(self, power: np.ndarray, expected: np.ndarray) -> None:
-        self._by_power, near = _shares(power, expected)
+        self._by_power, near = _shares(power[:, None], expected[..., None])
         self.gain = float((np.square(near) / self._by_power).sum(axis=1).mean())
         mixed = self._by_power + NEAR_SHARE * (near - self._by_power)
         self._rows = Rows(np.vstack([mixed, self._by_power]))
@@ -73,7 +80,7 @@ class PartChances:
         Its geometric mean, weighted by what they receive in all. The twentieth of them that receives most, such as what is
         behind a panel on a ceiling, counts alike.
         """
-        share = np.square(_shares(self._by_power, expected)[1])
+        share = np.square(_shares(self._by_power[:, None], expected[..., None])[1])
         received = expected.sum(axis=1)
         received = np.minimum(received, np.quantile(received, 0.95))
         by_power, by_place = (share / one for one in (np.maximum(self._by_power, 1e-300), self._rows.probability[cell]))
@@ -104,24 +111,24 @@ class LightGrid:
     def __init__(
         self, samplers: Sequence[LightSampler], bounds: np.ndarray, radius: float, places: Places | None = None
     ) -> None:
-        power, parts = _read(samplers)
-        self._key = _key(power, parts, bounds, radius, places)
+        flux, parts = _read(samplers)
+        self._key = _key(flux, parts, bounds, radius, places)
         centers = np.hstack([one.center for one in parts.values()]) if parts else np.zeros((3, 1))
         self.cells = Cells(centers, bounds, len(parts))
-        expected = np.empty((self.cells.everywhere, power.size))
-        expected[:] = power / max(radius, 1e-150) ** 2
+        expected = np.empty((self.cells.everywhere, *flux.shape))
+        expected[:] = flux / max(radius, 1e-150) ** 2
         self.within: dict[int, tuple[PartChances, float]] = {}
         for k, one in parts.items():
             of_parts = self.cells.expect(one)
-            expected[:, k] = of_parts.sum(axis=1)
+            expected[:, k] = of_parts.sum(axis=1)[:, None] * (flux[k] / power_of(flux[k]))
             if one.power.size > 1 and self.cells.everywhere > 1 and places is not None:
                 chances = PartChances(one.power, of_parts)
                 gain = chances.gain_at(places.expect(one), self.cells.number(places.position))
                 if max(chances.gain, gain) > LEAST_GAIN:
                     self.within[k] = chances, gain
         differs = any(not one.everywhere_alike for one in parts.values())
-        self.useful = power.size > 1 and self.cells.everywhere > 1 and differs
-        self._rows = Rows(np.vstack([chances_by_place(power, expected), chances_by_power(power)]))
+        self.useful = len(flux) > 1 and self.cells.everywhere > 1 and differs
+        self._rows = Rows(np.vstack([chances_by_place(flux, expected), chances_by_power(flux)]))
         self._probability = self._rows.probability
 
     def is_of(
@@ -140,10 +147,10 @@ class LightGrid:
 
 
 def _read(samplers: Sequence[LightSampler]) -> tuple[np.ndarray, dict[int, Parts]]:
-    """The power (k,) of lights over the greatest, and the parts of those that shine and have places, by number."""
+    """The flux (k, 3) of lights over the greatest power, and the parts of those that shine and have places, by number."""
     power = np.array([sampler.power for sampler in samplers])
     greatest = max(float(power.max()), 1e-300)
-    power = power / greatest
+    power, flux = power / greatest, np.array([sampler.flux for sampler in samplers]) / greatest
     parts = {}
     for k, sampler in enumerate(samplers):
         if power[k] > 0.0 and isinstance(sampler, Divided):
@@ -153,12 +160,12 @@ def _read(samplers: Sequence[LightSampler]) -> tuple[np.ndarray, dict[int, Parts
             parts[k] = sampler.part._replace(power=sampler.part.power / greatest)
         elif power[k] > 0.0 and isinstance(sampler, Aimable):
             parts[k] = Parts(power[k : k + 1], sampler.extent.center, np.array([sampler.extent.radius]))
-    return power, parts
+    return flux, parts
 
 
 def _key(
-    power: np.ndarray, parts: dict[int, Parts], bounds: np.ndarray, radius: float, places: Places | None
+    flux: np.ndarray, parts: dict[int, Parts], bounds: np.ndarray, radius: float, places: Places | None
 ) -> tuple[object, ...]:
     """What a grid depends on, to be compared."""
     balls = tuple((k, *(array.tobytes() for array in one[:3]), one.falloff) for k, one in parts.items())
-    return power.tobytes(), balls, bounds.tobytes(), radius, None if places is None else places.position.tobytes()
+    return flux.tobytes(), balls, bounds.tobytes(), radius, None if places is None else places.position.tobytes()

@@ -46,7 +46,8 @@ class EnvironmentSampler:
         # cos a - cos b by a product: next to the poles a difference would lose half its digits.
         self._drop = 2.0 * np.sin(0.5 * (edges[1:] + edges[:-1])) * np.sin(0.5 * (edges[1:] - edges[:-1]))
         solid = (2.0 * np.pi / width) * self._drop[:, None]
-        mean, self.nonfinite = self._probe()
+        mean, self.nonfinite, from_all = self._probe(solid)
+        self.flux = np.pi * scene_radius**2 * from_all
         total = float((mean * solid).sum())
         self.power = np.pi * scene_radius**2 * total
         floor = FLOOR * total / (4.0 * np.pi) if total > 0.0 else 1.0
@@ -93,26 +94,30 @@ class EnvironmentSampler:
         """Through the ball, from where the world is bright."""
         return emit_distant(self.sample(np.empty((3, heading[0].size)), *heading), ball, place)
 
-    def _probe(self) -> tuple[np.ndarray, int]:
+    def _probe(self, solid: np.ndarray) -> tuple[np.ndarray, int, np.ndarray]:
         """Return the mean luminance (magnitude) of every cell (rows, columns).
 
-        Also returns how many probes were not finite.
+        Also returns how many probes were not finite, and the integral (3,) of the radiance's magnitude over the cells of `solid` angle
+        (rows, 1), steradians.
         """
         place = (np.arange(PROBES) + 0.5) / PROBES
         z = (self._top[:, None] - self._drop[:, None] * place).ravel()
         angle = 2.0 * np.pi * (0.5 - ((np.arange(self._columns)[:, None] + place) / self._columns).ravel())
         around = np.stack((np.cos(angle), np.sin(angle)))
         sine = np.sqrt(1.0 - z * z)
-        mean, nonfinite = np.empty((self._rows, self._columns)), 0
+        mean, nonfinite, from_all = np.empty((self._rows, self._columns)), 0, np.zeros(3)
         step = max(1, _CHUNK // (PROBES * angle.size))
         for first in range(0, self._rows, step):
             rows = slice(PROBES * first, PROBES * min(first + step, self._rows))
             direction = np.empty((3, z[rows].size, angle.size))
             np.multiply(around[:, None, :], sine[rows, None], out=direction[:2])
             direction[2] = z[rows, None]
-            seen = np.abs(luminance(self._radiance(direction.reshape(3, -1))))
+            radiance = self._radiance(direction.reshape(3, -1))
+            seen = np.abs(luminance(radiance))
             good = np.isfinite(seen)
             nonfinite += int(seen.size - np.count_nonzero(good))
             cells = np.where(good, seen, 0.0).reshape(-1, PROBES, self._columns, PROBES)
             mean[first : first + step] = cells.mean(axis=(1, 3))
-        return mean, nonfinite
+            each = np.where(good, np.abs(radiance), 0.0).reshape(3, -1, angle.size).mean(axis=2)
+            from_all += each @ np.repeat(self._columns * solid[first : first + step, 0] / PROBES, PROBES)
+        return mean, nonfinite, from_all

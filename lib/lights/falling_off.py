@@ -10,19 +10,20 @@ import numpy as np
 from ..scene.lights import Falloff
 from .cells import Parts
 from .falloff import brightness_at
-from .light import Aimable, Ball, LightSample, LightSampler, Meetable, Pair
+from .light import Aimable, Ball, LightSample, LightSampler, Meetable, Pair, power_of
 
 
 class FallingOff:
     """A light whose radiance is multiplied by `brightness_at`; samples are those of the light itself.
 
-    Its `power` is that over the radius of the scene. `usual` is the light as if it fell off as usual.
+    Its `flux` and `power` are those over the radius of the scene. `usual` is the light as if it fell off as usual.
     """
 
     def __init__(self, sampler: LightSampler, falloff: Falloff, scene_radius: float) -> None:
         self.usual, self._falloff = sampler, falloff
         self.delta = sampler.delta
-        self.power = sampler.power * float(brightness_at(falloff, np.array([scene_radius]))[0])
+        self.flux = sampler.flux * brightness_at(falloff, np.array([scene_radius]))[0]
+        self.power = power_of(self.flux)
 
     @property
     def part(self) -> Parts | None:

@@ -88,9 +88,13 @@ class Aimable(Emitter, Protocol):
 
 
 class LightSampler(Emitter, Protocol):
-    """One light, ready to be sampled; `delta`: no ray meets it."""
+    """One light, ready to be sampled.
+
+    `delta`: no ray meets it. `flux` (3,), W, not negative, is what `power` is the luminance of.
+    """
 
     delta: bool
+    flux: np.ndarray
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Choose a direction from each `point` (3, n) towards the light by two uniforms in [0, 1)."""
@@ -135,6 +139,11 @@ class Meetable(LightSampler, Protocol):
         It is that of a direction in which `intersect` met the light at `distance`; 0 elsewhere.
         """
         ...
+
+
+def power_of(flux: np.ndarray) -> float:
+    """Return the luminance, W, of a `flux` (3,), W."""
+    return float(luminance(flux))
 
 
 def bounding_ball(vertices: np.ndarray) -> Ball:

@@ -8,7 +8,7 @@ import numpy as np
 from ..sampling.warps import uniform_sphere
 from ..scene.lights import PointLight
 from ..vectors import dot
-from .light import Ball, Emitted, LightSample, Pair, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, column, power_of
 
 
 class PointSampler:
@@ -22,7 +22,8 @@ class PointSampler:
     def __init__(self, light: PointLight) -> None:
         self._position = column(light.position)
         self._intensity = column(light.intensity)
-        self.power = 4.0 * np.pi * float(luminance(np.abs(self._intensity))[0])
+        self.flux = 4.0 * np.pi * np.abs(self._intensity[:, 0])
+        self.power = power_of(self.flux)
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """The one direction; radiance = intensity / distance^2."""

@@ -25,7 +25,7 @@ class LightSelection:
             raise ValueError("there is no light to select")
         self.samplers = tuple(samplers)
         self.grid = grid
-        self._choice = Distribution1D(chances_by_power(np.array([sampler.power for sampler in samplers])))
+        self._choice = Distribution1D(chances_by_power(np.array([sampler.flux for sampler in samplers])))
         # Spheres are sampled all together, lights of other kinds one by one.
         spheres = {k: sampler for k, sampler in enumerate(samplers) if type(sampler) is SphereSampler}
         others = [k for k, sampler in enumerate(samplers) if type(sampler) is not SphereSampler]

@@ -52,6 +52,7 @@ class SunnySampler:
         self._rest = EnvironmentSampler(self._beside, table_resolution, scene_radius)
         self.nonfinite = self._rest.nonfinite
         powers = np.array([self._rest.power, *(sun.power for sun in self._suns)])
+        self.flux = sum((sun.flux for sun in self._suns), self._rest.flux)
         self.power = float(powers.sum())
         shares = powers / self.power if self.power > 0.0 else np.full(powers.shape, 1.0 / powers.size)
         self._chance = 0.5 * (shares + 1.0 / powers.size)

@@ -15,7 +15,7 @@ from ..sampling.warps import uniform_disk, uniform_sphere
 from ..scene.lights import SphereLight
 from ..vectors import dot, gather, orthonormal_basis
 from .cone import density, uniform_cone
-from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance
+from .light import Ball, Emitted, LightSample, Pair, aimed_at_ball, column, luminance, power_of
 
 
 class SphereSampler:
@@ -30,7 +30,8 @@ class SphereSampler:
         self.center = column(light.position)
         self.radius2 = light.radius**2
         self.radiance = column(light.radiance)
-        self.power = 4.0 * np.pi**2 * self.radius2 * float(luminance(np.abs(self.radiance))[0])
+        self.flux = 4.0 * np.pi**2 * self.radius2 * np.abs(self.radiance[:, 0])
+        self.power = power_of(self.flux)
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform in the cone that the sphere fills; in all directions from inside."""

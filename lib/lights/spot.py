@@ -9,7 +9,7 @@ from ..sampling.warps import uniform_sphere
 from ..scene.lights import Cone, PointLight, SphereLight, SpotLight
 from ..vectors import dot
 from .cone import uniform_cone
-from .light import Ball, Emitted, LightSample, Pair, column
+from .light import Ball, Emitted, LightSample, Pair, column, power_of
 from .point import PointSampler
 from .sphere import SphereSampler
 
@@ -21,7 +21,8 @@ class SpotSampler:
 
     def __init__(self, light: SpotLight, emitter: PointSampler | SphereSampler) -> None:
         self._falloff, self._emitter = Falloff(light.cone), emitter
-        self.power = emitter.power * self._falloff.mean()
+        self.flux = emitter.flux * self._falloff.mean()
+        self.power = power_of(self.flux)
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """The emitter's own sample, dimmed along the ray that it gives."""

@@ -10,7 +10,7 @@ import numpy as np
 from ..scene.lights import SunLight
 from ..vectors import dot
 from .cone import density, uniform_cone
-from .light import Ball, Emitted, LightSample, Pair, column, emit_distant, luminance
+from .light import Ball, Emitted, LightSample, Pair, column, emit_distant, power_of
 
 
 class SunSampler:
@@ -25,7 +25,8 @@ class SunSampler:
         self._one_minus_cos = 2.0 * math.sin(0.5 * light.half_angle) ** 2
         received = column(light.irradiance)
         self._radiance = received if self.delta else received / (math.pi * math.sin(light.half_angle) ** 2)
-        self.power = math.pi * scene_radius**2 * float(luminance(np.abs(received))[0])
+        self.flux = math.pi * scene_radius**2 * np.abs(received[:, 0])
+        self.power = power_of(self.flux)
 
     def sample(self, point: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> LightSample:
         """Uniform in the cone of the sun."""

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..lights.by_place import LEAST_GAIN, LightGrid
+from ..lights.by_place import LEAST_GAIN, LightGrid, shares_of
 from ..lights.cells import Places
 from ..lights.face_groups import DividedFaces, divide_faces
-from ..lights.light import Ball, Emitted, LightSample, Pair, bounding_ball, luminance
+from ..lights.light import Ball, Emitted, LightSample, Pair, bounding_ball, luminance, power_of
 from ..lights.triangles import EmissiveTriangles, TriangleSample
 from ..sampling.warps import cosine_hemisphere
 from ..scene.mesh import Mesh
@@ -51,9 +51,11 @@ class EmissiveMesh:
         self._offset = float(planes[4].max())
         self.triangles, self._offsets = triangles, planes[4, triangles]
         normal = cross(edge1, edge2)
-        flux = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edge1, edge2)  # both faces
+        fluxes = np.pi * np.sqrt(dot(normal, normal)) * self._estimates(triangles, corner, edge1, edge2)  # both faces
+        self.flux = fluxes.sum(axis=1)
+        self.power = power_of(self.flux)
+        flux = self.power * shares_of(fluxes.T)
         self._sampler = EmissiveTriangles(corner, edge1, edge2, triangles, flux)
-        self.power = self._sampler.power
         corners = np.stack([corner, corner + edge1, corner + edge2])
         self._divided: DividedFaces | None = divide_faces(corners, flux, most_parts)
         self.parts = self._divided.groups.parts
@@ -78,7 +80,7 @@ class EmissiveMesh:
         return False
 
     def _estimates(self, triangles: np.ndarray, corner: np.ndarray, edge1: np.ndarray, edge2: np.ndarray) -> np.ndarray:
-        """Magnitude of the emission at each triangle's middle, also where it is negative.
+        """Magnitude (3, t) of the emission at each triangle's middle, also where it is negative.
 
         A floor keeps every face that emits.
         """
@@ -86,11 +88,15 @@ class EmissiveMesh:
         middle = corner + (edge1 + edge2) / 3.0
         points = SurfacePoints(self._tables, triangles, third, third, middle, self._normal, self._normal)
         points.tally = _tally(np.full(triangles.size, bounding_ball(self._tables.mesh.vertices).radius))
-        estimate = luminance(np.abs(self._radiance(points)))
+        radiance = np.abs(self._radiance(points))
+        estimate = luminance(radiance)
         finite = np.isfinite(estimate)
         brightest = max(float(estimate[finite].max(initial=0.0)), 1e-30)
         # What is not finite shall be found and counted: it is taken for as bright as the brightest, or 1 W m^-2 sr^-1.
-        return np.where(finite, np.maximum(estimate, 0.05 * brightest), max(brightest, 1.0))
+        floored = np.where(finite, np.maximum(estimate, 0.05 * brightest), max(brightest, 1.0))
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            scaled = radiance * (floored / estimate)
+        return np.where(finite & np.isfinite(scaled), scaled, floored)
 
     def _radiance(self, points: SurfacePoints) -> np.ndarray:
         radiance = np.zeros((3, points.size))

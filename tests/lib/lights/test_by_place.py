@@ -62,9 +62,9 @@ def test_the_nearest_of_equal_lamps_is_the_likeliest():
 
 def test_the_last_cell_goes_by_power_alone():
     grid = grid_of([*ROW, SUN])
-    power = np.array([light_sampler(light, 60.0).power for light in (*ROW, SUN)])
+    flux = np.array([light_sampler(light, 60.0).flux for light in (*ROW, SUN)])
     np.testing.assert_allclose(
-        grid.probability(np.arange(13), np.full(13, grid.cells.everywhere)), chances_by_power(power), rtol=1e-12
+        grid.probability(np.arange(13), np.full(13, grid.cells.everywhere)), chances_by_power(flux), rtol=1e-12
     )
 
 
@@ -120,12 +120,13 @@ def test_of_lamps_that_fall_off_otherwise_each_has_its_part_of_the_light_at_the_
     def fading(square, falloff):
         return square ** (0.5 * falloff.power) * square / (square + falloff.smooth)
 
-    usual = np.array([light_sampler(lamp, 60.0).power for lamp in ROW])
+    usual = np.array([light_sampler(lamp, 60.0).flux for lamp in ROW]).T
     light, power = (
         usual * [fading(d, lamp.falloff) / over for d, over, lamp in zip(squares, divisors, MIXED, strict=True)]
         for squares, divisors in ((square, square), (np.full(12, 60.0**2), np.ones(12)))
     )
-    expected = EVEN_SHARE / 12.0 + (1.0 - EVEN_SHARE) * (0.75 * light / light.sum() + 0.25 * power / power.sum())
+    light, power = ((of / of.sum(axis=1, keepdims=True)).mean(axis=0) for of in (light, power))
+    expected = EVEN_SHARE / 12.0 + (1.0 - EVEN_SHARE) * (0.75 * light + 0.25 * power)
     found = grid.probability(np.arange(12), np.repeat(grid.cells.number(place), 12))
     np.testing.assert_allclose(found, expected, rtol=0.1)
 
@@ -194,7 +195,7 @@ def test_there_is_no_grid_where_place_does_not_matter(lights):
 
 def test_chances_by_power_at_places_that_were_chosen_by_place_are_caught(monkeypatch):
     """The planted error: a density that forgets the place."""
-    by_power = chances_by_power(np.array([light_sampler(lamp, 60.0).power for lamp in ROW]))
+    by_power = chances_by_power(np.array([light_sampler(lamp, 60.0).flux for lamp in ROW]))
     monkeypatch.setattr(LightGrid, "probability", lambda self, light, cell: by_power[light])
     with pytest.raises(AssertionError, match="difference"):
         test_floor_under_a_row_of_lamps_is_the_sum_of_their_closed_forms(10.4, "mis")

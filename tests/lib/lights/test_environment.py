@@ -163,3 +163,13 @@ def test_black_world_has_no_power(rng):
 def test_power_is_the_flux_through_the_scene():
     sampler = EnvironmentSampler(np.ones_like, (16, 8), 3.0)
     assert sampler.power == pytest.approx(4.0 * np.pi * np.pi * 9.0)
+
+
+def test_flux_counts_each_channel_of_the_whole_sphere():
+    """Red from above, green from in front, blue half from everywhere: solid angles 2 pi, 2 pi and 4 pi."""
+
+    def radiance(wi):
+        return np.stack([wi[2] > 0.0, wi[0] > 0.0, np.full(wi.shape[1], -0.5)]).astype(float)
+
+    sampler = EnvironmentSampler(radiance, (16, 8), 3.0)
+    np.testing.assert_allclose(sampler.flux, 9.0 * np.pi * np.array([2.0 * np.pi] * 3))

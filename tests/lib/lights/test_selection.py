@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The choice among lights."""
 
+import hypothesis.strategies as st
 import numpy as np
 import pytest
 from etalon.lib.lights.build import light_sampler
 from etalon.lib.lights.by_place import EVEN_SHARE, chances_by_power
 from etalon.lib.lights.selection import LightSelection
 from etalon.lib.scene.lights import AreaLight, PointLight, SphereLight
+from hypothesis import given
+from hypothesis.extra.numpy import arrays
 
 AREA = (1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.0, 0.0, -1.0), "RECTANGLE"
 
@@ -55,10 +58,29 @@ def test_a_chosen_light_gives_its_own_sample(rng, kinds):
 
 @pytest.mark.parametrize("bright", [1e-300, 1.0, 1e12, 1e250])
 def test_no_light_that_shines_is_seldom_chosen(bright):
-    chances = chances_by_power(np.array([bright, 1.0, 0.0, 1e-9]))
+    chances = chances_by_power(np.array([[bright], [1.0], [0.0], [1e-9]]))
     assert chances.sum() == pytest.approx(1.0, rel=1e-14)
     assert chances[2] == 0.0
     assert chances[[0, 1, 3]].min() >= EVEN_SHARE / 3.0
+
+
+@given(arrays(float, (5, 3), elements=st.one_of(st.just(0.0), st.floats(1e-6, 1e6))))
+def test_no_channel_pays_for_lights_of_other_colours(flux):
+    """What a sample brings to a channel has at most as large a second moment as if each channel had its third of the samples."""
+    shines = flux.any(axis=1)
+    lit = flux[shines][:, flux.any(axis=0)]
+    chances = chances_by_power(flux)[shines]
+    moment = (np.square(lit) / chances[:, None]).sum(axis=0)
+    assert np.all(moment <= (1.0 + 1e-9) * 3.0 / (1.0 - EVEN_SHARE) * np.square(lit.sum(axis=0)))
+
+
+def test_a_dim_red_lamp_among_cyan_ones_is_all_of_the_red_light():
+    lamps = [
+        PointLight("red", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
+        PointLight("cyan", (1.0, 0.0, 0.0), (0.0, 900.0, 900.0)),
+    ]
+    probability = LightSelection([light_sampler(lamp, 1.0) for lamp in lamps]).probability(np.arange(2))
+    np.testing.assert_allclose(probability, 15.0 / 16.0 * np.array([1.0, 2.0]) / 3.0 + 1.0 / 32.0)
 
 
 def test_lights_without_power_are_chosen_alike():
