@@ -231,6 +231,8 @@ class _Loop:
         self._meter.progress.show(self._interim(bound))
         # While nothing differs, all agree together; beside what differs, each other region has to be shown to agree on its own.
         differs = bool((self._test.outcomes == Outcome.DIFFERENT).any())
+        # Once parts are sampled, time decides neither when to look nor what a look may spend: what is kept for causes may be used.
+        self._meter.keeps_aside = differs or not self._course.is_split
         self._open = self._test.undecided & (~self._test.within | differs)
         # Of the first look, only where no main run follows and one pair of images is a small part of the time.
         may_search = not self._is_first or (self._is_last and bound.replicates >= FIRST_LOOK)

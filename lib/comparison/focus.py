@@ -21,7 +21,7 @@ from ..film.windows import CALL, Windows, windows_around
 from ..verdict.allocation import MOST_SAMPLES
 from ..verdict.boundaries import next_look
 from ..verdict.sequential import SequentialTest
-from .attainable import FURTHEST, Attainable, Standing, needed_replicates
+from .attainable import CLOSE, FURTHEST, Attainable, Standing, needed_replicates
 from .pace import Pace
 
 # Parts that are together larger than this share of the image save too little.
@@ -117,7 +117,8 @@ def choose_regions(
     So many `seconds` are left. If they decide all that is wanted, all is to be sampled, else what has a bound above the one that all can
     reach. Of that, the worst comes first: the upper half between that bound and the largest, on a logarithmic scale. The whole image,
     where it is wanted, comes before all else while IMAGE_SHARE of the time may decide it. Until the sampling `is_split`, all goes on where
-    parts gain little. None is returned where nothing more is in reach.
+    parts gain little. What time is left at the end, too short for all of the worst, goes to some of them. None is returned where nothing
+    more is in reach.
     """
     bound, limit = attainable.bound(test, wanted, now, pace, seconds), seconds / pace.whole
     chosen = wanted
@@ -128,6 +129,8 @@ def choose_regions(
             return wanted & (now.replicates == now.replicates[image[0]])
         if is_split or bound <= WORTHWHILE * bound_of_whole(test, now, wanted, limit):
             largest = float(now.bounds[wanted].max())
+            if bound >= largest and math.isfinite(seconds):
+                bound = largest / CLOSE
             chosen = wanted & (now.bounds > bound) & (now.bounds >= np.sqrt(bound * largest))
     if not chosen.any():
         return chosen

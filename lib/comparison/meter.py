@@ -28,6 +28,8 @@ class Meter(TimedRun):
         super().__init__(options.time, progress)
         self.seconds_aside = None if options.time is None else aside * options.time
         self.spent_aside = 0.0
+        self.keeps_aside = True
+        """Whether what is set aside is kept from sampling."""
         self._options = options
         self._rendered = 0
         self._is_counted = False
@@ -44,12 +46,12 @@ class Meter(TimedRun):
     def has_time_aside(self, last: bool) -> bool:
         """Whether effects of departures may go on.
 
-        They may in the time set aside, and beyond it unless this look is the `last`.
+        They may in the time set aside, and beyond it unless this look is the `last` or the time is over.
         """
         if self.seconds_aside is None or self._options.time is None:
             return True
-        most = self.seconds_aside if last else ASIDE_AT_MOST * self._options.time
-        return self.spent_aside < most and (last or self.elapsed < self._options.time)
+        is_over = last or self.elapsed >= self._options.time
+        return self.spent_aside < (self.seconds_aside if is_over else ASIDE_AT_MOST * self._options.time)
 
     def mark(self, replicates: int) -> None:
         """Note that the cost of a replicate changes from here on.
@@ -67,13 +69,14 @@ class Meter(TimedRun):
     def sampling_left(self) -> float:
         """The seconds that sampling may still take; infinite without a limit.
 
-        What is set aside counts as spent from the start: how much of it is used depends on what was rendered. What is spent beyond
-        it does shorten the sampling, and `is_overdrawn` says so.
+        What is set aside counts as spent from the start as long as it is kept: how much of it is used depends on what was rendered. What
+        is spent beyond it does shorten the sampling, and `is_overdrawn` says so.
         """
         if self._options.time is None:
             return math.inf
+        kept = self.seconds_aside or 0.0 if self.keeps_aside else 0.0
         sampling = self.elapsed - self.spent_aside
-        return self._options.time - max(self.seconds_aside or 0.0, self.spent_aside) - sampling
+        return self._options.time - max(kept, self.spent_aside) - sampling
 
     def render_counted(
         self, renderer: Replicates, replicate: int, samples: int, windows: Windows | None

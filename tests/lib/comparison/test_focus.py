@@ -4,12 +4,16 @@
 Where time is short, they are for what keeps the bound of the image up.
 """
 
+import math
+
 import numpy as np
 import pytest
 from etalon.lib.comparison.attainable import Attainable, Standing
-from etalon.lib.comparison.compare import CompareOptions, compare
+from etalon.lib.comparison.compare import ASIDE_SHARE, CompareOptions, compare
+from etalon.lib.comparison.departures import Alternatives
 from etalon.lib.comparison.focus import CHEAP, choose_regions, find_windows, part_of, weigh_round
 from etalon.lib.comparison.pace import Pace
+from etalon.lib.departures.catalogue import Departure
 from etalon.lib.film.regions import image_regions
 from etalon.lib.film.windows import CALL, Windows
 from etalon.lib.verdict.boundaries import next_look
@@ -117,7 +121,14 @@ def judged(bounds, rare=0.0, image=0.005):
 def test_the_noisiest_are_sampled_where_time_is_short():
     test, now, cost, wanted = judged([0.5] + [0.03] * 15)
     assert np.flatnonzero(choose_regions(test, cost, now, wanted, timed(), 8.0, False)).tolist() == [1]
-    assert choose_regions(test, cost, now, wanted, timed(), 1e-3, True).sum() == 0
+
+
+def test_time_that_is_too_short_for_all_of_the_worst_is_spent_on_some_of_them():
+    test, now, cost, wanted = judged([0.5] + [0.03] * 15)
+    assert np.flatnonzero(choose_regions(test, cost, now, wanted, timed(), 1e-3, True)).tolist() == [1]
+    # Without a limit, what no samples will lower is left.
+    test.unsupported[1] = 0.5
+    assert choose_regions(test, cost, now, np.arange(17) == 1, timed(), math.inf, True).sum() == 0
 
 
 def test_all_goes_on_where_time_is_enough_or_nothing_is_gained():
@@ -142,7 +153,7 @@ def test_those_with_as_many_replicates_as_the_worst_are_sampled_together():
     assert np.flatnonzero(choose_regions(test, cost, now, wanted, timed(), 20.0, True)).tolist() == [1, 3]
 
 
-def uneven(monkeypatch, gap, number, change=None, noise=(0.4, 8.0)):
+def uneven(monkeypatch, gap, number, change=None, noise=(0.4, 8.0), among=None):
     """A comparison on a clock of a picture one of whose cells is noisier, and in which Cycles is brighter by `gap`."""
     clock = Clock()
     monkeypatch.setattr("etalon.lib.comparison.run.time", clock)
@@ -154,7 +165,7 @@ def uneven(monkeypatch, gap, number, change=None, noise=(0.4, 8.0)):
         Painter(f"{name} {number}", image, sigma, clock=clock, cost=(0.01, 0.05), change=change)
         for name, image in (("the reference", truth), ("Cycles", brighter))
     ]
-    return compare(blank(96, 96), *sides, {}, CompareOptions(time=60.0)), sides
+    return compare(blank(96, 96), *sides, {}, CompareOptions(time=60.0), among=among), sides
 
 
 def test_a_noisy_part_is_sampled_more_than_the_rest(monkeypatch):
@@ -166,6 +177,13 @@ def test_a_noisy_part_is_sampled_more_than_the_rest(monkeypatch):
     assert counts[worst] == counts.max() > 2 * np.median(counts)
     plain = np.sqrt(counts[worst] / np.median(counts))
     assert found.verdict.bound < 0.75 * found.verdict.bounds[worst] * plain
+
+
+def test_time_kept_for_causes_is_sampled_in_parts_where_nothing_differs(monkeypatch):
+    among = Alternatives((Departure("one", "", ""),), lambda names: Painter("the reference", grey(1.0, 96, 96), 0.1))
+    found, _ = uneven(monkeypatch, 0.0, 0, among=among)
+    assert found.explanation is None
+    assert 60.0 - 0.2 * ASIDE_SHARE * 60.0 < found.seconds <= 60.0
 
 
 def test_no_replicate_is_rendered_twice_and_regions_that_were_left_come_again(monkeypatch):

@@ -10,9 +10,10 @@ import pytest
 from etalon.lib.comparison import run as module
 from etalon.lib.comparison.compare import ASIDE_SHARE, CompareOptions, compare
 from etalon.lib.comparison.departures import Alternatives
-from etalon.lib.comparison.meter import ASIDE_AT_MOST
+from etalon.lib.comparison.meter import ASIDE_AT_MOST, Meter
 from etalon.lib.comparison.run import Stop
 from etalon.lib.departures.catalogue import Departure
+from etalon.lib.progress import NO_PROGRESS
 from etalon.lib.sampling.streams import DEPARTURES
 from etalon.lib.verdict.causes import State
 from etalon.tests.lib.renderers import Clock, Painter, blank, grey
@@ -79,6 +80,16 @@ def test_a_look_after_the_time_set_aside_is_overdrawn_is_not_the_last(monkeypatc
     assert found.stopped is Stop.TIME
     cheap, _, _ = searched(monkeypatch, cost=1e-3, sigma=20.0, gap=1.0)
     assert sum(look.share for look in cheap.verdict.looks) == pytest.approx(1.0)
+
+
+def test_causes_of_what_differs_at_the_very_end_have_their_time(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("etalon.lib.comparison.run.time", clock)
+    meter = Meter(CompareOptions(time=TIME), NO_PROGRESS, ASIDE_SHARE)
+    clock.now += 1.01 * TIME
+    assert meter.has_time_aside(last=False)
+    meter.spent_aside = ASIDE_SHARE * TIME
+    assert not meter.has_time_aside(last=False)
 
 
 def test_departures_for_which_no_time_is_left_are_said_not_to_be_measured(monkeypatch):
