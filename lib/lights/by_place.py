@@ -16,6 +16,8 @@ EVEN_SHARE = 1.0 / 16.0
 """What all lights that shine share evenly, whatever their power and place."""
 NEAR_SHARE = 3.0 / 4.0
 """What of the rest goes by the light that a place can expect, and not by power alone."""
+TOLD_APART = 0.1
+"""Lights of which parts arrive that differ by less are alike: no grid is made for that."""
 LEAST_GAIN = 1.5
 """Parts are chosen by place where a choice by power alone has at least so many times the second moment."""
 
@@ -105,14 +107,19 @@ class LightGrid:
     what is gained by them at `places`, for those whose cells differ.
 
     What a cell expects of a light with a place is in `Cells.expect`, whatever its falloff, of a sun or a world its power over
-    `radius`^2. Both are irradiance, but for a factor of pi.
+    `radius`^2. Both are irradiance, but for a factor of pi. `arrives` (k,) is the part of a light that nothing hides; by default all.
     """
 
     def __init__(
-        self, samplers: Sequence[LightSampler], bounds: np.ndarray, radius: float, places: Places | None = None
+        self,
+        samplers: Sequence[LightSampler],
+        bounds: np.ndarray,
+        radius: float,
+        places: Places | None = None,
+        arrives: np.ndarray | None = None,
     ) -> None:
         flux, parts = _read(samplers)
-        self._key = _key(flux, parts, bounds, radius, places)
+        self._key = _key(flux, parts, bounds, radius, places, arrives)
         centers = np.hstack([one.center for one in parts.values()]) if parts else np.zeros((3, 1))
         self.cells = Cells(centers, bounds, len(parts))
         expected = np.empty((self.cells.everywhere, *flux.shape))
@@ -126,16 +133,24 @@ class LightGrid:
                 gain = chances.gain_at(places.expect(one), self.cells.number(places.position))
                 if max(chances.gain, gain) > LEAST_GAIN:
                     self.within[k] = chances, gain
-        differs = any(not one.everywhere_alike for one in parts.values())
-        self.useful = len(flux) > 1 and self.cells.everywhere > 1 and differs
+        differs = self.cells.everywhere > 1 and any(not one.everywhere_alike for one in parts.values())
+        if arrives is not None:
+            expected *= arrives[:, None]
+            differs |= bool(np.ptp(arrives) > TOLD_APART)
+        self.useful = len(flux) > 1 and differs
         self._rows = Rows(np.vstack([chances_by_place(flux, expected), chances_by_power(flux)]))
         self._probability = self._rows.probability
 
     def is_of(
-        self, samplers: Sequence[LightSampler], bounds: np.ndarray, radius: float, places: Places | None = None
+        self,
+        samplers: Sequence[LightSampler],
+        bounds: np.ndarray,
+        radius: float,
+        places: Places | None = None,
+        arrives: np.ndarray | None = None,
     ) -> bool:
         """Whether a grid that is made of these would be the same."""
-        return self._key == _key(*_read(samplers), bounds, radius, places)
+        return self._key == _key(*_read(samplers), bounds, radius, places, arrives)
 
     def choose(self, cell: np.ndarray, u: np.ndarray) -> np.ndarray:
         """The lights (n,) that the uniforms `u` (n,) choose in the cells (n,)."""
@@ -164,8 +179,14 @@ def _read(samplers: Sequence[LightSampler]) -> tuple[np.ndarray, dict[int, Parts
 
 
 def _key(
-    flux: np.ndarray, parts: dict[int, Parts], bounds: np.ndarray, radius: float, places: Places | None
+    flux: np.ndarray,
+    parts: dict[int, Parts],
+    bounds: np.ndarray,
+    radius: float,
+    places: Places | None,
+    arrives: np.ndarray | None,
 ) -> tuple[object, ...]:
     """What a grid depends on, to be compared."""
     balls = tuple((k, *(array.tobytes() for array in one[:3]), one.falloff) for k, one in parts.items())
-    return flux.tobytes(), balls, bounds.tobytes(), radius, None if places is None else places.position.tobytes()
+    given = (None if places is None else places.position), arrives
+    return flux.tobytes(), balls, bounds.tobytes(), radius, *(None if one is None else one.tobytes() for one in given)

@@ -33,6 +33,7 @@ from ..surfaces.surface import SurfacePoints, SurfaceTables
 from ..textures.evaluate import evaluate
 from ..textures.fold import fold_scene, is_constant
 from ..textures.images import ImageSet
+from .arrivals import MOST, arriving_shares
 from .bevels import Bevels
 from .bodies import Bodies, exit_materials, objects_entered
 from .casters import Casters
@@ -176,11 +177,19 @@ class Kernel:
         is_lit = np.array([material.scatters and not material.emits for material in self.materials])
         dark = np.flatnonzero(is_lit[self.scene.mesh.material_index])
         places = places_on(self.scene.mesh, dark) if self.emissive and dark.size else None
-        inputs = self.lights, bounds, self.caster.radius, places
+        inputs = self.lights, bounds, self.caster.radius, places, self._arriving() if chooses else None
         made = None if like is None or like._selection is None else like._selection.grid
         grid = made if made is not None and made.is_of(*inputs) else LightGrid(*inputs)
         chosen = [mesh.choose_by_place(grid, self.lights.index(mesh)) for mesh in self.emissive]
         return grid if grid.useful or any(chosen) else None
+
+    def _arriving(self) -> np.ndarray | None:
+        """What part of each light nothing hides; None where there are too many to ask."""
+        if len(self.lights) > MOST:
+            return None
+        clear = np.array([material.transparent and not material.shadows for material in self.materials])
+        clear_faces = clear[self.scene.mesh.material_index] if clear.any() else None
+        return arriving_shares(self.lights, self.caster, self.scene.camera, clear_faces)
 
     @property
     def selection(self) -> LightSelection:
