@@ -112,6 +112,7 @@ class Kernel:
         if is_constant(radiance) and plan.needs(Effect.CONSTANT_WORLD) and not plan.needs(Effect.ENVIRONMENT_WORLD):
             world = np.asarray(radiance.value, np.float64)
             self.sky = np.broadcast_to(world, (3,))[:, None]
+        self._arrives: np.ndarray | None = None
         self._selection = LightSelection(self.lights, self._grid(like)) if self.lights else None
         self.meetable = _meetable([sampler for _, sampler in objects])
         switches = [(light, False) for light, _ in objects]
@@ -171,22 +172,30 @@ class Kernel:
         """
         vertices = self.scene.mesh.vertices
         chooses = self.selects and len(self.lights) > 1
+        self._arrives = self._arriving(like) if chooses else None
         if vertices.size == 0 or not (chooses or any(mesh.parts.power.size > 1 for mesh in self.emissive)):
             return None
         bounds = np.stack([vertices.min(axis=1), vertices.max(axis=1)])
         is_lit = np.array([material.scatters and not material.emits for material in self.materials])
         dark = np.flatnonzero(is_lit[self.scene.mesh.material_index])
         places = places_on(self.scene.mesh, dark) if self.emissive and dark.size else None
-        inputs = self.lights, bounds, self.caster.radius, places, self._arriving() if chooses else None
+        inputs = self.lights, bounds, self.caster.radius, places, self._arrives
         made = None if like is None or like._selection is None else like._selection.grid
         grid = made if made is not None and made.is_of(*inputs) else LightGrid(*inputs)
         chosen = [mesh.choose_by_place(grid, self.lights.index(mesh)) for mesh in self.emissive]
         return grid if grid.useful or any(chosen) else None
 
-    def _arriving(self) -> np.ndarray | None:
-        """What part of each light nothing hides; None where there are too many to ask."""
+    def _arriving(self, like: Kernel | None) -> np.ndarray | None:
+        """What part of each light nothing hides; None where there are too many to ask.
+
+        It is known where a kernel `like` this one has the same mesh, camera and number of lights.
+        """
         if len(self.lights) > MOST:
             return None
+        known = None if like is None else like._arrives
+        is_same = like is not None and like._casters is self._casters and like.scene.camera is self.scene.camera
+        if is_same and known is not None and known.size == len(self.lights):
+            return known
         clear = np.array([material.transparent and not material.shadows for material in self.materials])
         clear_faces = clear[self.scene.mesh.material_index] if clear.any() else None
         return arriving_shares(self.lights, self.caster, self.scene.camera, clear_faces)

@@ -33,7 +33,7 @@ def lit(lights, height, half=1.0):
 
 
 def shares(built):
-    arriving = Kernel(built, make_plan(built), Options())._arriving()
+    arriving = Kernel(built, make_plan(built), Options())._arrives
     assert arriving is not None
     return arriving
 
@@ -71,9 +71,17 @@ def test_the_floor_has_the_closed_form_of_the_lamp_that_it_sees(direct, monkeypa
     truth = ALBEDOS[0] * np.array(OPEN.radiance) * (OPEN.radius / distance) ** 2 * to[2] / distance
     images = replicates(built, 16, 256, direct=direct)
     assert_mean(images, truth, precision=0.02, rounding=1e-3)
-    monkeypatch.setattr(Kernel, "_arriving", lambda self: None)
+    monkeypatch.setattr(Kernel, "_arriving", lambda self, like: None)
     plain = replicates(built, 16, 256, direct=direct)
     assert np.var(plain, axis=0).sum() > 10.0 * np.var(images, axis=0).sum()
+
+
+def test_a_kernel_like_another_knows_what_arrives(monkeypatch):
+    built = lit([HIDDEN, OPEN], 40.0)
+    first = Kernel(built, make_plan(built), Options())
+    monkeypatch.delattr("etalon.lib.wavefront.kernel.arriving_shares")
+    second = Kernel(built, make_plan(built), Options(), first)
+    assert second._arrives is first._arrives
 
 
 @pytest.mark.parametrize("panes", [1, 3, 30])
