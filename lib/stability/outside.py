@@ -135,6 +135,7 @@ OUTSIDE: dict[str, str] = {
             "lights.face_groups.cut_faces",
             "lights.face_groups.group_pieces",
             "lights.face_groups.make_pieces",
+            "lights.by_place.shares_of",
             "lights.by_place.chances_by_power",
             "lights.by_place.chances_by_place",
             "lights.environment.EnvironmentSampler",
