@@ -52,8 +52,9 @@ def rounded_regions(search: Attribution, sides: Sides, left: np.ndarray) -> tupl
         # A region is no better known than those that lie inside it.
         here &= ~search.contains(left & ~here)
         count = int(here.sum()), int((here & room.holds(sides, room.noise)).sum())
-        if count > best:
-            names, found, best = beside | room.used(here), here, count
+        # Where rounding decides nothing, it is no reason.
+        if count > best and (used := room.used(here)):
+            names, found, best = beside | used, here, count
     return names, found
 
 

@@ -92,3 +92,12 @@ def test_two_forms_of_one_departure_do_not_add_up(rng):
     forms = (KNOWN[0], Departure("b", "", "", by_rounding=True, form_of="a"), KNOWN[2])
     assert found(rng, gap, effects).rounded.all()
     assert not simulated(rng, effects, 1.0 + gap, inside=lambda: INSIDE, departures=forms)[2].rounded.any()
+
+
+def test_rounding_is_no_reason_where_nothing_that_it_decides_acts(rng):
+    """What "c" takes away would explain all; but for noise it takes 0.1 more than what is missing."""
+    effects = {"a": NOTHING, "b": NOTHING, "c": np.full(5, -0.3)}
+    for gap in (-0.3, -0.3 - 0.9 * TOLERANCE, -0.2):
+        why = found(rng, np.full(5, gap), effects)
+        assert not why.rounded.any()
+        assert why.state is not State.ROUNDED
