@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..comparison.run import Stop
 from ..errors import EtalonError
 from ..exit_codes import ExitCode
-from ..files.atomic import clear_unfinished
+from ..files.atomic import clear_unfinished, replace_file
 from ..memory import resident_memory
 from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
@@ -25,6 +26,8 @@ VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outc
 # So often a process is looked at, in seconds.
 _LOOK = 0.25
 FINISHED, REFUSED, FAILED, ENDED = "finished", "refused", "failed", "ended"
+CRASH = "crash.txt"
+"""The file, in the folder of a comparison that met an error in Étalon itself, with all that its process said."""
 
 
 @dataclass(frozen=True)
@@ -51,21 +54,26 @@ def run_comparison(
     """Run an `etalon compare` that writes to `folder`, in the process that `begin` starts.
 
     `release` gets the process where it has given a verdict. Returns its status, FINISHED, REFUSED, FAILED or ENDED from
-    outside, its exit code, and the reason where it is not finished. One that crashed is run once more.
+    outside, its exit code, and the reason where it is not finished. One that crashed is run once more; then what it said is kept.
     """
     for _ in range(2):
         comparer = begin()
-        code, words, is_over = _run(comparer, folder, limits)
-        if is_over:
-            return (ENDED if limits.is_ending() else FAILED), code, words
-        status, message = _judge(code, words, folder / "verdict.json")
+        code, errors, over = _run(comparer, folder, limits)
+        if over:
+            return (ENDED if limits.is_ending() else FAILED), code, over
+        status, message = _judge(code, _reason(code, errors), folder / "verdict.json")
         if status == FINISHED:
             release(comparer)
+            (folder / CRASH).unlink(missing_ok=True)
             break
         # Also one that was told to end, and has written what it had.
         comparer.dismiss()
         if status != FAILED:
             break
+    if status == FAILED and code == ExitCode.INTERNAL_ERROR:
+        # A disk that is full is no reason to end the batch.
+        with suppress(EtalonError, OSError), replace_file(folder / CRASH) as beside:
+            beside.write_text(errors, encoding="utf-8")
     return status, code, message
 
 
@@ -88,19 +96,15 @@ def _judge(code: int, words: str, verdict: Path) -> tuple[str, str]:
     return FINISHED, ""
 
 
-def _run(comparer: Comparer, folder: Path, limits: Limits) -> tuple[int, str, bool]:
-    """Wait for a comparison that writes to `folder`.
-
-    Returns its exit code, its reason, and whether a limit ended it.
-    """
+def _run(comparer: Comparer, folder: Path, limits: Limits) -> tuple[int, str, str]:
+    """Wait for a comparison that writes to `folder`; return what `_wait` does."""
     try:
-        code, errors, over = _wait(comparer, limits)
+        return _wait(comparer, limits)
     except BaseException:
         comparer.end()
         raise
     finally:
         clear_unfinished(folder)
-    return code, over or _reason(code, errors), bool(over)
 
 
 def _wait(comparer: Comparer, limits: Limits) -> tuple[int, str, str]:
@@ -135,4 +139,8 @@ def _reason(code: int, errors: str) -> str:
     if code < 0:
         said = last_lines(errors)
         return f"it was ended by signal {-code}" + (f" ({said})" if said else "")
+    if code == ExitCode.INTERNAL_ERROR:
+        # The last line but one is Python's own, of the error.
+        said = last_lines(errors, 2).split(OURS)[0].removesuffix("; ")
+        return f"an error in etalon itself ({said}); please report it with the file {CRASH} in the folder of this comparison"
     return last_lines(errors, 1).removeprefix(OURS) or f"the process ended with code {code}"

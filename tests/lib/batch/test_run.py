@@ -23,6 +23,18 @@ def test_all_combinations_run_and_the_worst_verdict_counts(folder):
     assert calls(folder)[1][:4] == ["compare", "glossy_spheres", '--set=objects["A"].x=1', "--time=5"]
 
 
+def test_what_an_error_in_etalon_itself_said_is_kept_until_the_comparison_is_finished(folder):
+    path, told = write_plan(folder, ["wrong"]), []
+    assert run(path, told=told) == 2
+    said = next(line for line in told if line.startswith("[1/1]"))
+    assert "an error in etalon itself (IndexError: out of <range>); please report it with the file crash.txt" in said
+    (kept,) = folder.glob("out/*/crash.txt")
+    assert "a line of it" in kept.read_text(encoding="utf-8")
+    (folder / "mended").touch()
+    assert run(path, retry=True) == 0
+    assert not kept.exists()
+
+
 def test_a_crash_and_a_refusal_are_recorded_and_the_rest_go_on(folder):
     assert run(write_plan(folder, ["crash", "refuse", 0])) == 2
     recorded = statuses(folder)
