@@ -159,10 +159,11 @@ class Course:
         chosen = choose_regions(self._test, self._attainable, now, open_, self._pace, left, self.is_split)
         while chosen.any():
             part = self._part_of(chosen, self._pace)
-            if part.windows is None:
+            if part.windows is None and not self.is_split:
                 return part
-            replicates = part.target - part.replicates
-            weight = weigh_round(part.windows, part.replicates, self._samples, part.target)
+            replicates, weight = part.target - part.replicates, 1
+            if part.windows is not None:
+                weight = weigh_round(part.windows, part.replicates, self._samples, part.target)
             if self._pace.seconds(part.share * replicates, math.ceil(replicates / weight)) <= left:
                 return part
             chosen = chosen & (now.bounds > np.median(now.bounds[chosen]))
