@@ -303,7 +303,7 @@ SCENES = {
     films: (5e-3, 1024, set()),
     curved: (5e-3, 64, set()),
     rug: (1e-2, 64, set()),
-    turned_rug: (1e-2, 1024, set()),
+    turned_rug: (5e-2, 8192, set()),
     panels: (1e-2, 256, set()),
     decal: (1e-2, 64, set()),
     wax: (1e-2, 256, set()),
