@@ -136,7 +136,8 @@ def test_it_ends_amid_a_render_when_this_process_is_gone(program, tmp_path):
     second = SecondBlender(tmp_path / "copy.blend", scene.name, Settings(seed=3, threads=1))
     try:
         second.export()
-        second._send({"replicate": 0, "samples": 1 << 24, "windows": None, "size": None, "passes": []})
+        wanted = {"replicate": 0, "samples": 1 << 24, "windows": None, "size": None, "one_light": False, "passes": []}
+        second._send(wanted)
         second._process.stdin.close()  # as the system does for a process that ends, however that happens
         assert second._process.wait(timeout=60) == 0
     finally:
