@@ -17,7 +17,7 @@ from typing import Any
 
 from ..exit_codes import ExitCode
 from ..progress import NO_PROGRESS, Progress
-from .process import end, etalon_command, own_errors, start
+from .process import end, etalon_command, own_errors, own_mistake, start
 
 # A scene that takes longer than so many seconds to load and export is given up.
 PATIENCE = 600.0
@@ -74,6 +74,8 @@ def _read(code: int, out: str, err: str) -> Answer:
         pass
     if code == ExitCode.BAD_INPUT:
         said = (own_errors(err) or ["refused without a word"])[-1]
+    elif code == ExitCode.INTERNAL_ERROR:
+        said = f"an error in etalon itself ({own_mistake(err)}); please report what `etalon plan` prints for this file alone"
     else:
         said = f"Blender ended with code {code} while it read the file"
     return Answer(code, None, said)

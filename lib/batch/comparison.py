@@ -18,7 +18,7 @@ from ..pages.formats import format_duration, format_gigabytes
 from ..report.read import read_verdict
 from ..verdict.outcome import Outcome
 from .comparer import Comparer
-from .process import OURS, Process, last_lines, own_errors
+from .process import OURS, Process, last_lines, own_errors, own_mistake
 
 VERDICTS: dict[int, str] = {outcome.exit_code: outcome.value for outcome in Outcome}
 
@@ -140,7 +140,5 @@ def _reason(code: int, errors: str) -> str:
         said = last_lines(errors)
         return f"it was ended by signal {-code}" + (f" ({said})" if said else "")
     if code == ExitCode.INTERNAL_ERROR:
-        # The last line but one is Python's own, of the error.
-        said = last_lines(errors, 2).split(OURS)[0].removesuffix("; ")
-        return f"an error in etalon itself ({said}); please report it with the file {CRASH} in the folder of this comparison"
+        return f"an error in etalon itself ({own_mistake(errors)}); please report it with the file {CRASH} in the folder of this comparison"
     return last_lines(errors, 1).removeprefix(OURS) or f"the process ended with code {code}"

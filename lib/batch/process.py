@@ -124,6 +124,16 @@ def own_errors(errors: str) -> list[str]:
     return [line.removeprefix(OURS) for line in lines if line.startswith(OURS)]
 
 
+def own_mistake(errors: str) -> str:
+    """The error in Étalon itself that a process told of, '' without one.
+
+    It is Python's last line, which stands before Étalon's own; Blender may write after both.
+    """
+    lines = [line.strip() for line in errors.replace("\r", "\n").split("\n") if line.strip()]
+    told = [k for k, line in enumerate(lines) if line.startswith(OURS)]
+    return lines[told[-1] - 1] if told and told[-1] > 0 else ""
+
+
 def last_lines(text: str, most: int = 3) -> str:
     """The last lines of what a process wrote, `most` of those that are not empty, as one line."""
     lines = [line.strip() for line in text.replace("\r", "\n").split("\n")]

@@ -136,7 +136,9 @@ class LightGrid:
         differs = self.cells.everywhere > 1 and any(not one.everywhere_alike for one in parts.values())
         if arrives is not None:
             expected *= arrives[:, None]
-            differs |= bool(np.ptp(arrives) > TOLD_APART)
+            # Black lights, which a plan may keep, tell nothing.
+            shining = arrives[flux.any(axis=1)]
+            differs |= shining.size > 1 and bool(np.ptp(shining) > TOLD_APART)
         self.useful = len(flux) > 1 and differs
         self._rows = Rows(np.vstack([chances_by_place(flux, expected), chances_by_power(flux)]))
         self._probability = self._rows.probability

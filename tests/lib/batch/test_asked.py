@@ -44,6 +44,14 @@ def test_what_is_printed_is_the_answer(started):
         ),
         ("import sys; sys.exit(1)", asked.Answer(1, None, "Blender ended with code 1 while it read the file")),
         ("import sys; print('etalon: no camera', file=sys.stderr); sys.exit(2)", asked.Answer(2, None, "no camera")),
+        (
+            "import sys; print('Traceback\\nKeyError: 3\\netalon: this is an error\\nnot freed', file=sys.stderr); sys.exit(70)",
+            asked.Answer(
+                70,
+                None,
+                "an error in etalon itself (KeyError: 3); please report what `etalon plan` prints for this file alone",
+            ),
+        ),
         ("import sys; sys.exit(2)", asked.Answer(2, None, "refused without a word")),
     ],
 )

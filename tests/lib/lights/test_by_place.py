@@ -186,6 +186,12 @@ def test_beams_of_any_falloff_are_chosen_by_power():
     assert grid_of([*beams, *ROW[:2]]).useful
 
 
+def test_what_arrives_makes_a_grid_only_where_lights_that_shine_differ_in_it():
+    suns = [light_sampler(light, 60.0) for light in (SUN, SUN, replace(SUN, irradiance=(0.0, 0.0, 0.0)))]
+    assert LightGrid(suns, BOUNDS, 60.0, arrives=np.array([0.0, 1.0, 1.0])).useful
+    assert not LightGrid(suns, BOUNDS, 60.0, arrives=np.array([0.5, 0.5, 1.0])).useful
+
+
 @pytest.mark.parametrize("lights", [[SUN, SUN], [ROW[3]]], ids=["suns", "a lamp"])
 def test_there_is_no_grid_where_place_does_not_matter(lights):
     built = scene([floor(30.0)], [material(Diffuse(color(*ALBEDO)))], above(0.0), lights)
